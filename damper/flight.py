@@ -1,0 +1,103 @@
+"""Closed-form flight: where structure and ball are, a time tau after an event.
+
+The structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a cos + b sin); the ball
+follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2  with the constant f of rolling resistance.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+
+from damper.records import ROLLING, STUCK
+
+_SHORT = 0.25
+"""Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
+_TERMS = 14
+
+
+@nb.njit(cache=True)
+def begin(axis, laws, ball, time):
+    """Start a flight from the state in `axis`: the constants of its closed form."""
+    law = laws[STUCK if axis.direction == 0 else ROLLING]
+    axis.start = time
+    axis.offset = axis.direction * ball.push / law.stiffness
+    axis.a = axis.u - axis.offset
+    axis.b = (axis.v + law.decay * axis.a) / law.frequency
+
+
+@nb.njit(cache=True)
+def structure(axis, law, tau):
+    """Displacement, velocity and acceleration of the structure."""
+    c, s = math.cos(law.frequency * tau), math.sin(law.frequency * tau)
+    e = math.exp(-law.decay * tau) if law.decay > 0.0 else 1.0
+    p = e * (axis.a * c + axis.b * s)
+    q = e * (axis.b * c - axis.a * s)
+    v = law.frequency * q - law.decay * p
+    acceleration = -2 * law.decay * v - law.stiffness / law.mass * p
+    return axis.offset + p, v, acceleration
+
+
+@nb.njit(cache=True)
+def increments(axis, law, tau):
+    """u - u0 - v0 tau, v - v0 and the acceleration, without cancellation however small tau is."""
+    if law.frequency * tau > _SHORT or law.decay * tau > _SHORT:
+        u, v, acceleration = structure(axis, law, tau)
+        return u - axis.u - axis.v * tau, v - axis.v, acceleration
+    square = law.stiffness / law.mass
+    first = axis.v
+    second = -2 * law.decay * axis.v - square * (axis.u - axis.offset)
+    du = dv = ddv = 0.0
+    power = 1.0  # tau**k / k!
+    for k in range(_TERMS):
+        ddv += second * power
+        power *= tau / (k + 1)
+        dv += second * power
+        du += second * power * tau / (k + 2)
+        first, second = second, -2 * law.decay * second - square * first
+    return du, dv, ddv
+
+
+@nb.njit(cache=True)
+def relative(axis, law, ball, tau):
+    """Position, velocity and acceleration of a rolling ball relative to the structure."""
+    du, dv, acceleration = increments(axis, law, tau)
+    f = -axis.direction * ball.relative_push
+    s = axis.s + axis.w * tau - ball.inertia_ratio * du + 0.5 * f * tau * tau
+    w = axis.w - ball.inertia_ratio * dv + f * tau
+    return s, w, f - ball.inertia_ratio * acceleration
+
+
+@nb.njit(cache=True)
+def first_extremum(axis, law, order):
+    """First tau > 0 at which derivative `order` + 1 of u vanishes (order 2: acceleration is extreme)."""
+    p, q = axis.a, axis.b
+    for _ in range(order + 1):
+        p, q = law.frequency * q - law.decay * p, -law.frequency * p - law.decay * q
+    if p == 0.0 and q == 0.0:
+        return np.inf
+    angle = math.atan2(p, -q)
+    if angle <= 0.0:
+        angle += math.pi
+    return angle / law.frequency
+
+
+@nb.njit(cache=True)
+def viscous_loss(axis, law, tau):
+    """Work of the structure's dashpot over a flight of length tau, c * integral of v**2 [J]."""
+    if law.damping == 0.0:
+        return 0.0
+    p = law.frequency * axis.b - law.decay * axis.a
+    q = -law.frequency * axis.a - law.decay * axis.b
+    alpha, omega = law.decay, law.frequency
+    mean = 0.25 * (p * p + q * q) * -math.expm1(-2 * alpha * tau) / alpha
+    e = math.exp(-2 * alpha * tau)
+    c, s = math.cos(2 * omega * tau), math.sin(2 * omega * tau)
+    # integral of exp(-2 alpha t) (A cos 2 omega t + B sin 2 omega t)
+    big_a, big_b = 0.5 * (p * p - q * q), p * q
+    end = e * (big_a * (omega * s - alpha * c) - big_b * (omega * c + alpha * s))
+    begin_value = -big_a * alpha - big_b * omega
+    wave = 0.5 * (end - begin_value) / (alpha * alpha + omega * omega)
+    return law.damping * (mean + wave)

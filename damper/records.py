@@ -1,0 +1,145 @@
+"""The few flat records that the compiled engine works on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from damper.model import ParticleDamper
+
+Records = npt.NDArray[np.void]
+
+STUCK, ROLLING = 0, 1
+"""Rows of the law table."""
+
+NOTHING, RELEASE, START, REVERSAL, HIT, RUB = -1, 0, 1, 2, 3, 4
+"""Kinds of event: none; the release at time 0; the end of sticking; a zero of the relative velocity; a wall; the
+tangential side of a wall hit."""
+
+LAW = np.dtype([("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8")])
+"""A damped oscillator: mass [kg], stiffness [N/m], damping [N s/m], decay rate [1/s], damped frequency [rad/s]."""
+
+BALL = np.dtype(
+    [
+        ("host_mass", "f8"),  # M2
+        ("mass", "f8"),  # m_p
+        ("spin_mass", "f8"),  # 2/5 m_p where spin counts
+        ("inertia_ratio", "f8"),  # beta
+        ("threshold", "f8"),  # a_r
+        ("push", "f8"),  # force of rolling on the structure, along the relative motion
+        ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
+        ("restitution", "f8"),
+        ("friction", "f8"),
+        ("sticking_ratio", "f8"),
+        ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
+    ]
+)
+
+AXIS = np.dtype(
+    [
+        ("start", "f8"),  # time at which this flight began
+        ("u", "f8"),  # structure: displacement and velocity then
+        ("v", "f8"),
+        ("s", "f8"),  # ball relative to the structure: position and velocity then
+        ("w", "f8"),
+        ("direction", "i8"),  # of the relative motion: -1, 0 (stuck), 1
+        ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin)
+        ("a", "f8"),
+        ("b", "f8"),
+        ("half_gap", "f8"),
+        ("next", "f8"),  # when the next event of this axis happens, inf if never
+        ("kind", "i8"),  # and what it is
+        ("heading", "i8"),  # direction in which a stuck ball will set off
+        ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
+    ]
+)
+
+BOOKS = np.dtype([("initial", "f8"), ("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8")])
+"""Energy at the start and the losses since, by cause [J]."""
+
+PEAK = np.dtype(
+    [
+        ("period", "f8"),
+        ("opens", "f8"),
+        ("closes", "f8"),
+        ("speed", "f8"),  # largest so far in the open window
+        ("time", "f8"),
+    ]
+)
+"""The window in which the next velocity maximum is sought."""
+
+CLOCK = np.dtype(
+    [
+        ("time", "f8"),
+        ("end", "f8"),
+        ("watched", "f8"),  # until when peaks were sought
+        ("rest", "f8"),  # when the ball came to rest for good, inf until then
+        ("tail", "f8"),  # how long to go on after that
+        ("last_motion", "f8"),  # last time at which the ball moved relative to the structure
+        ("impacts", "i8"),
+        ("events", "i8"),
+        ("peaks", "i8"),
+        ("rows", "i8"),
+    ]
+)
+"""Where a run is, and how much it has put into its tables."""
+
+EVENT = np.dtype(
+    [
+        ("time", "f8"),
+        ("axis", "i8"),
+        ("kind", "i8"),
+        ("u", "f8"),
+        ("v", "f8"),
+        ("s", "f8"),
+        ("w", "f8"),
+        ("direction", "i8"),
+        ("w_before", "f8"),
+    ]
+)
+"""A row is an event and the state of its axis just after it."""
+
+
+def laws_of(damper: ParticleDamper) -> Records:
+    """Oscillators that govern the structure, shape (2 axes, 2: stuck or rolling)."""
+    from damper.model import Formulation
+
+    printed = damper.formulation is Formulation.PRINTED
+    laws = np.zeros((2, 2), LAW)
+    beta, zeta = damper.inertia_ratio, damper.damping_ratio
+    moving_mass = damper.modal_mass + (0.0 if printed else (1 - beta) * damper.ball_mass)
+    for axis, stiffness in enumerate(damper.stiffness):
+        dashpot = 2 * zeta * np.sqrt(stiffness * damper.modal_mass)
+        stuck_dashpot = 2 * zeta * np.sqrt(stiffness * damper.stuck_mass) if printed else dashpot
+        for row, mass, c in ((STUCK, damper.stuck_mass, stuck_dashpot), (ROLLING, moving_mass, dashpot)):
+            decay = c / (2 * mass)
+            frequency = np.sqrt(max(stiffness / mass - decay**2, 0.0))
+            laws[axis, row] = (mass, stiffness, c, decay, frequency)
+    return laws
+
+
+def ball_of(damper: ParticleDamper, largest_release: float) -> Records:
+    """The ball's constants as a one-element record array; `largest_release` [m] sets the sticking floor."""
+    from damper.model import Formulation
+
+    beta = damper.inertia_ratio
+    reaction = 1.0 if damper.formulation is Formulation.PRINTED else beta
+    threshold = damper.rolling_threshold
+    ball = np.zeros(1, BALL)
+    ball[0] = (
+        damper.modal_mass,
+        damper.ball_mass,
+        damper.spin_mass,
+        beta,
+        threshold,
+        reaction * damper.ball_mass * threshold,
+        beta * threshold,
+        damper.restitution,
+        damper.friction,
+        damper.sticking_ratio,
+        1e-9 * damper.stuck_frequency * largest_release,
+    )
+    return ball
