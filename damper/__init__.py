@@ -1,1 +1,28 @@
-"""The particle damper: one ball rolling on the floor of a cavity, event by event."""
+"""The particle damper: one ball rolling on the floor of a cavity, followed event by event in closed form.
+
+    from damper import ParticleDamper, capacity, ringdown
+
+The heavy parts (compiled kernels) load at the first ring-down.
+"""
+
+from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
+from damper.model import Formulation, ParticleDamper
+from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
+from damper.sample import History, sample
+
+__all__ = [
+    "Capacity",
+    "EnergyBooks",
+    "Formulation",
+    "History",
+    "Outcome",
+    "ParticleDamper",
+    "RingDown",
+    "ball_density",
+    "capacity",
+    "intrinsic_sdc",
+    "ringdown",
+    "sample",
+    "two_hit_bound",
+    "work_bound",
+]

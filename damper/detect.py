@@ -13,19 +13,25 @@ threshold only when it exceeds it by more than 1e-12 of it.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, TypeAlias
 
-import numba as nb
 import numpy as np
 
+from damper.compiled import kernel
 from damper.flight import first_extremum, increments
 from damper.records import HIT, NOTHING, REVERSAL, ROLLING, START, STUCK
 
-_POSITION, _VELOCITY, _ACCELERATION = 0, 1, 2
+if TYPE_CHECKING:
+    from damper.records import Record, Records
+
+Motion: TypeAlias = tuple[float, float, float, float]
+
+_POSITION, _VELOCITY, _ACCELERATION, _JERK = 0, 1, 2, 3
 _MARGIN = 1.0 + 1e-12
 
 
-@nb.njit(cache=True)
-def schedule(axis, laws, ball, horizon):
+@kernel
+def schedule(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
     """Write into `axis` when its next event happens (inf if not before time `horizon`) and what it is."""
     if axis.direction == 0:
         tau, kind = _set_off(axis, laws, ball), START
@@ -35,8 +41,8 @@ def schedule(axis, laws, ball, horizon):
     axis.kind = kind if tau < np.inf else NOTHING
 
 
-@nb.njit(cache=True)
-def departure(axis, laws, ball):
+@kernel
+def departure(axis: Record, laws: Records, ball: Record) -> int:
     """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays.
 
     It leaves when the structure's acceleration exceeds the threshold (eq. 1 and Table I) and the rolling motion
@@ -51,8 +57,8 @@ def departure(axis, laws, ball):
     return 0
 
 
-@nb.njit(cache=True)
-def _set_off(axis, laws, ball):
+@kernel
+def _set_off(axis: Record, laws: Records, ball: Record) -> float:
     """First tau at which a stuck ball leaves: its drive exceeds the threshold away from any wall it rests on."""
     first = np.inf
     for d in (-1, 1):
@@ -63,35 +69,36 @@ def _set_off(axis, laws, ball):
     return first
 
 
-@nb.njit(cache=True)
-def _both_exceed(axis, laws, d, threshold):
+@kernel
+def _both_exceed(axis: Record, laws: Records, d: int, threshold: float) -> float:
     """First tau at which both drives, by the stuck and by the rolling law's dashpot, exceed the threshold."""
     law = laws[STUCK]
     p1, q1 = _drive(axis, law, law.damping, d)
     if laws[ROLLING].damping == law.damping:
         return _first_exceed(p1, q1, law.decay, law.frequency, threshold)
     p2, q2 = _drive(axis, law, laws[ROLLING].damping, d)
-    origin = 0.0
-    for _ in range(3):
-        e = math.exp(-law.decay * origin)
-        c, s = e * math.cos(law.frequency * origin), e * math.sin(law.frequency * origin)
-        a1, b1, a2, b2 = p1 * c + q1 * s, q1 * c - p1 * s, p2 * c + q2 * s, q2 * c - p2 * s
-        later = max(
-            _first_exceed(a1, b1, law.decay, law.frequency, threshold),
-            _first_exceed(a2, b2, law.decay, law.frequency, threshold),
-        )
-        if later == np.inf:
-            return np.inf
-        c, s = math.cos(law.frequency * later), math.sin(law.frequency * later)
-        level = threshold * math.exp(law.decay * later) * (1 - 1e-12)
-        if a1 * c + b1 * s >= level and a2 * c + b2 * s >= level:
-            return origin + later
-        origin += later + 0.5 * math.pi / law.frequency
+    above = threshold - 1e-13 * (abs(p1) + abs(q1))
+    tau = 0.0
+    for _ in range(8):  # whichever comes second decides; each peak passed is lower than the one before
+        tau += _first_exceed(*_turned(p1, q1, law, tau), law.decay, law.frequency, threshold)
+        if tau == np.inf or _turned(p2, q2, law, tau)[0] >= above:
+            return tau
+        tau += _first_exceed(*_turned(p2, q2, law, tau), law.decay, law.frequency, threshold)
+        if tau == np.inf or _turned(p1, q1, law, tau)[0] >= above:
+            return tau
     return np.inf
 
 
-@nb.njit(cache=True)
-def _drive(axis, law, damping, d):
+@kernel
+def _turned(p: float, q: float, law: Record, tau: float) -> tuple[float, float]:
+    """Coefficients of exp(-decay t) (p cos + q sin) counted from t = tau; the first is its value there."""
+    e = math.exp(-law.decay * tau)
+    c, s = e * math.cos(law.frequency * tau), e * math.sin(law.frequency * tau)
+    return p * c + q * s, q * c - p * s
+
+
+@kernel
+def _drive(axis: Record, law: Record, damping: float, d: int) -> tuple[float, float]:
     """Coefficients of  d (K u + c v) / M1 = exp(-decay tau) (p cos + q sin)  in stuck motion."""
     v_cos = law.frequency * axis.b - law.decay * axis.a
     v_sin = -law.frequency * axis.a - law.decay * axis.b
@@ -100,8 +107,8 @@ def _drive(axis, law, damping, d):
     ) / law.mass
 
 
-@nb.njit(cache=True)
-def _first_exceed(p, q, decay, frequency, threshold):
+@kernel
+def _first_exceed(p: float, q: float, decay: float, frequency: float, threshold: float) -> float:
     """First tau ≥ 0 at which exp(-decay tau) (p cos + q sin) exceeds the threshold, inf if never."""
     if p > threshold * _MARGIN:
         return 0.0
@@ -135,62 +142,120 @@ def _first_exceed(p, q, decay, frequency, threshold):
     return tau
 
 
-@nb.njit(cache=True)
-def _end_of_roll(axis, law, ball, horizon):
+@kernel
+def _end_of_roll(axis: Record, law: Record, ball: Record, horizon: float) -> tuple[float, int]:
     """First hit of the wall ahead or zero of the relative velocity, and which; (inf, NOTHING) past the horizon."""
     spacing = math.pi / law.frequency
-    low, g_low = 0.0, _motion(axis, law, ball, 0.0)[_ACCELERATION]
-    if axis.w == 0.0:
-        g_low = max(g_low, 0.0)
-    high = first_extremum(axis, law, 2)
+    low, here = 0.0, _departure_motion(axis, law, ball)
+    axis.crest = high = first_extremum(axis, law, 2)
     while low < horizon:
-        position, velocity, g_high, _ = _motion(axis, law, ball, high)
-        reversal = np.inf
-        if g_low < 0.0 and g_high > 0.0:
-            valley = _root(axis, law, ball, _ACCELERATION, low, high)
-            if _motion(axis, law, ball, valley)[_VELOCITY] <= 0.0:
-                reversal = _root(axis, law, ball, _VELOCITY, low, valley)
-        elif velocity <= 0.0:
-            top = _root(axis, law, ball, _ACCELERATION, low, high) if g_low > 0.0 else low
-            reversal = _root(axis, law, ball, _VELOCITY, top, high)
+        if _reaches(here, axis.half_gap):
+            tau = _early_hit(axis, law, ball, low, high, here)
+            if tau < np.inf:
+                return tau, HIT
+        there = _motion(axis, law, ball, high)
+        reversal = _reversal(axis, law, ball, low, high, here[_ACCELERATION], there)
+        position = there[_POSITION]
         if reversal < np.inf:
             position = _motion(axis, law, ball, reversal)[_POSITION]
         if position >= axis.half_gap:
             return _root(axis, law, ball, _POSITION, low, min(reversal, high)), HIT
         if reversal < np.inf:
             return reversal, REVERSAL
-        low, g_low = high, g_high
+        low, here = high, there
         high += spacing
     return np.inf, NOTHING
 
 
-@nb.njit(cache=True)
-def _motion(axis, law, ball, tau):
+@kernel
+def _reversal(
+    axis: Record, law: Record, ball: Record, low: float, high: float, acceleration: float, there: Motion
+) -> float:
+    """First zero of the relative velocity on a piece [low, high] with monotone acceleration, inf if none."""
+    if acceleration < 0.0 < there[_ACCELERATION]:
+        valley = _root(axis, law, ball, _ACCELERATION, low, high)
+        if _motion(axis, law, ball, valley)[_VELOCITY] > 0.0:
+            return np.inf
+        return _root(axis, law, ball, _VELOCITY, low, valley)
+    if there[_VELOCITY] > 0.0:
+        return np.inf
+    top = _root(axis, law, ball, _ACCELERATION, low, high) if acceleration > 0.0 else low
+    return _root(axis, law, ball, _VELOCITY, top, high)
+
+
+@kernel
+def _reaches(motion: Motion, wall: float) -> bool:
+    """Whether the parabola through the present motion reaches the wall: a hint, no verdict."""
+    return motion[_VELOCITY] ** 2 + 2.0 * motion[_ACCELERATION] * (wall - motion[_POSITION]) >= 0.0
+
+
+@kernel
+def _early_hit(axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion) -> float:
+    """The hit of the wall ahead on a piece [low, high] where it is certain to be the first event, else inf.
+
+    Certain: the relative velocity is positive at the root and cannot have dipped below zero before, because on the
+    piece the acceleration falls, or has not fallen below zero, or has not risen above it.
+    """
+    distance = axis.half_gap - here[_POSITION]
+    root = math.sqrt(here[_VELOCITY] ** 2 + 2.0 * here[_ACCELERATION] * distance)
+    if here[_VELOCITY] + root <= 0.0:
+        return np.inf
+    tau = low + 2.0 * distance / (here[_VELOCITY] + root)
+    for _ in range(8):
+        if not low <= tau <= high:
+            return np.inf
+        position, velocity, acceleration, jerk = _motion(axis, law, ball, tau)
+        if velocity <= 0.0:
+            return np.inf
+        newton = (axis.half_gap - position) / velocity
+        bend = newton * acceleration / velocity
+        step = newton / (1.0 + 0.5 * bend)
+        tau += step
+        if abs(step) * (bend * bend + abs(jerk / velocity) * step * step) <= 1e-17 * tau and abs(bend) < 0.1:
+            certain = here[_JERK] <= 0.0 or here[_ACCELERATION] >= 0.0 or acceleration <= 0.0
+            return tau if certain and low <= tau <= high else np.inf
+    return np.inf
+
+
+@kernel
+def _departure_motion(axis: Record, law: Record, ball: Record) -> Motion:
+    """`_motion` at tau = 0, where a ball that was just set off accelerates along its direction."""
+    d, beta = axis.direction, ball.inertia_ratio
+    square = law.stiffness / law.mass
+    structure = -2.0 * law.decay * axis.v - square * (axis.u - axis.offset)
+    acceleration = -d * beta * structure - ball.relative_push
+    if axis.w == 0.0:
+        acceleration = max(acceleration, 0.0)
+    jerk = d * beta * (2.0 * law.decay * structure + square * axis.v)
+    return d * axis.s, d * axis.w, acceleration, jerk
+
+
+@kernel
+def _motion(axis: Record, law: Record, ball: Record, tau: float) -> Motion:
     """Relative position, velocity, acceleration and jerk along the direction of motion."""
     du, dv, acceleration = increments(axis, law, tau)
     d, beta = axis.direction, ball.inertia_ratio
     position = d * (axis.s + axis.w * tau - beta * du) - 0.5 * ball.relative_push * tau * tau
     velocity = d * (axis.w - beta * dv) - ball.relative_push * tau
-    jerk = beta * (2 * law.decay * acceleration + law.stiffness / law.mass * (axis.v + dv))
+    jerk = beta * (2.0 * law.decay * acceleration + law.stiffness / law.mass * (axis.v + dv))
     return position, velocity, -d * beta * acceleration - ball.relative_push, d * jerk
 
 
-@nb.njit(cache=True)
-def _root(axis, law, ball, order, low, high):
-    """The one zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high]: safeguarded Newton."""
+@kernel
+def _root(axis: Record, law: Record, ball: Record, order: int, low: float, high: float) -> float:
+    """Zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high], by safeguarded Newton."""
     target = axis.half_gap if order == _POSITION else 0.0
     rising = order == _POSITION or (order == _ACCELERATION and _motion(axis, law, ball, high)[order] > 0.0)
-    tau = high if order == _VELOCITY else 0.5 * (low + high)
+    tau = 0.5 * (low + high)
     for _ in range(200):
         motion = _motion(axis, law, ball, tau)
-        f = motion[order] - target
+        f, slope = motion[order] - target, motion[order + 1]
         if f == 0.0:
             return tau
         if (f > 0.0) == rising:
             high = tau
         else:
             low = tau
-        slope = motion[order + 1]
         new = tau - f / slope if slope != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)

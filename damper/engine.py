@@ -3,37 +3,57 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-import numba as nb
 import numpy as np
 
+from damper.compiled import kernel
 from damper.detect import schedule
-from damper.flight import begin, first_extremum, relative, structure, viscous_loss
+from damper.flight import begin, increments, structure, viscous_loss
 from damper.peaks import next_window, watch
 from damper.records import HIT, RELEASE, REVERSAL, ROLLING, RUB, START, STUCK
 from damper.resolve import hit, rub, settle
 
+if TYPE_CHECKING:
+    from damper.records import Floats, Record, Records
+
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
 
+_TREMOR = 1e-7
+"""Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
 
-@nb.njit(cache=True)
-def release(clock, axes, laws, ball, rows):
-    """Let go at time 0 from the displacements and positions in `axes`, everything at rest."""
+
+@kernel
+def release(clock: Record, axes: Records, laws: Records, ball: Record, rows: Records) -> None:
+    """Let go at time 0 from the state in `axes`."""
     for i in range(2):
-        settle(axes[i], laws[i], ball)
+        if axes[i].w == 0.0:
+            settle(axes[i], laws[i], ball)
+        else:
+            axes[i].direction = 1 if axes[i].w > 0.0 else -1
         _restart(i, RELEASE, 0.0, clock, axes, laws, ball, rows)
     _rest(clock, axes)
 
 
-@nb.njit(cache=True)
-def run(clock, axes, laws, ball, books, peak, peaks, rows, budget):
+@kernel
+def run(
+    clock: Record,
+    axes: Records,
+    laws: Records,
+    ball: Record,
+    books: Record,
+    peak: Record,
+    peaks: Floats,
+    rows: Records,
+    budget: int,
+) -> int:
     """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
     stop = clock.events + budget
     while True:
         i = 0 if axes[0].next <= axes[1].next else 1
         time = min(axes[i].next, clock.end)
-        if not _observe(clock, axes, laws, peak, peaks, time):
+        if not _observe(clock, axes, laws, ball, books, peak, peaks, time):
             return FULL
         if time >= clock.end:
             for j in range(2):
@@ -50,8 +70,8 @@ def run(clock, axes, laws, ball, books, peak, peaks, rows, budget):
         _rest(clock, axes)
 
 
-@nb.njit(cache=True)
-def _happen(i, clock, axes, laws, ball, books, rows):
+@kernel
+def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, books: Record, rows: Records) -> None:
     """The next event of axis i: fly to it, resolve it, start the flights that follow."""
     axis, other = axes[i], axes[1 - i]
     kind = axis.kind
@@ -72,36 +92,43 @@ def _happen(i, clock, axes, laws, ball, books, rows):
     _restart(i, kind, before, clock, axes, laws, ball, rows)
 
 
-@nb.njit(cache=True)
-def _fly(axis, laws, ball, books, time):
+@kernel
+def _fly(axis: Record, laws: Records, ball: Record, books: Record, time: float) -> None:
     """Bring an axis to `time`: its state there, and the work done on the way."""
     tau = time - axis.start
     law = laws[STUCK if axis.direction == 0 else ROLLING]
     books.structure += viscous_loss(axis, law, tau)
-    s, w = axis.s, 0.0
+    du, dv, acceleration = increments(axis, law, tau)
     if axis.direction != 0:
-        axis.demand = max(axis.demand, _demand(axis, law, ball, tau))
-        s, w, _ = relative(axis, law, ball, tau)
-        books.rolling += ball.mass * ball.threshold * abs(s - axis.s)
-    axis.u, axis.v, _ = structure(axis, law, tau)
-    axis.s, axis.w, axis.start = s, w, time
+        _account(axis, law, ball, tau, acceleration)
+        f = -axis.direction * ball.relative_push
+        path = axis.w * tau - ball.inertia_ratio * du + 0.5 * f * tau * tau
+        books.rolling += ball.mass * ball.threshold * abs(path)
+        axis.s += path
+        axis.w += f * tau - ball.inertia_ratio * dv
+    axis.u += axis.v * tau + du
+    axis.v += dv
+    axis.start = time
 
 
-@nb.njit(cache=True)
-def _demand(axis, law, ball, tau):
-    """Largest force that rolling asks of the floor on this flight, per unit of the ball's mass [m/s^2]."""
+@kernel
+def _account(axis: Record, law: Record, ball: Record, tau: float, acceleration: float) -> None:
+    """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2]."""
     f = -axis.direction * ball.relative_push
-    largest = 0.0
-    extremum = first_extremum(axis, law, 2)
-    for t in (0.0, extremum, extremum + math.pi / law.frequency, tau):
-        if t <= tau:
-            acceleration = structure(axis, law, t)[2]
-            largest = max(largest, abs((1.0 - ball.inertia_ratio) * acceleration + f))
-    return largest
+    share = 1.0 - ball.inertia_ratio
+    at_start = -2.0 * law.decay * axis.v - law.stiffness / law.mass * (axis.u - axis.offset)
+    axis.demand = max(axis.demand, abs(share * at_start + f), abs(share * acceleration + f))
+    crest = axis.crest
+    for _ in range(2):
+        if crest < tau:
+            axis.demand = max(axis.demand, abs(share * structure(axis, law, crest)[2] + f))
+        crest += math.pi / law.frequency
 
 
-@nb.njit(cache=True)
-def _restart(i, kind, before, clock, axes, laws, ball, rows):
+@kernel
+def _restart(
+    i: int, kind: int, before: float, clock: Record, axes: Records, laws: Records, ball: Record, rows: Records
+) -> None:
     """Begin the flight that follows an event of axis i, schedule its end, and write the event's row if asked."""
     axis = axes[i]
     begin(axis, laws[i], ball, clock.time)
@@ -114,8 +141,17 @@ def _restart(i, kind, before, clock, axes, laws, ball, rows):
         clock.rows += 1
 
 
-@nb.njit(cache=True)
-def _observe(clock, axes, laws, peak, peaks, time):
+@kernel
+def _observe(
+    clock: Record,
+    axes: Records,
+    laws: Records,
+    ball: Record,
+    books: Record,
+    peak: Record,
+    peaks: Floats,
+    time: float,
+) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
     while watch(peak, axes, laws, clock.watched, time):
         if clock.peaks == len(peaks):
@@ -123,6 +159,7 @@ def _observe(clock, axes, laws, peak, peaks, time):
         peaks[clock.peaks, 0], peaks[clock.peaks, 1] = peak.time, peak.speed
         clock.peaks += 1
         clock.watched = peak.closes
+        _tremor(clock, ball, books, peak.speed)
         next_window(peak)
     clock.watched = time
     if axes[0].direction != 0 or axes[1].direction != 0:
@@ -130,11 +167,32 @@ def _observe(clock, axes, laws, peak, peaks, time):
     return True
 
 
-@nb.njit(cache=True)
-def _rest(clock, axes):
+@kernel
+def _tremor(clock: Record, ball: Record, books: Record, speed: float) -> None:
+    """End a run soon in which the ball, a cycle long, hit no wall and rolled away next to nothing.
+
+    Without damping of its own the structure nears the rolling threshold for ever, each excursion shorter than the
+    one before.
+    """
+    energy = 0.5 * ball.host_mass * speed * speed
+    still = clock.impacts == clock.last_impacts and books.rolling - clock.last_rolling <= _TREMOR * energy
+    if still and ball.threshold > 0.0 and clock.rest == np.inf and clock.tail < np.inf:
+        clock.trembles = 1
+        _settle_down(clock)
+    clock.last_impacts, clock.last_rolling = clock.impacts, books.rolling
+
+
+@kernel
+def _rest(clock: Record, axes: Records) -> None:
     """Once both axes stick and nothing will ever happen again, the run ends a little later."""
     for i in range(2):
         if axes[i].direction != 0 or axes[i].next < np.inf:
             return
+    if clock.rest == np.inf:
+        _settle_down(clock)
+
+
+@kernel
+def _settle_down(clock: Record) -> None:
     clock.rest = clock.time
     clock.end = min(clock.end, clock.time + clock.tail)

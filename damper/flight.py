@@ -7,19 +7,23 @@ follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2  with the co
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-import numba as nb
 import numpy as np
 
+from damper.compiled import kernel
 from damper.records import ROLLING, STUCK
+
+if TYPE_CHECKING:
+    from damper.records import Floats, Record, Records
 
 _SHORT = 0.25
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
 _TERMS = 14
 
 
-@nb.njit(cache=True)
-def begin(axis, laws, ball, time):
+@kernel
+def begin(axis: Record, laws: Records, ball: Record, time: float) -> None:
     """Start a flight from the state in `axis`: the constants of its closed form."""
     law = laws[STUCK if axis.direction == 0 else ROLLING]
     axis.start = time
@@ -28,8 +32,8 @@ def begin(axis, laws, ball, time):
     axis.b = (axis.v + law.decay * axis.a) / law.frequency
 
 
-@nb.njit(cache=True)
-def structure(axis, law, tau):
+@kernel
+def structure(axis: Record, law: Record, tau: float) -> tuple[float, float, float]:
     """Displacement, velocity and acceleration of the structure."""
     c, s = math.cos(law.frequency * tau), math.sin(law.frequency * tau)
     e = math.exp(-law.decay * tau) if law.decay > 0.0 else 1.0
@@ -40,9 +44,18 @@ def structure(axis, law, tau):
     return axis.offset + p, v, acceleration
 
 
-@nb.njit(cache=True)
-def increments(axis, law, tau):
-    """u - u0 - v0 tau, v - v0 and the acceleration, without cancellation however small tau is."""
+@kernel
+def velocity(axis: Record, law: Record, tau: float) -> tuple[float, float]:
+    """Velocity and acceleration of the structure."""
+    if tau == 0.0:
+        return axis.v, -2 * law.decay * axis.v - law.stiffness / law.mass * (axis.u - axis.offset)
+    _, v, acceleration = structure(axis, law, tau)
+    return v, acceleration
+
+
+@kernel
+def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, float]:
+    """U - u0 - v0 tau, v - v0 and the acceleration, without cancellation however small tau is."""
     if law.frequency * tau > _SHORT or law.decay * tau > _SHORT:
         u, v, acceleration = structure(axis, law, tau)
         return u - axis.u - axis.v * tau, v - axis.v, acceleration
@@ -60,8 +73,8 @@ def increments(axis, law, tau):
     return du, dv, ddv
 
 
-@nb.njit(cache=True)
-def relative(axis, law, ball, tau):
+@kernel
+def relative(axis: Record, law: Record, ball: Record, tau: float) -> tuple[float, float, float]:
     """Position, velocity and acceleration of a rolling ball relative to the structure."""
     du, dv, acceleration = increments(axis, law, tau)
     f = -axis.direction * ball.relative_push
@@ -70,8 +83,8 @@ def relative(axis, law, ball, tau):
     return s, w, f - ball.inertia_ratio * acceleration
 
 
-@nb.njit(cache=True)
-def first_extremum(axis, law, order):
+@kernel
+def first_extremum(axis: Record, law: Record, order: int) -> float:
     """First tau > 0 at which derivative `order` + 1 of u vanishes (order 2: acceleration is extreme)."""
     p, q = axis.a, axis.b
     for _ in range(order + 1):
@@ -84,8 +97,8 @@ def first_extremum(axis, law, order):
     return angle / law.frequency
 
 
-@nb.njit(cache=True)
-def viscous_loss(axis, law, tau):
+@kernel
+def viscous_loss(axis: Record, law: Record, tau: float) -> float:
     """Work of the structure's dashpot over a flight of length tau, c * integral of v**2 [J]."""
     if law.damping == 0.0:
         return 0.0
@@ -101,3 +114,17 @@ def viscous_loss(axis, law, tau):
     begin_value = -big_a * alpha - big_b * omega
     wave = 0.5 * (end - begin_value) / (alpha * alpha + omega * omega)
     return law.damping * (mean + wave)
+
+
+@kernel
+def evaluate(flights: Records, laws: Records, ball: Record, times: Floats, out: Floats) -> None:
+    """Fill `out`, shape (4, n), with u, v, s, w of n flights at n times."""
+    for k in range(len(times)):
+        axis = flights[k]
+        begin(axis, laws, ball, axis.start)
+        tau = times[k] - axis.start
+        law = laws[STUCK if axis.direction == 0 else ROLLING]
+        out[0, k], out[1, k], _ = structure(axis, law, tau)
+        out[2, k], out[3, k] = axis.s, 0.0
+        if axis.direction != 0:
+            out[2, k], out[3, k], _ = relative(axis, law, ball, tau)

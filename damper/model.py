@@ -64,7 +64,12 @@ class ParticleDamper:
         for length in self.cavity:
             fits = length >= 2 * self.ball_radius * (1 - 1e-12)
             _require(fits, "cavity", length, f"at least the ball's diameter {2 * self.ball_radius:g} m")
-        _require(self.centrifugal_acceleration >= 0, "centrifugal_acceleration", self.centrifugal_acceleration, "≥ 0")
+        _require(
+            self.centrifugal_acceleration >= 0,
+            "centrifugal_acceleration",
+            self.centrifugal_acceleration,
+            "≥ 0",
+        )
         _require(0 <= self.restitution <= 1, "restitution", self.restitution, "between 0 and 1")
         _require(self.friction >= 0, "friction", self.friction, "≥ 0")
         _require(self.rolling_friction >= 0, "rolling_friction", self.rolling_friction, "≥ 0")

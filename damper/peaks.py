@@ -9,14 +9,18 @@ window keeps the kinks that impacts make from being taken for cycles.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-import numba as nb
-
-from damper.flight import structure
+from damper.compiled import kernel
+from damper.flight import velocity
 from damper.records import ROLLING, STUCK
 
-@nb.njit(cache=True)
-def watch(peak, axes, laws, begin, end):
+if TYPE_CHECKING:
+    from damper.records import Record, Records
+
+
+@kernel
+def watch(peak: Record, axes: Records, laws: Records, begin: float, end: float) -> bool:
     """Look for the window's largest speed while both axes fly from time `begin` to `end`.
 
     Returns True when the window closed, `peak.time` and `peak.speed` then hold the peak; call again with the time
@@ -38,37 +42,39 @@ def watch(peak, axes, laws, begin, end):
     return end >= peak.closes
 
 
-@nb.njit(cache=True)
-def next_window(peak):
+@kernel
+def next_window(peak: Record) -> None:
     """Open the window of the following peak."""
     peak.opens = peak.time + 0.75 * peak.period
     peak.closes = peak.time + 1.25 * peak.period
     peak.speed = -1.0
 
 
-@nb.njit(cache=True)
-def _take(peak, time, square):
+@kernel
+def _take(peak: Record, time: float, square: float) -> None:
     speed = math.sqrt(square)
     if speed > peak.speed:
         peak.speed = speed
         peak.time = time
 
 
-@nb.njit(cache=True)
-def _speed(axes, laws, time):
+@kernel
+def _speed(axes: Records, laws: Records, time: float) -> tuple[float, float]:
     """Speed squared and half its rate."""
     square = rate = 0.0
     for i in range(2):
         axis = axes[i]
         law = laws[i, STUCK if axis.direction == 0 else ROLLING]
-        _, v, acceleration = structure(axis, law, time - axis.start)
+        v, acceleration = velocity(axis, law, time - axis.start)
         square += v * v
         rate += v * acceleration
     return square, rate
 
 
-@nb.njit(cache=True)
-def _stationary(axes, laws, low, high, g_low, g_high, tolerance):
+@kernel
+def _stationary(
+    axes: Records, laws: Records, low: float, high: float, g_low: float, g_high: float, tolerance: float
+) -> float:
     """Zero of the rate between two times of opposite sign, by the Illinois rule."""
     t = low
     for _ in range(60):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +10,15 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from damper.model import ParticleDamper
 
-Records = npt.NDArray[np.void]
+Record: TypeAlias = np.record
+Records: TypeAlias = npt.NDArray[np.record]
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+def _record(*fields: tuple[str, str]) -> np.dtype[np.record]:
+    """A dtype whose elements also have their fields as attributes, with and without the compiler."""
+    return cast("np.dtype[np.record]", np.dtype((np.record, list(fields))))
+
 
 STUCK, ROLLING = 0, 1
 """Rows of the law table."""
@@ -19,86 +27,80 @@ NOTHING, RELEASE, START, REVERSAL, HIT, RUB = -1, 0, 1, 2, 3, 4
 """Kinds of event: none; the release at time 0; the end of sticking; a zero of the relative velocity; a wall; the
 tangential side of a wall hit."""
 
-LAW = np.dtype([("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8")])
+LAW = _record(("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8"))
 """A damped oscillator: mass [kg], stiffness [N/m], damping [N s/m], decay rate [1/s], damped frequency [rad/s]."""
 
-BALL = np.dtype(
-    [
-        ("host_mass", "f8"),  # M2
-        ("mass", "f8"),  # m_p
-        ("spin_mass", "f8"),  # 2/5 m_p where spin counts
-        ("inertia_ratio", "f8"),  # beta
-        ("threshold", "f8"),  # a_r
-        ("push", "f8"),  # force of rolling on the structure, along the relative motion
-        ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
-        ("restitution", "f8"),
-        ("friction", "f8"),
-        ("sticking_ratio", "f8"),
-        ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
-    ]
+BALL = _record(
+    ("host_mass", "f8"),  # M2
+    ("mass", "f8"),  # m_p
+    ("spin_mass", "f8"),  # 2/5 m_p where spin counts
+    ("inertia_ratio", "f8"),  # beta
+    ("threshold", "f8"),  # a_r
+    ("push", "f8"),  # force of rolling on the structure, along the relative motion
+    ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
+    ("restitution", "f8"),
+    ("friction", "f8"),
+    ("sticking_ratio", "f8"),
+    ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
 )
 
-AXIS = np.dtype(
-    [
-        ("start", "f8"),  # time at which this flight began
-        ("u", "f8"),  # structure: displacement and velocity then
-        ("v", "f8"),
-        ("s", "f8"),  # ball relative to the structure: position and velocity then
-        ("w", "f8"),
-        ("direction", "i8"),  # of the relative motion: -1, 0 (stuck), 1
-        ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin)
-        ("a", "f8"),
-        ("b", "f8"),
-        ("half_gap", "f8"),
-        ("next", "f8"),  # when the next event of this axis happens, inf if never
-        ("kind", "i8"),  # and what it is
-        ("heading", "i8"),  # direction in which a stuck ball will set off
-        ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
-    ]
+AXIS = _record(
+    ("start", "f8"),  # time at which this flight began
+    ("u", "f8"),  # structure: displacement and velocity then
+    ("v", "f8"),
+    ("s", "f8"),  # ball relative to the structure: position and velocity then
+    ("w", "f8"),
+    ("direction", "i8"),  # of the relative motion: -1, 0 (stuck), 1
+    ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin)
+    ("a", "f8"),
+    ("b", "f8"),
+    ("crest", "f8"),  # flight time at which the structure's acceleration is extreme first
+    ("half_gap", "f8"),
+    ("next", "f8"),  # when the next event of this axis happens, inf if never
+    ("kind", "i8"),  # and what it is
+    ("heading", "i8"),  # direction in which a stuck ball will set off
+    ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
 )
 
-BOOKS = np.dtype([("initial", "f8"), ("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8")])
-"""Energy at the start and the losses since, by cause [J]."""
+BOOKS = _record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"))
+"""Energy lost since the start, by cause [J]."""
 
-PEAK = np.dtype(
-    [
-        ("period", "f8"),
-        ("opens", "f8"),
-        ("closes", "f8"),
-        ("speed", "f8"),  # largest so far in the open window
-        ("time", "f8"),
-    ]
+PEAK = _record(
+    ("period", "f8"),
+    ("opens", "f8"),
+    ("closes", "f8"),
+    ("speed", "f8"),  # largest so far in the open window
+    ("time", "f8"),
 )
 """The window in which the next velocity maximum is sought."""
 
-CLOCK = np.dtype(
-    [
-        ("time", "f8"),
-        ("end", "f8"),
-        ("watched", "f8"),  # until when peaks were sought
-        ("rest", "f8"),  # when the ball came to rest for good, inf until then
-        ("tail", "f8"),  # how long to go on after that
-        ("last_motion", "f8"),  # last time at which the ball moved relative to the structure
-        ("impacts", "i8"),
-        ("events", "i8"),
-        ("peaks", "i8"),
-        ("rows", "i8"),
-    ]
+CLOCK = _record(
+    ("time", "f8"),
+    ("end", "f8"),
+    ("watched", "f8"),  # until when peaks were sought
+    ("rest", "f8"),  # when the ball came to rest for good, inf until then
+    ("tail", "f8"),  # how long to go on after that
+    ("last_motion", "f8"),  # last time at which the ball moved relative to the structure
+    ("trembles", "i8"),  # whether that rest is a tremor at the threshold
+    ("last_rolling", "f8"),  # rolling loss booked at the last velocity maximum
+    ("last_impacts", "i8"),  # and hits counted
+    ("impacts", "i8"),
+    ("events", "i8"),
+    ("peaks", "i8"),
+    ("rows", "i8"),
 )
 """Where a run is, and how much it has put into its tables."""
 
-EVENT = np.dtype(
-    [
-        ("time", "f8"),
-        ("axis", "i8"),
-        ("kind", "i8"),
-        ("u", "f8"),
-        ("v", "f8"),
-        ("s", "f8"),
-        ("w", "f8"),
-        ("direction", "i8"),
-        ("w_before", "f8"),
-    ]
+EVENT = _record(
+    ("time", "f8"),
+    ("axis", "i8"),
+    ("kind", "i8"),
+    ("u", "f8"),
+    ("v", "f8"),
+    ("s", "f8"),
+    ("w", "f8"),
+    ("direction", "i8"),
+    ("w_before", "f8"),
 )
 """A row is an event and the state of its axis just after it."""
 
@@ -121,8 +123,8 @@ def laws_of(damper: ParticleDamper) -> Records:
     return laws
 
 
-def ball_of(damper: ParticleDamper, largest_release: float) -> Records:
-    """The ball's constants as a one-element record array; `largest_release` [m] sets the sticking floor."""
+def ball_of(damper: ParticleDamper, reach: float) -> Records:
+    """The ball's constants as a one-element record array; `reach` [m], the largest release, sets the sticking floor."""
     from damper.model import Formulation
 
     beta = damper.inertia_ratio
@@ -140,6 +142,6 @@ def ball_of(damper: ParticleDamper, largest_release: float) -> Records:
         damper.restitution,
         damper.friction,
         damper.sticking_ratio,
-        1e-9 * damper.stuck_frequency * largest_release,
+        1e-9 * damper.stuck_frequency * reach,
     )
     return ball

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import numba as nb
+from typing import TYPE_CHECKING
 
+from damper.compiled import kernel
 from damper.detect import departure
 
+if TYPE_CHECKING:
+    from damper.records import Record, Records
 
-@nb.njit(cache=True)
-def settle(axis, laws, ball):
+
+@kernel
+def settle(axis: Record, laws: Records, ball: Record) -> None:
     """At a zero of the relative velocity: the ball sticks, or sets off the way the structure drives it."""
     axis.w = 0.0
     axis.direction = departure(axis, laws, ball)
 
 
-@nb.njit(cache=True)
-def hit(axis, ball, books):
+@kernel
+def hit(axis: Record, ball: Record, books: Record) -> float:
     """Impact of the ball with the wall ahead, first two of eqs. (10), then sticking or rebound.
 
     Returns the normal impulse [N s]. The spin follows the new rolling velocity at once; what that takes away is
@@ -32,8 +36,8 @@ def hit(axis, ball, books):
     return impulse
 
 
-@nb.njit(cache=True)
-def rub(axis, normal_impulse, laws, ball, books):
+@kernel
+def rub(axis: Record, normal_impulse: float, laws: Records, ball: Record, books: Record) -> None:
     """Tangential part of an impact, last two of eqs. (10), friction capped by eq. (11)."""
     reduced = ball.mass * ball.host_mass / (ball.mass + ball.host_mass)
     change = ball.friction * normal_impulse / reduced
@@ -44,8 +48,8 @@ def rub(axis, normal_impulse, laws, ball, books):
         settle(axis, laws, ball)
 
 
-@nb.njit(cache=True)
-def _exchange(axis, w, reduced, ball, books):
+@kernel
+def _exchange(axis: Record, w: float, reduced: float, ball: Record, books: Record) -> None:
     """Give the ball the relative velocity w by an impulse between it and the structure; book the loss."""
     books.impact += 0.5 * (reduced + ball.spin_mass) * (axis.w - w) * (axis.w + w)
     axis.v -= (w - axis.w) * reduced / ball.host_mass

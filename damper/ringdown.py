@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from damper.records import AXIS, BOOKS, CLOCK, EVENT, PEAK, Records, ball_of, laws_of
+from damper.records import AXIS, BOOKS, CLOCK, EVENT, PEAK, Floats, Records, ball_of, laws_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from damper.model import ParticleDamper
 
-Floats = npt.NDArray[np.float64]
+
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
 _CYCLES_AFTER_REST = 3
@@ -29,6 +29,7 @@ class Outcome(StrEnum):
     """Why a ring-down ended."""
 
     AT_REST = "the ball came to rest for good"
+    TREMBLES = "the ball no longer hits and only trembles at the rolling threshold"
     CYCLES_DONE = "the asked number of cycles was done"
     CYCLE_CAP = "the cap on cycles was reached while the ball still moved"
     EVENT_CAP = "the cap on events was reached while the ball still moved"
@@ -69,7 +70,7 @@ class RingDown:
         peak_times: times of the structure's velocity maxima, one per vibration cycle, shape (n + 1,) [s].
         peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
         last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
-        rested: whether the ball came to rest for good.
+        rested: whether the ball came to rest for good, or only trembles.
         energy: the books.
         largest_rolling_demand: largest force that rolling asked of the floor over the normal load [-], per axis;
             None without a normal load. Rolling is tenable where the static friction exceeds it.
@@ -95,35 +96,40 @@ def ringdown(
     release: tuple[float, float],
     cycles: float | None = None,
     *,
+    velocity: tuple[float, float] = (0.0, 0.0),
+    ball_position: tuple[float, float] = (0.0, 0.0),
+    ball_velocity: tuple[float, float] = (0.0, 0.0),
     keep_events: bool = False,
     max_cycles: float = 100_000,
     max_events: int = 50_000_000,
     progress: Callable[[float], None] | None = None,
 ) -> RingDown:
-    """Release structure and ball from rest, the ball at the cavity's centre, and follow them event by event.
+    """Release structure and ball, by default from rest with the ball at the cavity's centre, and follow them.
 
     Args:
         damper: what is simulated.
         release: the structure's displacements along x and y at time 0 [m].
         cycles: length of the run in periods 2 pi / omega_1; None: until the ball rests for good.
+        velocity: the structure's velocities then [m/s].
+        ball_position: of the ball's centre from the cavity's centre then [m].
+        ball_velocity: of the ball relative to the structure then [m/s].
         keep_events: keep the event table, from which `damper.sample` makes time histories.
         max_cycles: cap where `cycles` is None.
         max_events: cap on events; the run ends there with `Outcome.EVENT_CAP`.
         progress: called now and then with the simulated time [s].
 
     Raises:
-        ValueError: the release or the number of cycles is not finite, or the latter not positive.
+        ValueError: a number is not finite, the number of cycles not positive, or the ball outside its cavity.
     """
     from damper import engine
 
-    if not all(map(math.isfinite, release)):
-        raise ValueError(f"release must be finite, got {release}")
     if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
         raise ValueError(f"cycles must be positive, got {cycles:g}")
-    period = 2 * math.pi / damper.stuck_frequency
-    laws, ball = laws_of(damper), ball_of(damper, max(map(abs, release)))
-    axes = np.zeros(2, AXIS)
-    axes["u"], axes["half_gap"] = release, damper.half_gap
+    axes = _start(damper, release, velocity, ball_position, ball_velocity)
+    omega = damper.stuck_frequency
+    period = 2 * math.pi / omega
+    reach = max(map(abs, (*release, *(x / omega for x in (*velocity, *ball_velocity)))))
+    laws, ball = laws_of(damper), ball_of(damper, reach)
     clock, books, peak = np.zeros(1, CLOCK), np.zeros(1, BOOKS), np.zeros(1, PEAK)
     clock["end"] = period * (max_cycles if cycles is None else cycles)
     clock["tail"] = _CYCLES_AFTER_REST * period if cycles is None else np.inf
@@ -147,7 +153,7 @@ def ringdown(
     load = damper.centrifugal_acceleration
     return RingDown(
         damper=damper,
-        outcome=_outcome(status == engine.DONE, cycles is not None, math.isfinite(end["rest"])),
+        outcome=_outcome(status == engine.DONE, cycles is not None, end),
         duration=float(end["time"]),
         impacts=int(end["impacts"]),
         events=int(end["events"]),
@@ -166,6 +172,20 @@ def ringdown(
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=rows[: end["rows"]].copy() if keep_events else None,
     )
+
+
+def _start(damper: ParticleDamper, *state: tuple[float, float]) -> Records:
+    """The two axes at time 0, from u, v, s and w of each."""
+    axes = np.zeros(2, AXIS)
+    axes["half_gap"] = damper.half_gap
+    for name, pair in zip(("u", "v", "s", "w"), state, strict=True):
+        if not all(map(math.isfinite, pair)):
+            raise ValueError(f"the release must be finite, got {pair}")
+        axes[name] = pair
+    if (abs(axes["s"]) > axes["half_gap"] + 1e-12 * damper.ball_radius).any():
+        raise ValueError(f"ball_position {state[2]} lies outside the cavity, ±{damper.half_gap}")
+    axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
+    return axes
 
 
 def energy_of(damper: ParticleDamper, state: Records) -> float:
@@ -188,9 +208,11 @@ def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     return bigger
 
 
-def _outcome(done: bool, asked: bool, rested: bool) -> Outcome:
+def _outcome(done: bool, asked: bool, clock: np.void) -> Outcome:
     if not done:
         return Outcome.EVENT_CAP
     if asked:
         return Outcome.CYCLES_DONE
-    return Outcome.AT_REST if rested else Outcome.CYCLE_CAP
+    if not math.isfinite(clock["rest"]):
+        return Outcome.CYCLE_CAP
+    return Outcome.TREMBLES if clock["trembles"] else Outcome.AT_REST

@@ -1,0 +1,80 @@
+"""Specific damping capacity, cut-off, and what bounds them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from damper.model import ParticleDamper
+    from damper.ringdown import RingDown
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Capacity:
+    """Damping cycle by cycle; a cycle runs from one velocity maximum V to the one a vibration period later.
+
+    Attributes:
+        peak_velocity: V at each cycle's start, shape (n,) [m/s].
+        amplitude: V omega_1, the dynamic acceleration, shape (n,) [m/s^2]; over g it is the paper's Gamma.
+        sdc: specific damping capacity 1 - (V_next / V)^2, shape (n,) [-], section II.C of the paper.
+        intrinsic_sdc: what the structure's own damping alone would give [-].
+        cutoff: amplitude of the last cycle in which the ball moved [m/s^2]; None if it never moved or never rested.
+    """
+
+    peak_velocity: Floats
+    amplitude: Floats
+    sdc: Floats
+    intrinsic_sdc: float
+    cutoff: float | None
+
+
+def capacity(ringdown: RingDown) -> Capacity:
+    """Evaluate a ring-down cycle by cycle; cycles that the run did not complete are left out."""
+    damper = ringdown.damper
+    v = ringdown.peak_velocities
+    start, end = v[:-1], v[1:]
+    alive = start > 0
+    sdc = np.zeros_like(start)
+    sdc[alive] = 1.0 - (end[alive] / start[alive]) ** 2
+    amplitude = start * damper.stuck_frequency
+    cutoff = None
+    if ringdown.rested and ringdown.last_motion is not None and len(amplitude):
+        last = int(np.searchsorted(ringdown.peak_times[:-1], ringdown.last_motion, side="right")) - 1
+        cutoff = float(amplitude[max(last, 0)])
+    return Capacity(start, amplitude, sdc, intrinsic_sdc(damper), cutoff)
+
+
+def intrinsic_sdc(damper: ParticleDamper) -> float:
+    """1 - exp(-4 pi decay / frequency) of the structure with the ball stuck [-]."""
+    from damper.records import STUCK, laws_of
+
+    law = laws_of(damper)[0, STUCK]
+    return -math.expm1(-4 * math.pi * float(law["decay"]) / float(law["frequency"]))
+
+
+def work_bound(damper: ParticleDamper, amplitude: float) -> float:
+    """Most that one ball can take of the energy in a cycle at a displacement amplitude [m], per axis x [-].
+
+    In the structure's frame the ball feels -m_p u''; over a cycle this does the work m_p * integral of s du'' with
+    |s| at most half the clearance, while u'' sweeps four times its amplitude: 4 (m_p / M2) clearance / amplitude to
+    leading order in the mass ratio, whatever restitution, friction or the number of bounces.
+    """
+    return 4 * damper.ball_mass / damper.modal_mass * 2 * damper.half_gap[0] / amplitude
+
+
+def two_hit_bound(damper: ParticleDamper) -> float:
+    """Most that a free ball loses with two hits a cycle: 8 (m_p / M2) (1 + e) / (1 - e) [-]; inf at e = 1."""
+    e = damper.restitution
+    return math.inf if e == 1 else 8 * damper.ball_mass / damper.modal_mass * (1 + e) / (1 - e)
+
+
+def ball_density(damper: ParticleDamper, count: int) -> float:
+    """Density that each of `count` equal balls must have [kg/m^3]; the densest element has 22,600."""
+    return damper.ball_mass / count / (4 / 3 * math.pi * damper.ball_radius**3)

@@ -1,0 +1,37 @@
+"""The one decorator of the compiled kernels.
+
+The compiler's cache knows the file of a kernel but not those of the kernels it calls, so a change in one file would
+leave stale code in the others. Importing this module drops every cache entry that is older than any kernel source.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar, cast
+
+import numba as nb
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_FOLDER = Path(__file__).parent
+
+
+def _drop_stale_cache() -> None:
+    newest = max(source.stat().st_mtime for source in _FOLDER.glob("*.py"))
+    for index in (_FOLDER / "__pycache__").glob("*.nbi"):
+        with contextlib.suppress(OSError):  # another process may be doing the same
+            if index.stat().st_mtime < newest:
+                index.unlink()
+
+
+_drop_stale_cache()
+
+
+_F = TypeVar("_F", bound="Callable[..., object]")
+
+
+def kernel(function: _F) -> _F:
+    """Decorate a function to have it compiled at its first call and cached beside the source."""
+    return cast("_F", nb.njit(cache=True)(function))

@@ -1,0 +1,66 @@
+"""Time histories, made afterwards from the event table at any resolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from damper.records import AXIS, ball_of, laws_of
+
+if TYPE_CHECKING:
+    from damper.ringdown import RingDown
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class History:
+    """Motion at given times; the columns of the (n, 2) arrays are the axes x and y.
+
+    Attributes:
+        time: shape (n,) [s].
+        displacement: of the structure, shape (n, 2) [m].
+        velocity: of the structure, shape (n, 2) [m/s].
+        relative_position: of the ball's centre from the cavity's centre, shape (n, 2) [m].
+        relative_velocity: of the ball in the cavity, shape (n, 2) [m/s].
+        direction: of the ball's relative motion, -1, 0 (stuck) or 1, shape (n, 2).
+    """
+
+    time: Floats
+    displacement: Floats
+    velocity: Floats
+    relative_position: Floats
+    relative_velocity: Floats
+    direction: npt.NDArray[np.int64]
+
+
+def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
+    """The motion at `times` [s], shape (n,), exact to rounding; at an event, the state just after it.
+
+    Raises:
+        ValueError: the ring-down kept no events, or a time lies outside it.
+    """
+    from damper.flight import evaluate
+
+    if ringdown.rows is None:
+        raise ValueError("the ring-down kept no events: call ringdown(..., keep_events=True)")
+    time = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
+        raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
+    damper = ringdown.damper
+    laws, ball = laws_of(damper), ball_of(damper, 0.0)
+    out = np.empty((4, time.size, 2))
+    direction = np.empty((time.size, 2), np.int64)
+    for i in range(2):
+        rows = ringdown.rows[ringdown.rows["axis"] == i]
+        at = np.searchsorted(rows["time"], time, side="right") - 1
+        flights = np.zeros(time.size, AXIS)
+        for name in ("u", "v", "s", "w", "direction"):
+            flights[name] = rows[name][at]
+        flights["start"] = rows["time"][at]
+        evaluate(flights, laws[i], ball[0], time, out[:, :, i])
+        direction[:, i] = flights["direction"]
+    return History(time, out[0], out[1], out[2], out[3], direction)

@@ -1,0 +1,44 @@
+"""Random ring-downs over the sensible ranges, for comparisons and invariants; seeded, so each has a number."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from damper import Formulation, ParticleDamper
+
+
+def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:
+    """A damper and a release, in SI with everything about unit size but for what is drawn."""
+    rng = np.random.default_rng(seed)
+    modal_mass = 10 ** rng.uniform(-2, 1)
+    ball_mass = modal_mass * 10 ** rng.uniform(-4, 0)
+    omega = 2 * math.pi * 10 ** rng.uniform(1, 3)
+    stiffness = (modal_mass + ball_mass) * omega**2
+    largest = 10 ** rng.uniform(-4, -2)
+    ratio = rng.choice([0.0, rng.uniform(0, 1)], p=[0.15, 0.85])
+    radius = 1e-3
+    gaps = largest * 10 ** rng.uniform(-2.5, 0.7, 2)
+    lever = rng.uniform(0.0, 0.2) * radius
+    # the rolling threshold, as a fraction of the largest acceleration at release
+    fraction = rng.choice([0.0, 10 ** rng.uniform(-2, 0.1)], p=[0.1, 0.9])
+    acceleration = fraction * omega**2 * largest
+    load = acceleration * radius / lever if fraction > 0 else rng.choice([0.0, 1e4])
+    return (
+        ParticleDamper(
+            modal_mass=modal_mass,
+            stiffness=(stiffness, stiffness * rng.choice([1.0, rng.uniform(0.5, 2.0)])),
+            ball_mass=ball_mass,
+            ball_radius=radius,
+            cavity=(2 * (radius + gaps[0]), 2 * (radius + gaps[1])),
+            centrifugal_acceleration=float(load),
+            restitution=float(rng.choice([0.0, 1.0, rng.uniform(0, 1)], p=[0.05, 0.1, 0.85])),
+            friction=float(rng.choice([0.0, rng.uniform(0, 0.6)], p=[0.2, 0.8])),
+            rolling_friction=lever if fraction > 0 else 0.0,
+            damping_ratio=float(rng.choice([0.0, 10 ** rng.uniform(-4, -0.7)], p=[0.3, 0.7])),
+            sticking_ratio=float(rng.choice([1e-2, 10 ** rng.uniform(-4, -1)])),
+            formulation=Formulation.CONSISTENT if rng.random() < 0.6 else Formulation.PRINTED,
+        ),
+        (largest, ratio * largest),
+    )

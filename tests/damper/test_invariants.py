@@ -1,0 +1,148 @@
+"""What must hold in every ring-down, over random scenes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from damper import Formulation, ParticleDamper, ringdown, sample
+from damper.ringdown import energy_of
+from tests.damper.scenes import random_scene
+from tests.damper.test_reference import paper_like
+
+SEEDS = range(60)
+
+
+def run_of(seed: int, *, consistent: bool = False, cycles: float = 10):
+    damper, release = random_scene(seed)
+    if consistent:
+        damper = dataclasses.replace(damper, formulation=Formulation.CONSISTENT)
+    return ringdown(damper, release, cycles, keep_events=True)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_books_close_and_energy_never_rises(seed: int) -> None:
+    run = run_of(seed, consistent=True)
+    assert abs(run.energy.residual) <= 1e-10 * run.energy.initial
+    assert min(run.energy.structure, run.energy.rolling, run.energy.impact) >= 0
+    after = np.array([energy_of(run.damper, _state(run, t)) for t in np.linspace(0, run.duration, 200)])
+    assert (np.diff(after) <= 1e-12 * run.energy.initial).all()
+
+
+def _state(run, time):
+    at = sample(run, time)
+    names = {"u": at.displacement, "v": at.velocity, "s": at.relative_position, "w": at.relative_velocity}
+    state = np.zeros(2, [(name, "f8") for name in names])
+    for name, column in names.items():
+        state[name] = column[0]
+    return state
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_ball_stays_in_its_cavity(seed: int) -> None:
+    run = run_of(seed)
+    position = sample(run, np.linspace(0, run.duration, 3000)).relative_position
+    gap = np.array(run.damper.half_gap)
+    assert (np.abs(position) <= gap + 1e-12 * max(gap)).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_events_are_ordered_and_continuous(seed: int) -> None:
+    """Times do not fall; positions and the structure's displacement are continuous across every event."""
+    run = run_of(seed)
+    times = run.rows["time"]
+    assert (np.diff(times) >= 0).all()
+    inside = times[(times > 0) & (times < run.duration)]
+    before = sample(run, np.nextafter(inside, 0))
+    after = sample(run, inside)
+    scale = np.abs(run.rows["u"]).max()
+    np.testing.assert_allclose(after.displacement, before.displacement, atol=1e-9 * scale)
+    np.testing.assert_allclose(after.relative_position, before.relative_position, atol=1e-9 * scale)
+
+
+def digest(run):
+    times = run.rows["time"] * run.damper.stuck_frequency
+    return times, run.rows["kind"], run.energy.final / run.energy.initial
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_mirror(seed: int) -> None:
+    damper, (x, y) = random_scene(seed)
+    one = ringdown(damper, (x, y), 3, keep_events=True)
+    two = ringdown(damper, (-x, -y), 3, keep_events=True)
+    assert digest(one)[2] == pytest.approx(digest(two)[2], rel=1e-9)
+    np.testing.assert_array_equal(one.rows["kind"], two.rows["kind"])
+    np.testing.assert_allclose(one.rows["s"], -two.rows["s"], atol=1e-9 * max(damper.half_gap))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_exchange_of_axes(seed: int) -> None:
+    """Exact but for the period that `cycles` counts in, so over a given time; simultaneous hits may swap rows."""
+    damper, (x, y) = random_scene(seed)
+    swapped = dataclasses.replace(damper, stiffness=damper.stiffness[::-1], cavity=damper.cavity[::-1])
+    cycles = 6 * swapped.stuck_frequency / damper.stuck_frequency
+    one = ringdown(damper, (x, y), 6, keep_events=True)
+    two = ringdown(swapped, (y, x), cycles, keep_events=True)
+    floor_matters = damper.stiffness[0] != damper.stiffness[1]
+    if not floor_matters:
+        assert one.impacts == two.impacts
+        assert one.energy.final == pytest.approx(two.energy.final, rel=1e-8)
+
+
+@pytest.mark.parametrize("scale", [{"length": 7.0}, {"time": 0.3}, {"mass": 11.0}])
+@pytest.mark.parametrize("seed", range(30))
+def test_rescaling(seed: int, scale: dict[str, float]) -> None:
+    """Units do not matter: dimensionless results are those of the scaled scene."""
+    damper, release = random_scene(seed)
+    length, time, mass = scale.get("length", 1.0), scale.get("time", 1.0), scale.get("mass", 1.0)
+    scaled = ParticleDamper(
+        modal_mass=damper.modal_mass * mass,
+        stiffness=tuple(k * mass / time**2 for k in damper.stiffness),
+        ball_mass=damper.ball_mass * mass,
+        ball_radius=damper.ball_radius * length,
+        cavity=tuple(c * length for c in damper.cavity),
+        centrifugal_acceleration=damper.centrifugal_acceleration * length / time**2,
+        restitution=damper.restitution,
+        friction=damper.friction,
+        rolling_friction=damper.rolling_friction * length,
+        damping_ratio=damper.damping_ratio,
+        sticking_ratio=damper.sticking_ratio,
+        formulation=damper.formulation,
+    )
+    one = ringdown(damper, release, 5, keep_events=True)
+    two = ringdown(scaled, tuple(x * length for x in release), 5, keep_events=True)
+    assert one.impacts == two.impacts
+    assert digest(one)[2] == pytest.approx(digest(two)[2], rel=1e-8)
+    assert one.peak_velocities * length / time == pytest.approx(two.peak_velocities, rel=1e-8)
+
+
+def test_sampling_at_events_gives_the_state_after_them() -> None:
+    run = ringdown(paper_like(Formulation.CONSISTENT), (20e-3, 5e-3), 3, keep_events=True)
+    for row in run.rows[::7]:
+        at = sample(run, row["time"])
+        same_time = run.rows[(run.rows["time"] == row["time"]) & (run.rows["axis"] == row["axis"])][-1]
+        assert at.velocity[0, row["axis"]] == same_time["v"]
+        assert at.relative_velocity[0, row["axis"]] == same_time["w"]
+
+
+def test_peaks_are_the_maxima_of_the_sampled_speed() -> None:
+    run = ringdown(paper_like(Formulation.CONSISTENT), (20e-3, 5e-3), 10, keep_events=True)
+    period = 2 * math.pi / run.damper.stuck_frequency
+    for time, peak in zip(run.peak_times, run.peak_velocities, strict=True):
+        near = sample(run, np.linspace(max(time - period / 5, 0), min(time + period / 5, run.duration), 20_001))
+        speed = np.hypot(*near.velocity.T).max()
+        assert peak == pytest.approx(speed, rel=1e-6)
+        assert peak >= speed * (1 - 1e-9)
+
+
+def test_long_run_is_the_short_one_continued() -> None:
+    """Pausing for progress, and growing tables, change nothing."""
+    damper = paper_like(Formulation.CONSISTENT)
+    calls: list[float] = []
+    long = ringdown(damper, (20e-3, 5e-3), 2500, keep_events=True, progress=calls.append)
+    short = ringdown(damper, (20e-3, 5e-3), 100, keep_events=True)
+    assert calls
+    np.testing.assert_array_equal(long.rows[: len(short.rows)], short.rows)

@@ -1,0 +1,208 @@
+"""Closed-form results of mechanics that the engine must give back."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from damper import (
+    Formulation,
+    ParticleDamper,
+    capacity,
+    intrinsic_sdc,
+    ringdown,
+    sample,
+    two_hit_bound,
+    work_bound,
+)
+from damper.records import HIT, REVERSAL
+from tests.damper.test_reference import paper_like
+
+HEAVY = 1e15  # a structure that the ball does not move
+
+
+def heavy(omega: float, gap: float, **changes: object) -> ParticleDamper:
+    """A free ball in a heavy structure that oscillates at `omega`."""
+    base = ParticleDamper(
+        modal_mass=HEAVY,
+        stiffness=(HEAVY * omega**2, HEAVY * omega**2),
+        ball_mass=1.0,
+        ball_radius=1e-3,
+        cavity=(2 * (gap + 1e-3), 2 * (gap + 1e-3)),
+        centrifugal_acceleration=0.0,
+        restitution=0.5,
+        sticking_ratio=0.0,
+    )
+    return dataclasses.replace(base, **changes)
+
+
+@pytest.mark.parametrize(("e", "zeno"), [(0.5, 1.354571), (0.8, 4.063713)])
+def test_zeno_time(e: float, zeno: float) -> None:
+    """A ball dropped by 1 m under 9.81 m/s^2 comes to rest after sqrt(2h/g) (1+e)/(1-e).
+
+    The structure, so slow that its acceleration is constant, is the falling frame.
+    """
+    omega = 3e-4
+    run = ringdown(
+        heavy(omega, 1.0, restitution=e),
+        (-9.81 / omega**2, 0.0),
+        cycles=10 * omega / 2 / math.pi,
+        keep_events=True,
+    )
+    assert run.rows is not None
+    hits = run.rows[run.rows["kind"] == HIT]
+    assert hits["direction"][-1] == 0, "the sequence ends in sticking"
+    assert hits["time"][-1] == pytest.approx(zeno, rel=2e-5)
+    assert len(hits) < 200
+
+
+def test_free_rolling_stops() -> None:
+    """On a structure at rest a rolling ball runs 7 v0^2 / (10 a_r)."""
+    damper = heavy(1e-6, 10.0, centrifugal_acceleration=1e3, rolling_friction=1e-4)
+    v0 = 3.0
+    run = ringdown(damper, (0.0, 0.0), 1e-5, ball_velocity=(v0, 0.0), keep_events=True)
+    assert run.rows is not None
+    stop = run.rows[run.rows["kind"] == REVERSAL][0]
+    assert stop["s"] == pytest.approx(7 * v0**2 / (10 * damper.rolling_threshold), rel=1e-12)
+    assert stop["direction"] == 0
+    assert run.energy.rolling == pytest.approx(0.5 * 1.4 * v0**2, rel=1e-12), "all of the energy of rolling"
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 1.0])
+@pytest.mark.parametrize("mass_ratio", [1e-9, 1e-2, 1.0, 1e3])
+def test_one_impact(e: float, mass_ratio: float) -> None:
+    """Momentum is kept, the relative speed is multiplied by e, and half m (1-e^2) w^2 is lost."""
+    m2, mp, w0 = 2.0, 2.0 * mass_ratio, 0.7
+    damper = ParticleDamper(
+        modal_mass=m2,
+        stiffness=(1e-12, 1e-12),
+        ball_mass=mp,
+        ball_radius=1e-3,
+        cavity=(0.022, 0.022),
+        centrifugal_acceleration=0.0,
+        restitution=e,
+        sticking_ratio=0.0,
+    )
+    period = 2 * math.pi / damper.stuck_frequency
+    run = ringdown(damper, (0.0, 0.0), 0.02 / period, ball_velocity=(w0, 0.0), keep_events=True)
+    assert run.impacts == 1
+    after = sample(run, run.duration)
+    v, w = after.velocity[0, 0], after.relative_velocity[0, 0]
+    assert w == pytest.approx(-e * w0, abs=1e-12)
+    assert m2 * v + mp * (v + w) == pytest.approx(mp * w0, rel=1e-12)
+    reduced = m2 * mp / (m2 + mp)
+    assert run.energy.impact == pytest.approx(0.5 * reduced * (1 - e**2) * w0**2, rel=1e-12, abs=1e-300)
+
+
+@pytest.mark.parametrize(("mu", "slides"), [(0.1, True), (5.0, False)])
+def test_oblique_impact(mu: float, slides: bool) -> None:
+    """Eqs. (10)-(11): the tangential impulse is mu times the normal one, capped where sliding ends."""
+    damper = ParticleDamper(
+        modal_mass=3.0,
+        stiffness=(1e-12, 1e-12),
+        ball_mass=1.0,
+        ball_radius=1e-3,
+        cavity=(0.022, 0.202),
+        centrifugal_acceleration=0.0,
+        restitution=0.5,
+        friction=mu,
+    )
+    period = 2 * math.pi / damper.stuck_frequency
+    wx, wy = 1.0, 0.5
+    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(wx, wy), keep_events=True)
+    after = sample(run, run.duration)
+    change = mu * 1.5 * wx
+    assert after.relative_velocity[0, 1] == pytest.approx(wy - change if slides else 0.0, abs=1e-12)
+    momentum = 4.0 * after.velocity[0, 1] + after.relative_velocity[0, 1]
+    assert momentum == pytest.approx(1.0 * wy, rel=1e-12)
+
+
+@pytest.mark.parametrize(("e", "least"), [(0.3, 0.32427), (0.6, 0.15718), (0.8, 0.07056)])
+def test_two_impacts_a_cycle(e: float, least: float) -> None:
+    """A heavy host A sin(wt) carries two symmetric impacts a cycle only if A/b is large enough.
+
+    The ball leaves the right wall at phase p so as to meet the left one half a period later; the orbit exists
+    where the hit then sends it back as it came. The mismatch changes sign over the phases only above the limit.
+    """
+
+    def mismatch(amplitude: float, phase: float) -> float:
+        omega, b = 1.0, 1.0
+        host, rate = amplitude * math.sin(phase), amplitude * omega * math.cos(phase)
+        speed = 2 * omega * (host + b) / math.pi
+        run = ringdown(
+            heavy(omega, b, restitution=e),
+            (host, 0.0),
+            0.5 + 1e-9,
+            velocity=(rate, 0.0),
+            ball_position=(b, 0.0),
+            ball_velocity=(-speed - rate, 0.0),
+            keep_events=True,
+        )
+        assert run.rows is not None
+        hits = run.rows[run.rows["kind"] == HIT]
+        assert len(hits) == 1
+        assert hits["time"][0] == pytest.approx(math.pi, abs=1e-9)
+        return float(hits["v"][0] + hits["w"][0] - speed)
+
+    exact = (1 + (math.pi / 2 * (1 + e) / (1 - e)) ** 2) ** -0.5
+    assert exact == pytest.approx(least, abs=5e-6)
+    phases = np.linspace(1.65, 4.6, 60)  # the host retreats, and the ball gets away from it
+    above = [mismatch(1.02 * exact, p) for p in phases]
+    below = [mismatch(0.98 * exact, p) for p in phases]
+    assert min(above) < 0 < max(above)
+    assert min(below) > 0 or max(below) < 0
+
+
+def test_lossless_for_1e5_impacts() -> None:
+    """e = 1, no friction, no damping, no rolling resistance: nothing may be lost."""
+    damper = dataclasses.replace(
+        paper_like(Formulation.CONSISTENT),
+        restitution=1.0,
+        friction=0.0,
+        rolling_friction=0.0,
+        ball_mass=0.1,
+        sticking_ratio=0.0,
+    )
+    run = ringdown(damper, (20e-3, 7e-3), 12_000)
+    assert run.impacts > 1e5
+    assert abs(run.energy.final / run.energy.initial - 1) < 1e-10
+
+
+def test_structure_alone_decays_as_it_should() -> None:
+    """A ball that never moves: sdc is the structure's own in every cycle, and the damping books close."""
+    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=0.02, centrifugal_acceleration=1e9)
+    run = ringdown(damper, (1e-3, 0.0), 30)
+    result = capacity(run)
+    zeta = 0.02 / math.sqrt(1.006)  # the dashpot 2 zeta w2 M2 against the stuck mass
+    exact = 1 - math.exp(-4 * math.pi * zeta / math.sqrt(1 - zeta**2))
+    assert run.impacts == 0
+    assert run.last_motion is None
+    assert result.cutoff is None
+    assert result.intrinsic_sdc == pytest.approx(exact, rel=1e-12)
+    assert result.intrinsic_sdc == intrinsic_sdc(damper)
+    np.testing.assert_allclose(result.sdc, exact, rtol=1e-10)
+    assert abs(run.energy.residual) < 1e-13 * run.energy.initial
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.01])
+def test_cutoff_is_the_rolling_threshold(zeta: float) -> None:
+    """The last moving cycle's amplitude is mu_r / r of the load, within one cycle's decay."""
+    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=zeta)
+    result = capacity(ringdown(damper, (20e-3, 0.0)))
+    assert result.cutoff is not None
+    ratio = result.cutoff / damper.centrifugal_acceleration
+    decay = math.sqrt(1 - float(result.sdc[-1]))
+    assert 0.1 <= ratio <= 0.1 / decay**1.3 * (1 + 2e-3)  # 2e-3: where an undamped tremor is called rest
+
+
+def test_bounds_hold() -> None:
+    """No cycle loses more than the work bound, nor than two hits of a free ball could take."""
+    for e in (0.0, 0.3, 0.5, 0.8, 0.99):
+        damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), restitution=e)
+        result = capacity(ringdown(damper, (20e-3, 0.0), 300))
+        bounds = [work_bound(damper, v / damper.stuck_frequency) for v in result.peak_velocity]
+        assert (result.sdc < np.array(bounds) * (1 + 0.02)).all()
+        assert result.sdc.max() < two_hit_bound(damper)
