@@ -114,31 +114,28 @@ def _first_exceed(p: float, q: float, decay: float, frequency: float, threshold:
         return 0.0
     if p * p + q * q <= threshold * threshold:
         return np.inf
-    slope, curl = frequency * q - decay * p, -frequency * p - decay * q
-    angle = math.atan2(slope, -curl)
-    if slope < 0.0 or (slope == 0.0 and curl > 0.0):  # falls first: the extremum found is a minimum
-        angle = math.atan2(-slope, curl) + math.pi
-    peak = angle / frequency
-    top = math.exp(-decay * peak) * (p * math.cos(angle) + q * math.sin(angle))
-    if top <= threshold * _MARGIN:
+    radius, phase = math.sqrt(p * p + q * q), math.atan2(q, p)
+    lag = math.atan2(decay, frequency)  # by which damping brings the peak forward
+    turn = phase - lag if phase > lag else phase - lag + 2.0 * math.pi
+    high = turn / frequency
+    radius *= math.exp(-decay * high)  # of the peak to come
+    if radius * math.cos(lag) <= threshold * _MARGIN:
         return np.inf
-    low, high = max(peak - math.pi / frequency, 0.0), peak
-    tau = 0.5 * (low + high)
+    low, peak = max(high - math.pi / frequency, 0.0), high
+    tau = max(low, peak - (math.acos(threshold / radius) - lag) / frequency)
     for _ in range(100):
-        e = math.exp(-decay * tau)
-        c, s = math.cos(frequency * tau), math.sin(frequency * tau)
-        f = e * (p * c + q * s) - threshold
+        angle = frequency * (tau - peak) - lag
+        e = radius * math.exp(decay * (peak - tau))
+        f = e * math.cos(angle) - threshold
         if f > 0.0:
             high = tau
         else:
             low = tau
-        derivative = e * (slope * c + curl * s)
-        new = tau - f / derivative if derivative > 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - tau) <= 4e-16 * high:
+        slope = -e * (frequency * math.sin(angle) + decay * math.cos(angle))
+        new = tau - f / slope if slope > 0.0 else low
+        if abs(new - tau) <= 4e-16 * peak:
             return new
-        tau = new
+        tau = new if low < new < high else 0.5 * (low + high)
     return tau
 
 
@@ -149,17 +146,18 @@ def _end_of_roll(axis: Record, law: Record, ball: Record, horizon: float) -> tup
     low, here = 0.0, _departure_motion(axis, law, ball)
     axis.crest = high = first_extremum(axis, law, 2)
     while low < horizon:
-        if _reaches(here, axis.half_gap):
-            tau = _early_hit(axis, law, ball, low, high, here)
-            if tau < np.inf:
-                return tau, HIT
-        there = _motion(axis, law, ball, high)
-        reversal = _reversal(axis, law, ball, low, high, here[_ACCELERATION], there)
-        position = there[_POSITION]
-        if reversal < np.inf:
-            position = _motion(axis, law, ball, reversal)[_POSITION]
+        hit = _early_hit(axis, law, ball, low, high, here)
+        if hit < np.inf:
+            return hit, HIT
+        reversal, position = _early_reversal(axis, law, ball, low, high, here)
+        there = here
+        if reversal == np.inf:
+            there = _motion(axis, law, ball, high)
+            reversal = _reversal(axis, law, ball, low, high, here, there)
+            position = _motion(axis, law, ball, reversal)[_POSITION] if reversal < np.inf else there[_POSITION]
         if position >= axis.half_gap:
-            return _root(axis, law, ball, _POSITION, low, min(reversal, high)), HIT
+            end = min(reversal, high)
+            return _root(axis, law, ball, _POSITION, low, end, 0.5 * (low + end)), HIT
         if reversal < np.inf:
             return reversal, REVERSAL
         low, here = high, there
@@ -168,53 +166,78 @@ def _end_of_roll(axis: Record, law: Record, ball: Record, horizon: float) -> tup
 
 
 @kernel
-def _reversal(
-    axis: Record, law: Record, ball: Record, low: float, high: float, acceleration: float, there: Motion
-) -> float:
-    """First zero of the relative velocity on a piece [low, high] with monotone acceleration, inf if none."""
-    if acceleration < 0.0 < there[_ACCELERATION]:
-        valley = _root(axis, law, ball, _ACCELERATION, low, high)
-        if _motion(axis, law, ball, valley)[_VELOCITY] > 0.0:
-            return np.inf
-        return _root(axis, law, ball, _VELOCITY, low, valley)
-    if there[_VELOCITY] > 0.0:
-        return np.inf
-    top = _root(axis, law, ball, _ACCELERATION, low, high) if acceleration > 0.0 else low
-    return _root(axis, law, ball, _VELOCITY, top, high)
-
-
-@kernel
-def _reaches(motion: Motion, wall: float) -> bool:
-    """Whether the parabola through the present motion reaches the wall: a hint, no verdict."""
-    return motion[_VELOCITY] ** 2 + 2.0 * motion[_ACCELERATION] * (wall - motion[_POSITION]) >= 0.0
-
-
-@kernel
 def _early_hit(axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion) -> float:
-    """The hit of the wall ahead on a piece [low, high] where it is certain to be the first event, else inf.
+    """Hit of the wall ahead on a piece [low, high] where it is certain to be the first event, else inf.
 
-    Certain: the relative velocity is positive at the root and cannot have dipped below zero before, because on the
-    piece the acceleration falls, or has not fallen below zero, or has not risen above it.
+    Guessed by a parabola. Certain: the relative velocity is positive at the root and cannot have dipped below zero
+    before, because on the piece the acceleration falls, or has not fallen below zero, or has not risen above it.
     """
     distance = axis.half_gap - here[_POSITION]
-    root = math.sqrt(here[_VELOCITY] ** 2 + 2.0 * here[_ACCELERATION] * distance)
-    if here[_VELOCITY] + root <= 0.0:
+    square = here[_VELOCITY] ** 2 + 2.0 * here[_ACCELERATION] * distance
+    if square < 0.0 or here[_VELOCITY] + math.sqrt(square) < 0.0:
         return np.inf
-    tau = low + 2.0 * distance / (here[_VELOCITY] + root)
+    guess = 2.0 * distance / (here[_VELOCITY] + math.sqrt(square))
+    if here[_JERK] * guess > 3.0 * here[_ACCELERATION]:  # just set off: the jerk carries the ball
+        guess = min(guess, (6.0 * distance / here[_JERK]) ** (1.0 / 3.0))
+    guess += low
+    tau, motion = _polish(axis, law, ball, _POSITION, low, high, guess)
+    certain = here[_JERK] <= 0.0 or here[_ACCELERATION] >= 0.0 or motion[_ACCELERATION] <= 0.0
+    return tau if certain and motion[_VELOCITY] > 0.0 else np.inf
+
+
+@kernel
+def _early_reversal(
+    axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion
+) -> tuple[float, float]:
+    """First zero of the relative velocity on a piece [low, high], and the position there, or inf if in doubt.
+
+    Guessed by a parabola. With monotone acceleration the velocity has at most one zero where it falls.
+    """
+    velocity, acceleration, jerk = here[_VELOCITY], here[_ACCELERATION], here[_JERK]
+    square = acceleration * acceleration - 2.0 * jerk * velocity
+    if square < 0.0 or math.sqrt(square) <= acceleration:
+        guess = low - 2.0 * acceleration / jerk if velocity == 0.0 and jerk < 0.0 else np.inf
+    else:
+        guess = low + 2.0 * velocity / (math.sqrt(square) - acceleration)
+    tau, motion = _polish(axis, law, ball, _VELOCITY, low, high, guess)
+    return (tau if motion[_ACCELERATION] < 0.0 and tau > low else np.inf), motion[_POSITION]
+
+
+@kernel
+def _polish(
+    axis: Record, law: Record, ball: Record, order: int, low: float, high: float, tau: float
+) -> tuple[float, Motion]:
+    """Halley's method from `tau` for the zero of position - half_gap or velocity; (inf, …) if it leaves [low, high]."""
+    target = axis.half_gap if order == _POSITION else 0.0
+    motion = (0.0, 0.0, 0.0, 0.0)
     for _ in range(8):
         if not low <= tau <= high:
-            return np.inf
-        position, velocity, acceleration, jerk = _motion(axis, law, ball, tau)
-        if velocity <= 0.0:
-            return np.inf
-        newton = (axis.half_gap - position) / velocity
-        bend = newton * acceleration / velocity
-        step = newton / (1.0 + 0.5 * bend)
+            break
+        motion = _motion(axis, law, ball, tau)
+        slope = motion[order + 1]
+        step = (target - motion[order]) / slope if slope != 0.0 else np.inf
+        bend = step * motion[order + 2] / slope
+        if not abs(bend) < 0.5:
+            break
+        step /= 1.0 + 0.5 * bend
         tau += step
-        if abs(step) * (bend * bend + abs(jerk / velocity) * step * step) <= 1e-17 * tau and abs(bend) < 0.1:
-            certain = here[_JERK] <= 0.0 or here[_ACCELERATION] >= 0.0 or acceleration <= 0.0
-            return tau if certain and low <= tau <= high else np.inf
-    return np.inf
+        if abs(step) * (bend * bend + (law.frequency * step) ** 2) <= 1e-17 * tau:
+            return (tau if low <= tau <= high else np.inf), motion
+    return np.inf, motion
+
+
+@kernel
+def _reversal(axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion, there: Motion) -> float:
+    """First zero of the relative velocity on a piece [low, high] with monotone acceleration, inf if none."""
+    if here[_ACCELERATION] < 0.0 < there[_ACCELERATION]:  # convex: at most two zeros, the first before the valley
+        valley = _root(axis, law, ball, _ACCELERATION, low, high, 0.5 * (low + high))
+        if _motion(axis, law, ball, valley)[_VELOCITY] > 0.0:
+            return np.inf
+        return _root(axis, law, ball, _VELOCITY, low, valley, low)
+    if there[_VELOCITY] > 0.0:
+        return np.inf
+    # the velocity is concave or falls all the way: one zero after its top, which Newton meets from the right
+    return _root(axis, law, ball, _VELOCITY, low, high, high)
 
 
 @kernel
@@ -242,11 +265,13 @@ def _motion(axis: Record, law: Record, ball: Record, tau: float) -> Motion:
 
 
 @kernel
-def _root(axis: Record, law: Record, ball: Record, order: int, low: float, high: float) -> float:
-    """Zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high], by safeguarded Newton."""
+def _root(axis: Record, law: Record, ball: Record, order: int, low: float, high: float, tau: float) -> float:
+    """Zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high] near `tau`.
+
+    Newton's method, or Halley's where the next derivative is at hand, kept inside the bracket by bisection.
+    """
     target = axis.half_gap if order == _POSITION else 0.0
     rising = order == _POSITION or (order == _ACCELERATION and _motion(axis, law, ball, high)[order] > 0.0)
-    tau = 0.5 * (low + high)
     for _ in range(200):
         motion = _motion(axis, law, ball, tau)
         f, slope = motion[order] - target, motion[order + 1]
@@ -256,7 +281,11 @@ def _root(axis: Record, law: Record, ball: Record, order: int, low: float, high:
             high = tau
         else:
             low = tau
-        new = tau - f / slope if slope != 0.0 else low
+        step = -f / slope if slope != 0.0 else np.inf
+        bend = 0.5 * step * motion[order + 2] / slope if order < _ACCELERATION else 0.0
+        if abs(bend) < 0.5:
+            step /= 1.0 + bend
+        new = tau + step
         if not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - tau) <= 4e-16 * high:

@@ -17,9 +17,10 @@ from damper.records import ROLLING, STUCK
 if TYPE_CHECKING:
     from damper.records import Floats, Record, Records
 
-_SHORT = 0.25
+_SHORT = 0.1
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
-_TERMS = 14
+_TERMS = 10
+_RECIPROCALS = tuple(1.0 / max(k, 1) for k in range(_TERMS + 2))
 
 
 @kernel
@@ -66,9 +67,9 @@ def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, flo
     power = 1.0  # tau**k / k!
     for k in range(_TERMS):
         ddv += second * power
-        power *= tau / (k + 1)
+        power *= tau * _RECIPROCALS[k + 1]
         dv += second * power
-        du += second * power * tau / (k + 2)
+        du += second * power * tau * _RECIPROCALS[k + 2]
         first, second = second, -2 * law.decay * second - square * first
     return du, dv, ddv
 
