@@ -7,7 +7,7 @@ once, and between its zero and the ends of the piece the velocity is monotone to
 
 Ties and edges, decided once: a velocity that touches zero has reached it; a wall that is touched is hit; a ball
 that was just set off has a relative acceleration along its direction, whatever rounding says; a peak is above a
-threshold only when it exceeds it by more than 1e-12 of it.
+threshold only when it exceeds it by more than 1e-12 of it (`damper.threshold`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from damper.compiled import kernel
-from damper.flight import first_extremum, increments
-from damper.records import HIT, NOTHING, REVERSAL, ROLLING, START, STUCK
+from damper.flight import first_extremum, relative
+from damper.records import HIT, NOTHING, REVERSAL, ROLLING, SLIPPING, START, STUCK
+from damper.slip import end_of_pressing, end_of_slip
+from damper.threshold import drive, first_exceed
 
 if TYPE_CHECKING:
     from damper.records import Record, Records
@@ -27,16 +29,21 @@ if TYPE_CHECKING:
 Motion: TypeAlias = tuple[float, float, float, float]
 
 _POSITION, _VELOCITY, _ACCELERATION, _JERK = 0, 1, 2, 3
-_MARGIN = 1.0 + 1e-12
 
 
 @kernel
 def schedule(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
     """Write into `axis` when its next event happens (inf if not before time `horizon`) and what it is."""
-    if axis.direction == 0:
+    left = horizon - axis.start
+    if axis.regime == ROLLING:
+        axis.heading = axis.direction
+        tau, kind = _end_of_roll(axis, laws[ROLLING], left)
+    elif axis.regime == SLIPPING:
+        tau, kind = end_of_slip(axis, laws[SLIPPING], left)
+    elif axis.spin == 0.0:
         tau, kind = _set_off(axis, laws, ball), START
     else:
-        tau, kind = _end_of_roll(axis, laws[ROLLING], ball, horizon - axis.start)
+        tau, kind = end_of_pressing(axis, laws[STUCK], ball)
     axis.next = axis.start + tau
     axis.kind = kind if tau < np.inf else NOTHING
 
@@ -73,17 +80,17 @@ def _set_off(axis: Record, laws: Records, ball: Record) -> float:
 def _both_exceed(axis: Record, laws: Records, d: int, threshold: float) -> float:
     """First tau at which both drives, by the stuck and by the rolling law's dashpot, exceed the threshold."""
     law = laws[STUCK]
-    p1, q1 = _drive(axis, law, law.damping, d)
+    p1, q1 = drive(axis, law, law.damping, d)
     if laws[ROLLING].damping == law.damping:
-        return _first_exceed(p1, q1, law.decay, law.frequency, threshold)
-    p2, q2 = _drive(axis, law, laws[ROLLING].damping, d)
+        return first_exceed(p1, q1, law.decay, law.frequency, threshold)
+    p2, q2 = drive(axis, law, laws[ROLLING].damping, d)
     above = threshold - 1e-13 * (abs(p1) + abs(q1))
     tau = 0.0
     for _ in range(8):  # whichever comes second decides; each peak passed is lower than the one before
-        tau += _first_exceed(*_turned(p1, q1, law, tau), law.decay, law.frequency, threshold)
+        tau += first_exceed(*_turned(p1, q1, law, tau), law.decay, law.frequency, threshold)
         if tau == np.inf or _turned(p2, q2, law, tau)[0] >= above:
             return tau
-        tau += _first_exceed(*_turned(p2, q2, law, tau), law.decay, law.frequency, threshold)
+        tau += first_exceed(*_turned(p2, q2, law, tau), law.decay, law.frequency, threshold)
         if tau == np.inf or _turned(p1, q1, law, tau)[0] >= above:
             return tau
     return np.inf
@@ -98,66 +105,24 @@ def _turned(p: float, q: float, law: Record, tau: float) -> tuple[float, float]:
 
 
 @kernel
-def _drive(axis: Record, law: Record, damping: float, d: int) -> tuple[float, float]:
-    """Coefficients of  d (K u + c v) / M1 = exp(-decay tau) (p cos + q sin)  in stuck motion."""
-    v_cos = law.frequency * axis.b - law.decay * axis.a
-    v_sin = -law.frequency * axis.a - law.decay * axis.b
-    return d * (law.stiffness * axis.a + damping * v_cos) / law.mass, d * (
-        law.stiffness * axis.b + damping * v_sin
-    ) / law.mass
-
-
-@kernel
-def _first_exceed(p: float, q: float, decay: float, frequency: float, threshold: float) -> float:
-    """First tau ≥ 0 at which exp(-decay tau) (p cos + q sin) exceeds the threshold, inf if never."""
-    if p > threshold * _MARGIN:
-        return 0.0
-    if p * p + q * q <= threshold * threshold:
-        return np.inf
-    radius, phase = math.sqrt(p * p + q * q), math.atan2(q, p)
-    lag = math.atan2(decay, frequency)  # by which damping brings the peak forward
-    turn = phase - lag if phase > lag else phase - lag + 2.0 * math.pi
-    high = turn / frequency
-    radius *= math.exp(-decay * high)  # of the peak to come
-    if radius * math.cos(lag) <= threshold * _MARGIN:
-        return np.inf
-    low, peak = max(high - math.pi / frequency, 0.0), high
-    tau = max(low, peak - (math.acos(threshold / radius) - lag) / frequency)
-    for _ in range(100):
-        angle = frequency * (tau - peak) - lag
-        e = radius * math.exp(decay * (peak - tau))
-        f = e * math.cos(angle) - threshold
-        if f > 0.0:
-            high = tau
-        else:
-            low = tau
-        slope = -e * (frequency * math.sin(angle) + decay * math.cos(angle))
-        new = tau - f / slope if slope > 0.0 else low
-        if abs(new - tau) <= 4e-16 * peak:
-            return new
-        tau = new if low < new < high else 0.5 * (low + high)
-    return tau
-
-
-@kernel
-def _end_of_roll(axis: Record, law: Record, ball: Record, horizon: float) -> tuple[float, int]:
+def _end_of_roll(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
     """First hit of the wall ahead or zero of the relative velocity, and which; (inf, NOTHING) past the horizon."""
     spacing = math.pi / law.frequency
-    low, here = 0.0, _departure_motion(axis, law, ball)
+    low, here = 0.0, _departure_motion(axis, law)
     axis.crest = high = first_extremum(axis, law, 2)
     while low < horizon:
-        hit = _early_hit(axis, law, ball, low, high, here)
+        hit = _early_hit(axis, law, low, high, here)
         if hit < np.inf:
             return hit, HIT
-        reversal, position = _early_reversal(axis, law, ball, low, high, here)
+        reversal, position = _early_reversal(axis, law, low, high, here)
         there = here
         if reversal == np.inf:
-            there = _motion(axis, law, ball, high)
-            reversal = _reversal(axis, law, ball, low, high, here, there)
-            position = _motion(axis, law, ball, reversal)[_POSITION] if reversal < np.inf else there[_POSITION]
+            there = _motion(axis, law, high)
+            reversal = _reversal(axis, law, low, high, here, there)
+            position = _motion(axis, law, reversal)[_POSITION] if reversal < np.inf else there[_POSITION]
         if position >= axis.half_gap:
             end = min(reversal, high)
-            return _root(axis, law, ball, _POSITION, low, end, 0.5 * (low + end)), HIT
+            return _root(axis, law, _POSITION, low, end, 0.5 * (low + end)), HIT
         if reversal < np.inf:
             return reversal, REVERSAL
         low, here = high, there
@@ -166,7 +131,7 @@ def _end_of_roll(axis: Record, law: Record, ball: Record, horizon: float) -> tup
 
 
 @kernel
-def _early_hit(axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion) -> float:
+def _early_hit(axis: Record, law: Record, low: float, high: float, here: Motion) -> float:
     """Hit of the wall ahead on a piece [low, high] where it is certain to be the first event, else inf.
 
     Guessed by a parabola. Certain: the relative velocity is positive at the root and cannot have dipped below zero
@@ -180,15 +145,13 @@ def _early_hit(axis: Record, law: Record, ball: Record, low: float, high: float,
     if here[_JERK] * guess > 3.0 * here[_ACCELERATION]:  # just set off: the jerk carries the ball
         guess = min(guess, (6.0 * distance / here[_JERK]) ** (1.0 / 3.0))
     guess += low
-    tau, motion = _polish(axis, law, ball, _POSITION, low, high, guess)
+    tau, motion = _polish(axis, law, _POSITION, low, high, guess)
     certain = here[_JERK] <= 0.0 or here[_ACCELERATION] >= 0.0 or motion[_ACCELERATION] <= 0.0
     return tau if certain and motion[_VELOCITY] > 0.0 else np.inf
 
 
 @kernel
-def _early_reversal(
-    axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion
-) -> tuple[float, float]:
+def _early_reversal(axis: Record, law: Record, low: float, high: float, here: Motion) -> tuple[float, float]:
     """First zero of the relative velocity on a piece [low, high], and the position there, or inf if in doubt.
 
     Guessed by a parabola. With monotone acceleration the velocity has at most one zero where it falls.
@@ -199,21 +162,19 @@ def _early_reversal(
         guess = low - 2.0 * acceleration / jerk if velocity == 0.0 and jerk < 0.0 else np.inf
     else:
         guess = low + 2.0 * velocity / (math.sqrt(square) - acceleration)
-    tau, motion = _polish(axis, law, ball, _VELOCITY, low, high, guess)
+    tau, motion = _polish(axis, law, _VELOCITY, low, high, guess)
     return (tau if motion[_ACCELERATION] < 0.0 and tau > low else np.inf), motion[_POSITION]
 
 
 @kernel
-def _polish(
-    axis: Record, law: Record, ball: Record, order: int, low: float, high: float, tau: float
-) -> tuple[float, Motion]:
+def _polish(axis: Record, law: Record, order: int, low: float, high: float, tau: float) -> tuple[float, Motion]:
     """Halley's method from `tau` for the zero of position - half_gap or velocity; (inf, …) if it leaves [low, high]."""
     target = axis.half_gap if order == _POSITION else 0.0
     motion = (0.0, 0.0, 0.0, 0.0)
     for _ in range(8):
         if not low <= tau <= high:
             break
-        motion = _motion(axis, law, ball, tau)
+        motion = _motion(axis, law, tau)
         slope = motion[order + 1]
         step = (target - motion[order]) / slope if slope != 0.0 else np.inf
         bend = step * motion[order + 2] / slope
@@ -227,53 +188,49 @@ def _polish(
 
 
 @kernel
-def _reversal(axis: Record, law: Record, ball: Record, low: float, high: float, here: Motion, there: Motion) -> float:
+def _reversal(axis: Record, law: Record, low: float, high: float, here: Motion, there: Motion) -> float:
     """First zero of the relative velocity on a piece [low, high] with monotone acceleration, inf if none."""
     if here[_ACCELERATION] < 0.0 < there[_ACCELERATION]:  # convex: at most two zeros, the first before the valley
-        valley = _root(axis, law, ball, _ACCELERATION, low, high, 0.5 * (low + high))
-        if _motion(axis, law, ball, valley)[_VELOCITY] > 0.0:
+        valley = _root(axis, law, _ACCELERATION, low, high, 0.5 * (low + high))
+        if _motion(axis, law, valley)[_VELOCITY] > 0.0:
             return np.inf
-        return _root(axis, law, ball, _VELOCITY, low, valley, low)
-    if there[_VELOCITY] > 0.0:
+        return _root(axis, law, _VELOCITY, low, valley, low)
+    if there[_VELOCITY] > 0.0 or there[_ACCELERATION] >= 0.0:
         return np.inf
     # the velocity is concave or falls all the way: one zero after its top, which Newton meets from the right
-    return _root(axis, law, ball, _VELOCITY, low, high, high)
+    return _root(axis, law, _VELOCITY, low, high, high)
 
 
 @kernel
-def _departure_motion(axis: Record, law: Record, ball: Record) -> Motion:
+def _departure_motion(axis: Record, law: Record) -> Motion:
     """`_motion` at tau = 0, where a ball that was just set off accelerates along its direction."""
-    d, beta = axis.direction, ball.inertia_ratio
-    square = law.stiffness / law.mass
+    d, square = axis.direction, law.stiffness / law.mass
     structure = -2.0 * law.decay * axis.v - square * (axis.u - axis.offset)
-    acceleration = -d * beta * structure - ball.relative_push
+    acceleration = d * (axis.f - axis.beta * structure)
     if axis.w == 0.0:
         acceleration = max(acceleration, 0.0)
-    jerk = d * beta * (2.0 * law.decay * structure + square * axis.v)
+    jerk = d * axis.beta * (2.0 * law.decay * structure + square * axis.v)
     return d * axis.s, d * axis.w, acceleration, jerk
 
 
 @kernel
-def _motion(axis: Record, law: Record, ball: Record, tau: float) -> Motion:
+def _motion(axis: Record, law: Record, tau: float) -> Motion:
     """Relative position, velocity, acceleration and jerk along the direction of motion."""
-    du, dv, acceleration = increments(axis, law, tau)
-    d, beta = axis.direction, ball.inertia_ratio
-    position = d * (axis.s + axis.w * tau - beta * du) - 0.5 * ball.relative_push * tau * tau
-    velocity = d * (axis.w - beta * dv) - ball.relative_push * tau
-    jerk = beta * (2.0 * law.decay * acceleration + law.stiffness / law.mass * (axis.v + dv))
-    return position, velocity, -d * beta * acceleration - ball.relative_push, d * jerk
+    d = axis.direction
+    s, w, acceleration, jerk = relative(axis, law, tau)
+    return d * s, d * w, d * acceleration, d * jerk
 
 
 @kernel
-def _root(axis: Record, law: Record, ball: Record, order: int, low: float, high: float, tau: float) -> float:
+def _root(axis: Record, law: Record, order: int, low: float, high: float, tau: float) -> float:
     """Zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high] near `tau`.
 
     Newton's method, or Halley's where the next derivative is at hand, kept inside the bracket by bisection.
     """
     target = axis.half_gap if order == _POSITION else 0.0
-    rising = order == _POSITION or (order == _ACCELERATION and _motion(axis, law, ball, high)[order] > 0.0)
+    rising = order == _POSITION or (order == _ACCELERATION and _motion(axis, law, high)[order] > 0.0)
     for _ in range(200):
-        motion = _motion(axis, law, ball, tau)
+        motion = _motion(axis, law, tau)
         f, slope = motion[order] - target, motion[order + 1]
         if f == 0.0:
             return tau

@@ -11,8 +11,9 @@ from damper.compiled import kernel
 from damper.detect import schedule
 from damper.flight import begin, increments, structure, viscous_loss
 from damper.peaks import next_window, watch
-from damper.records import HIT, RELEASE, REVERSAL, ROLLING, RUB, START, STUCK
-from damper.resolve import hit, rub, settle
+from damper.records import GRIP, HIT, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
+from damper.resolve import hit, roll, rub, settle, slip
+from damper.slip import sliding_distance, spin_after
 
 if TYPE_CHECKING:
     from damper.records import Floats, Record, Records
@@ -28,10 +29,12 @@ _TREMOR = 1e-7
 def release(clock: Record, axes: Records, laws: Records, ball: Record, rows: Records) -> None:
     """Let go at time 0 from the state in `axes`."""
     for i in range(2):
-        if axes[i].w == 0.0:
+        if ball.grip > 0.0 and axes[i].spin != axes[i].w:
+            slip(axes[i])
+        elif axes[i].w == 0.0:
             settle(axes[i], laws[i], ball)
         else:
-            axes[i].direction = 1 if axes[i].w > 0.0 else -1
+            roll(axes[i], 1 if axes[i].w > 0.0 else -1)
         _restart(i, RELEASE, 0.0, clock, axes, laws, ball, rows)
     _rest(clock, axes)
 
@@ -77,14 +80,18 @@ def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, b
     kind = axis.kind
     _fly(axis, laws[i], ball, books, clock.time)
     before = axis.w
-    if kind == START:
-        axis.direction = axis.heading
+    if kind == START and axis.spin != 0.0:
+        slip(axis)
+    elif kind == START:
+        roll(axis, axis.heading)
     elif kind == REVERSAL:
         settle(axis, laws[i], ball)
+    elif kind == GRIP:
+        _grip(axis, laws[i], ball)
     elif kind == HIT:
         clock.impacts += 1
         impulse = hit(axis, ball, books)
-        if ball.friction > 0.0 and other.direction != 0:
+        if ball.friction > 0.0 and other.regime != STUCK:
             _fly(other, laws[1 - i], ball, books, clock.time)
             sliding = other.w
             rub(other, impulse, laws[1 - i], ball, books)
@@ -93,35 +100,54 @@ def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, b
 
 
 @kernel
+def _grip(axis: Record, laws: Records, ball: Record) -> None:
+    """Sliding ends: the ball rolls on, or its spin against a wall is spent."""
+    if axis.regime == STUCK:
+        axis.spin = 0.0
+    elif axis.w == 0.0:
+        settle(axis, laws, ball)
+    else:
+        roll(axis, 1 if axis.w > 0.0 else -1)
+
+
+@kernel
 def _fly(axis: Record, laws: Records, ball: Record, books: Record, time: float) -> None:
     """Bring an axis to `time`: its state there, and the work done on the way."""
     tau = time - axis.start
-    law = laws[STUCK if axis.direction == 0 else ROLLING]
+    law = laws[axis.regime]
     books.structure += viscous_loss(axis, law, tau)
     du, dv, acceleration = increments(axis, law, tau)
-    if axis.direction != 0:
-        _account(axis, law, ball, tau, acceleration)
-        f = -axis.direction * ball.relative_push
-        path = axis.w * tau - ball.inertia_ratio * du + 0.5 * f * tau * tau
-        books.rolling += ball.mass * ball.threshold * abs(path)
+    path = 0.0
+    if axis.regime != STUCK:
+        path = axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau
         axis.s += path
-        axis.w += f * tau - ball.inertia_ratio * dv
+        axis.w += axis.f * tau - axis.beta * dv
+    if axis.regime == ROLLING:
+        _account(axis, law, tau, acceleration)
+        books.rolling += ball.mass * ball.threshold * abs(path)
+        axis.spin = axis.w
+    elif axis.spin != 0.0 or axis.regime == SLIPPING:
+        spin = spin_after(axis, ball, tau)
+        if axis.regime == SLIPPING:
+            books.slip += ball.mass * ball.grip * abs(sliding_distance(axis, path, tau))
+        else:
+            books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+        axis.spin = spin
     axis.u += axis.v * tau + du
     axis.v += dv
     axis.start = time
 
 
 @kernel
-def _account(axis: Record, law: Record, ball: Record, tau: float, acceleration: float) -> None:
+def _account(axis: Record, law: Record, tau: float, acceleration: float) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2]."""
-    f = -axis.direction * ball.relative_push
-    share = 1.0 - ball.inertia_ratio
+    share = 1.0 - axis.beta
     at_start = -2.0 * law.decay * axis.v - law.stiffness / law.mass * (axis.u - axis.offset)
-    axis.demand = max(axis.demand, abs(share * at_start + f), abs(share * acceleration + f))
+    axis.demand = max(axis.demand, abs(share * at_start + axis.f), abs(share * acceleration + axis.f))
     crest = axis.crest
     for _ in range(2):
         if crest < tau:
-            axis.demand = max(axis.demand, abs(share * structure(axis, law, crest)[2] + f))
+            axis.demand = max(axis.demand, abs(share * structure(axis, law, crest)[2] + axis.f))
         crest += math.pi / law.frequency
 
 
@@ -137,7 +163,7 @@ def _restart(
         row = rows[clock.rows]
         row.time, row.axis, row.kind = clock.time, i, kind
         row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
-        row.direction, row.w_before = axis.direction, before
+        row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
         clock.rows += 1
 
 
@@ -162,7 +188,7 @@ def _observe(
         _tremor(clock, ball, books, peak.speed)
         next_window(peak)
     clock.watched = time
-    if axes[0].direction != 0 or axes[1].direction != 0:
+    if axes[0].regime != STUCK or axes[1].regime != STUCK:
         clock.last_motion = time
     return True
 
@@ -186,7 +212,7 @@ def _tremor(clock: Record, ball: Record, books: Record, speed: float) -> None:
 def _rest(clock: Record, axes: Records) -> None:
     """Once both axes stick and nothing will ever happen again, the run ends a little later."""
     for i in range(2):
-        if axes[i].direction != 0 or axes[i].next < np.inf:
+        if axes[i].regime != STUCK or axes[i].next < np.inf:
             return
     if clock.rest == np.inf:
         _settle_down(clock)

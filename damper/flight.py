@@ -1,7 +1,8 @@
 """Closed-form flight: where structure and ball are, a time tau after an event.
 
 The structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a cos + b sin); the ball
-follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2  with the constant f of rolling resistance.
+follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its inertia and f of the
+rolling resistance; slipping, with beta = 1 and f of the sliding friction.
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.records import ROLLING, STUCK
+from damper.records import ROLLING, SLIPPING
 
 if TYPE_CHECKING:
-    from damper.records import Floats, Record, Records
+    from damper.records import Record, Records
 
 _SHORT = 0.1
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
@@ -26,9 +27,16 @@ _RECIPROCALS = tuple(1.0 / max(k, 1) for k in range(_TERMS + 2))
 @kernel
 def begin(axis: Record, laws: Records, ball: Record, time: float) -> None:
     """Start a flight from the state in `axis`: the constants of its closed form."""
-    law = laws[STUCK if axis.direction == 0 else ROLLING]
+    law = laws[axis.regime]
     axis.start = time
-    axis.offset = axis.direction * ball.push / law.stiffness
+    axis.beta, axis.f, push = 0.0, 0.0, 0.0
+    if axis.regime == ROLLING:
+        axis.beta, axis.f = ball.inertia_ratio, -axis.direction * ball.relative_push
+        push = axis.direction * ball.push
+    elif axis.regime == SLIPPING:
+        axis.beta, axis.f = 1.0, -axis.direction * ball.grip
+        push = -ball.mass * axis.f
+    axis.offset = push / law.stiffness
     axis.a = axis.u - axis.offset
     axis.b = (axis.v + law.decay * axis.a) / law.frequency
 
@@ -75,13 +83,16 @@ def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, flo
 
 
 @kernel
-def relative(axis: Record, law: Record, ball: Record, tau: float) -> tuple[float, float, float]:
-    """Position, velocity and acceleration of a rolling ball relative to the structure."""
+def relative(axis: Record, law: Record, tau: float) -> tuple[float, float, float, float]:
+    """Position, velocity, acceleration and jerk of a moving ball relative to the structure."""
     du, dv, acceleration = increments(axis, law, tau)
-    f = -axis.direction * ball.relative_push
-    s = axis.s + axis.w * tau - ball.inertia_ratio * du + 0.5 * f * tau * tau
-    w = axis.w - ball.inertia_ratio * dv + f * tau
-    return s, w, f - ball.inertia_ratio * acceleration
+    jerk = -2.0 * law.decay * acceleration - law.stiffness / law.mass * (axis.v + dv)
+    return (
+        axis.s + axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau,
+        axis.w - axis.beta * dv + axis.f * tau,
+        axis.f - axis.beta * acceleration,
+        -axis.beta * jerk,
+    )
 
 
 @kernel
@@ -115,17 +126,3 @@ def viscous_loss(axis: Record, law: Record, tau: float) -> float:
     begin_value = -big_a * alpha - big_b * omega
     wave = 0.5 * (end - begin_value) / (alpha * alpha + omega * omega)
     return law.damping * (mean + wave)
-
-
-@kernel
-def evaluate(flights: Records, laws: Records, ball: Record, times: Floats, out: Floats) -> None:
-    """Fill `out`, shape (4, n), with u, v, s, w of n flights at n times."""
-    for k in range(len(times)):
-        axis = flights[k]
-        begin(axis, laws, ball, axis.start)
-        tau = times[k] - axis.start
-        law = laws[STUCK if axis.direction == 0 else ROLLING]
-        out[0, k], out[1, k], _ = structure(axis, law, tau)
-        out[2, k], out[3, k] = axis.s, 0.0
-        if axis.direction != 0:
-            out[2, k], out[3, k], _ = relative(axis, law, ball, tau)

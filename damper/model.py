@@ -36,6 +36,9 @@ class ParticleDamper:
         damping_ratio: zeta, the structure's own damping without the ball [-].
         sticking_ratio: epsilon, relative to structural speed below which a hit ends in sticking [-].
         formulation: which equations of rolling are used.
+        floor_friction: coefficient of sliding friction on the floor [-]. Given, the ball keeps its spin in a wall
+            hit, since the floor's finite force has no time to change it, and slips until it rolls again. None:
+            the spin follows the new rolling velocity at once, as in the paper.
 
     Raises:
         ValueError: a quantity has no physical sense; the message names it.
@@ -53,6 +56,7 @@ class ParticleDamper:
     damping_ratio: float = 0.0
     sticking_ratio: float = 1e-2
     formulation: Formulation = Formulation.CONSISTENT
+    floor_friction: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
@@ -76,6 +80,10 @@ class ParticleDamper:
         _require(0 <= self.damping_ratio < 1, "damping_ratio", self.damping_ratio, "at least 0 and below 1")
         _require(self.sticking_ratio >= 0, "sticking_ratio", self.sticking_ratio, "≥ 0")
         Formulation(self.formulation)
+        if self.floor_friction is not None:
+            _require(self.floor_friction > 0, "floor_friction", self.floor_friction, "positive")
+            if self.formulation is Formulation.PRINTED:
+                raise ValueError("floor_friction: the printed equations know no slip; use the consistent formulation")
 
     @property
     def stuck_mass(self) -> float:

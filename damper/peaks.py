@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
 from damper.flight import velocity
-from damper.records import ROLLING, STUCK
 
 if TYPE_CHECKING:
     from damper.records import Record, Records
@@ -64,7 +63,7 @@ def _speed(axes: Records, laws: Records, time: float) -> tuple[float, float]:
     square = rate = 0.0
     for i in range(2):
         axis = axes[i]
-        law = laws[i, STUCK if axis.direction == 0 else ROLLING]
+        law = laws[i, axis.regime]
         v, acceleration = velocity(axis, law, time - axis.start)
         square += v * v
         rate += v * acceleration

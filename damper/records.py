@@ -20,12 +20,12 @@ def _record(*fields: tuple[str, str]) -> np.dtype[np.record]:
     return cast("np.dtype[np.record]", np.dtype((np.record, list(fields))))
 
 
-STUCK, ROLLING = 0, 1
-"""Rows of the law table."""
+STUCK, ROLLING, SLIPPING = 0, 1, 2
+"""Regimes of an axis, and rows of the law table."""
 
-NOTHING, RELEASE, START, REVERSAL, HIT, RUB = -1, 0, 1, 2, 3, 4
+NOTHING, RELEASE, START, REVERSAL, HIT, RUB, GRIP = -1, 0, 1, 2, 3, 4, 5
 """Kinds of event: none; the release at time 0; the end of sticking; a zero of the relative velocity; a wall; the
-tangential side of a wall hit."""
+tangential side of a wall hit; the end of slip."""
 
 LAW = _record(("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8"))
 """A damped oscillator: mass [kg], stiffness [N/m], damping [N s/m], decay rate [1/s], damped frequency [rad/s]."""
@@ -38,6 +38,7 @@ BALL = _record(
     ("threshold", "f8"),  # a_r
     ("push", "f8"),  # force of rolling on the structure, along the relative motion
     ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
+    ("grip", "f8"),  # deceleration by sliding on the floor; 0: the spin follows the rolling velocity at once
     ("restitution", "f8"),
     ("friction", "f8"),
     ("sticking_ratio", "f8"),
@@ -50,7 +51,11 @@ AXIS = _record(
     ("v", "f8"),
     ("s", "f8"),  # ball relative to the structure: position and velocity then
     ("w", "f8"),
-    ("direction", "i8"),  # of the relative motion: -1, 0 (stuck), 1
+    ("spin", "f8"),  # surface speed of the ball, equal to w while it rolls
+    ("regime", "i8"),
+    ("direction", "i8"),  # of the relative motion, or of the sliding of the contact: -1, 0 (stuck), 1
+    ("beta", "f8"),  # s = s0 + w0 t - beta (u - u0 - v0 t) + f t**2 / 2
+    ("f", "f8"),
     ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin)
     ("a", "f8"),
     ("b", "f8"),
@@ -58,7 +63,7 @@ AXIS = _record(
     ("half_gap", "f8"),
     ("next", "f8"),  # when the next event of this axis happens, inf if never
     ("kind", "i8"),  # and what it is
-    ("heading", "i8"),  # direction in which a stuck ball will set off
+    ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
 )
 
@@ -99,6 +104,8 @@ EVENT = _record(
     ("v", "f8"),
     ("s", "f8"),
     ("w", "f8"),
+    ("spin", "f8"),
+    ("regime", "i8"),
     ("direction", "i8"),
     ("w_before", "f8"),
 )
@@ -106,17 +113,18 @@ EVENT = _record(
 
 
 def laws_of(damper: ParticleDamper) -> Records:
-    """Oscillators that govern the structure, shape (2 axes, 2: stuck or rolling)."""
+    """Oscillators that govern the structure, shape (2 axes, 3 regimes)."""
     from damper.model import Formulation
 
     printed = damper.formulation is Formulation.PRINTED
-    laws = np.zeros((2, 2), LAW)
+    laws = np.zeros((2, 3), LAW)
     beta, zeta = damper.inertia_ratio, damper.damping_ratio
     moving_mass = damper.modal_mass + (0.0 if printed else (1 - beta) * damper.ball_mass)
     for axis, stiffness in enumerate(damper.stiffness):
         dashpot = 2 * zeta * np.sqrt(stiffness * damper.modal_mass)
         stuck_dashpot = 2 * zeta * np.sqrt(stiffness * damper.stuck_mass) if printed else dashpot
-        for row, mass, c in ((STUCK, damper.stuck_mass, stuck_dashpot), (ROLLING, moving_mass, dashpot)):
+        masses = (damper.stuck_mass, moving_mass, damper.modal_mass)
+        for row, (mass, c) in enumerate(zip(masses, (stuck_dashpot, dashpot, dashpot), strict=True)):
             decay = c / (2 * mass)
             frequency = np.sqrt(max(stiffness / mass - decay**2, 0.0))
             laws[axis, row] = (mass, stiffness, c, decay, frequency)
@@ -139,6 +147,7 @@ def ball_of(damper: ParticleDamper, reach: float) -> Records:
         threshold,
         reaction * damper.ball_mass * threshold,
         beta * threshold,
+        (damper.floor_friction or 0.0) * damper.centrifugal_acceleration,
         damper.restitution,
         damper.friction,
         damper.sticking_ratio,

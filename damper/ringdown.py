@@ -99,6 +99,7 @@ def ringdown(
     velocity: tuple[float, float] = (0.0, 0.0),
     ball_position: tuple[float, float] = (0.0, 0.0),
     ball_velocity: tuple[float, float] = (0.0, 0.0),
+    ball_spin: tuple[float, float] | None = None,
     keep_events: bool = False,
     max_cycles: float = 100_000,
     max_events: int = 50_000_000,
@@ -113,6 +114,7 @@ def ringdown(
         velocity: the structure's velocities then [m/s].
         ball_position: of the ball's centre from the cavity's centre then [m].
         ball_velocity: of the ball relative to the structure then [m/s].
+        ball_spin: speed of the ball's surface about its centre then [m/s]; None: the ball rolls.
         keep_events: keep the event table, from which `damper.sample` makes time histories.
         max_cycles: cap where `cycles` is None.
         max_events: cap on events; the run ends there with `Outcome.EVENT_CAP`.
@@ -125,7 +127,7 @@ def ringdown(
 
     if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
         raise ValueError(f"cycles must be positive, got {cycles:g}")
-    axes = _start(damper, release, velocity, ball_position, ball_velocity)
+    axes = _start(damper, release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity)
     omega = damper.stuck_frequency
     period = 2 * math.pi / omega
     reach = max(map(abs, (*release, *(x / omega for x in (*velocity, *ball_velocity)))))
@@ -175,10 +177,10 @@ def ringdown(
 
 
 def _start(damper: ParticleDamper, *state: tuple[float, float]) -> Records:
-    """The two axes at time 0, from u, v, s and w of each."""
+    """The two axes at time 0, from u, v, s, w and the spin of each."""
     axes = np.zeros(2, AXIS)
     axes["half_gap"] = damper.half_gap
-    for name, pair in zip(("u", "v", "s", "w"), state, strict=True):
+    for name, pair in zip(("u", "v", "s", "w", "spin"), state, strict=True):
         if not all(map(math.isfinite, pair)):
             raise ValueError(f"the release must be finite, got {pair}")
         axes[name] = pair
@@ -189,13 +191,13 @@ def _start(damper: ParticleDamper, *state: tuple[float, float]) -> Records:
 
 
 def energy_of(damper: ParticleDamper, state: Records) -> float:
-    """Energy of structure and ball [J] from records with fields u, v, s, w, one per axis.
+    """Energy of structure and ball [J] from records with fields u, v, w and spin, one per axis.
 
-    Sum over the axes of  K u^2 / 2 + M2 v^2 / 2 + m_p (v + w)^2 / 2, and for a rolling ball its spin 2/5 m_p w^2 / 2.
+    Sum over the axes of  K u^2 / 2 + M2 v^2 / 2 + m_p (v + w)^2 / 2, and 2/5 m_p spin^2 / 2.
     """
-    u, v, w = state["u"], state["v"], state["w"]
+    u, v, w, spin = state["u"], state["v"], state["w"], state["spin"]
     stiffness = np.asarray(damper.stiffness)
-    twice = stiffness * u**2 + damper.modal_mass * v**2 + damper.ball_mass * (v + w) ** 2 + damper.spin_mass * w**2
+    twice = stiffness * u**2 + damper.modal_mass * v**2 + damper.ball_mass * (v + w) ** 2 + damper.spin_mass * spin**2
     return 0.5 * float(twice.sum())
 
 

@@ -26,7 +26,9 @@ class History:
         velocity: of the structure, shape (n, 2) [m/s].
         relative_position: of the ball's centre from the cavity's centre, shape (n, 2) [m].
         relative_velocity: of the ball in the cavity, shape (n, 2) [m/s].
-        direction: of the ball's relative motion, -1, 0 (stuck) or 1, shape (n, 2).
+        spin: of the ball, as the speed of its surface about its centre, shape (n, 2) [m/s]; rolling, it is the
+            relative velocity.
+        regime: 0 stuck to the structure, 1 rolling, 2 slipping on the floor, shape (n, 2).
     """
 
     time: Floats
@@ -34,7 +36,8 @@ class History:
     velocity: Floats
     relative_position: Floats
     relative_velocity: Floats
-    direction: npt.NDArray[np.int64]
+    spin: Floats
+    regime: npt.NDArray[np.int64]
 
 
 def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
@@ -43,7 +46,7 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
     Raises:
         ValueError: the ring-down kept no events, or a time lies outside it.
     """
-    from damper.flight import evaluate
+    from damper.evaluate import evaluate
 
     if ringdown.rows is None:
         raise ValueError("the ring-down kept no events: call ringdown(..., keep_events=True)")
@@ -52,15 +55,15 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
     damper = ringdown.damper
     laws, ball = laws_of(damper), ball_of(damper, 0.0)
-    out = np.empty((4, time.size, 2))
-    direction = np.empty((time.size, 2), np.int64)
+    out = np.empty((5, time.size, 2))
+    regime = np.empty((time.size, 2), np.int64)
     for i in range(2):
         rows = ringdown.rows[ringdown.rows["axis"] == i]
         at = np.searchsorted(rows["time"], time, side="right") - 1
         flights = np.zeros(time.size, AXIS)
-        for name in ("u", "v", "s", "w", "direction"):
+        for name in ("u", "v", "s", "w", "spin", "regime", "direction"):
             flights[name] = rows[name][at]
         flights["start"] = rows["time"][at]
         evaluate(flights, laws[i], ball[0], time, out[:, :, i])
-        direction[:, i] = flights["direction"]
-    return History(time, out[0], out[1], out[2], out[3], direction)
+        regime[:, i] = flights["regime"]
+    return History(time, out[0], out[1], out[2], out[3], out[4], regime)

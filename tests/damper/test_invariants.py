@@ -16,34 +16,38 @@ from tests.damper.test_reference import paper_like
 SEEDS = range(60)
 
 
-def run_of(seed: int, *, consistent: bool = False, cycles: float = 10):
+def run_of(seed: int, *, consistent: bool = False, slip: bool = False, cycles: float = 10):
     damper, release = random_scene(seed)
-    if consistent:
+    if consistent or slip:
         damper = dataclasses.replace(damper, formulation=Formulation.CONSISTENT)
+    if slip:
+        damper = dataclasses.replace(damper, floor_friction=0.05 + seed / 100)
     return ringdown(damper, release, cycles, keep_events=True)
 
 
+@pytest.mark.parametrize("slip", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
-def test_books_close_and_energy_never_rises(seed: int) -> None:
-    run = run_of(seed, consistent=True)
+def test_books_close_and_energy_never_rises(seed: int, slip: bool) -> None:
+    run = run_of(seed, consistent=True, slip=slip)
     assert abs(run.energy.residual) <= 1e-10 * run.energy.initial
-    assert min(run.energy.structure, run.energy.rolling, run.energy.impact) >= 0
+    assert min(run.energy.structure, run.energy.rolling, run.energy.impact, run.energy.slip) >= 0
     after = np.array([energy_of(run.damper, _state(run, t)) for t in np.linspace(0, run.duration, 200)])
     assert (np.diff(after) <= 1e-12 * run.energy.initial).all()
 
 
 def _state(run, time):
     at = sample(run, time)
-    names = {"u": at.displacement, "v": at.velocity, "s": at.relative_position, "w": at.relative_velocity}
+    names = {"u": at.displacement, "v": at.velocity, "w": at.relative_velocity, "spin": at.spin}
     state = np.zeros(2, [(name, "f8") for name in names])
     for name, column in names.items():
         state[name] = column[0]
     return state
 
 
+@pytest.mark.parametrize("slip", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
-def test_ball_stays_in_its_cavity(seed: int) -> None:
-    run = run_of(seed)
+def test_ball_stays_in_its_cavity(seed: int, slip: bool) -> None:
+    run = run_of(seed, slip=slip)
     position = sample(run, np.linspace(0, run.duration, 3000)).relative_position
     gap = np.array(run.damper.half_gap)
     assert (np.abs(position) <= gap + 1e-12 * max(gap)).all()

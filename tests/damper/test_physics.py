@@ -18,7 +18,7 @@ from damper import (
     two_hit_bound,
     work_bound,
 )
-from damper.records import HIT, REVERSAL
+from damper.records import GRIP, HIT, REVERSAL, STUCK
 from tests.damper.test_reference import paper_like
 
 HEAVY = 1e15  # a structure that the ball does not move
@@ -185,6 +185,45 @@ def test_structure_alone_decays_as_it_should() -> None:
     assert result.intrinsic_sdc == intrinsic_sdc(damper)
     np.testing.assert_allclose(result.sdc, exact, rtol=1e-10)
     assert abs(run.energy.residual) < 1e-13 * run.energy.initial
+
+
+def slippery(e: float = 0.5, **changes: object) -> ParticleDamper:
+    """A ball that slips, in a structure so heavy and slow that it is a floor at rest."""
+    base = heavy(
+        1e-6, 10.0, centrifugal_acceleration=2e3, restitution=e, floor_friction=0.3, sticking_ratio=0.0, friction=0.0
+    )
+    return dataclasses.replace(base, **changes)
+
+
+def test_slip_to_roll() -> None:
+    """A ball that slides without spin rolls with 5/7 of its speed after 2 u0 / (7 mu g)."""
+    damper, u0 = slippery(), 3.0
+    run = ringdown(damper, (0.0, 0.0), 1e-8, ball_velocity=(u0, 0.0), ball_spin=(0.0, 0.0), keep_events=True)
+    grip = run.rows[run.rows["kind"] == GRIP][0]
+    assert grip["time"] == pytest.approx(2 * u0 / (7 * 0.3 * 2e3), rel=1e-9)
+    assert grip["w"] == pytest.approx(5 / 7 * u0, rel=1e-9)
+    assert run.energy.slip == pytest.approx(0.5 * 2 / 7 * u0**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("e", [0.41, 0.5, 0.8, 1.0])
+def test_effective_restitution_of_a_rolling_ball(e: float) -> None:
+    """It leaves a wall with its old spin and rolls at (2 - 5e)/7 of its speed, momentum about the contact kept."""
+    run = ringdown(slippery(e), (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
+    hits = run.rows[run.rows["kind"] == HIT]
+    grips = run.rows[run.rows["kind"] == GRIP]
+    assert grips["w"][0] == pytest.approx((2 - 5 * e) / 7 * 3.0, rel=1e-6)
+    assert grips["time"][0] > hits["time"][0]
+
+
+@pytest.mark.parametrize("e", [0.0, 0.2, 0.39])
+def test_a_dull_rolling_ball_keeps_pressing_the_wall(e: float) -> None:
+    """Below e = 0.4 the ball bounces on the wall, friction pressing it there, until its spin is spent."""
+    damper = slippery(e, rolling_friction=1e-9)
+    run = ringdown(damper, (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
+    last = run.rows[run.rows["axis"] == 0][-1]
+    assert (last["kind"], last["regime"], last["spin"]) == (GRIP, STUCK, 0.0)
+    assert last["s"] == damper.half_gap[0]
+    assert run.energy.impact + run.energy.slip == pytest.approx(0.5 * 1.4 * 9.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.01])

@@ -1,0 +1,127 @@
+"""Slip: after a wall hit the ball keeps its spin, and slides on the floor until it rolls again.
+
+Sliding friction (grip = mu Omega^2 R per unit of mass) slows the contact; rolling resistance, which has no say in
+where a sliding contact goes, is left out until the ball rolls. A slipping ball can meet either wall, and one that the
+friction presses against a wall spins there until its spin is spent or the structure pulls the wall away.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from damper.compiled import kernel
+from damper.flight import first_extremum, relative
+from damper.records import GRIP, HIT, NOTHING, START
+from damper.threshold import drive, first_exceed
+
+if TYPE_CHECKING:
+    from damper.records import Record
+
+_SPIN_UP = 2.5
+"""A force on the rim of a solid sphere changes its surface speed 5/2 times as fast as its velocity."""
+_POSITION, _VELOCITY, _ACCELERATION, _CONTACT, _CONTACT_RATE = 0, 1, 2, 3, 4
+_RATE = (1, 2, 5, 4, 5)  # where the rate of each stands
+
+
+@kernel
+def spin_after(axis: Record, ball: Record, tau: float) -> float:
+    """Surface speed after sliding for tau; a ball pressed against a wall spins down to rest."""
+    if axis.f != 0.0:
+        return float(axis.spin - _SPIN_UP * axis.f * tau)
+    return math.copysign(max(abs(axis.spin) - _SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+
+
+@kernel
+def sliding_distance(axis: Record, path: float, tau: float) -> float:
+    """Distance that the contact slid while the ball's centre moved by `path`."""
+    return float(path - axis.spin * tau + 0.5 * _SPIN_UP * axis.f * tau * tau)
+
+
+@kernel
+def end_of_pressing(axis: Record, law: Record, ball: Record) -> tuple[float, int]:
+    """End of spinning while pressed against a wall: the spin is spent, or the structure pulls the wall away."""
+    spent = abs(axis.spin) / (_SPIN_UP * ball.grip)
+    side = 1 if axis.s > 0.0 else -1
+    pressing = side * math.copysign(ball.grip, axis.spin)
+    p, q = drive(axis, law, law.damping, -side)
+    away = first_exceed(p, q, law.decay, law.frequency, pressing)
+    axis.heading = -side
+    return (away, START) if away < spent else (spent, GRIP)
+
+
+@kernel
+def end_of_slip(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
+    """First wall hit or end of sliding; (inf, NOTHING) past the horizon.
+
+    Between extremes of the structure's acceleration both accelerations are monotone; cut at their zeros, the relative
+    velocity and the speed of the contact are, and cut at the zero of the former, the position.
+    """
+    low, high = 0.0, first_extremum(axis, law, 2)
+    axis.crest = high
+    while low < horizon:
+        one = _zero(axis, law, _ACCELERATION, 0.0, low, high)
+        two = _zero(axis, law, _CONTACT_RATE, 0.0, low, high)
+        for cut in (min(one, two), max(one, two), high):
+            if cut <= high:
+                grip = _zero(axis, law, _CONTACT, 0.0, low, cut)
+                end = min(grip, cut)
+                turn = min(_zero(axis, law, _VELOCITY, 0.0, low, end), end)
+                tau = min(_wall(axis, law, low, turn), _wall(axis, law, turn, end))
+                if tau < np.inf:
+                    return tau, HIT
+                if grip <= cut:
+                    return grip, GRIP
+                low = cut
+        high += math.pi / law.frequency
+    return np.inf, NOTHING
+
+
+@kernel
+def _wall(axis: Record, law: Record, low: float, high: float) -> float:
+    """Hit of a wall while the position is monotone from low to high, inf if none; its side goes into `heading`."""
+    begin, end = _slide(axis, law, low)[_POSITION], _slide(axis, law, high)[_POSITION]
+    side = 1 if end > begin else -1
+    if end == begin or side * end < axis.half_gap:
+        return np.inf
+    axis.heading = side
+    return _zero(axis, law, _POSITION, side * axis.half_gap, low, high)
+
+
+@kernel
+def _slide(axis: Record, law: Record, tau: float) -> tuple[float, float, float, float, float, float]:
+    """Relative position, velocity, acceleration; speed and acceleration of the contact; jerk."""
+    s, w, acceleration, jerk = relative(axis, law, tau)
+    contact = w - axis.spin + _SPIN_UP * axis.f * tau
+    return s, w, acceleration, contact, acceleration + _SPIN_UP * axis.f, jerk
+
+
+@kernel
+def _zero(axis: Record, law: Record, order: int, target: float, low: float, high: float) -> float:
+    """Where a quantity that is monotone from low to high passes `target`, inf if nowhere; not at low itself."""
+    rate = _RATE[order]
+    falling = _slide(axis, law, low)[order] - target
+    last = _slide(axis, law, high)[order] - target
+    if falling == 0.0 and order == _POSITION:
+        return low
+    if falling * last > 0.0 or falling == 0.0 or low >= high:
+        return np.inf
+    tau = 0.5 * (low + high)
+    for _ in range(200):
+        motion = _slide(axis, law, tau)
+        f = motion[order] - target
+        if f == 0.0:
+            return tau
+        if (f > 0.0) == (falling > 0.0):
+            low = tau
+        else:
+            high = tau
+        new = tau - f / motion[rate] if motion[rate] != 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - tau) <= 4e-16 * high:
+            return new
+        tau = new
+    return tau
