@@ -69,7 +69,9 @@ def end_of_slip(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
                 grip = _zero(axis, law, _CONTACT, 0.0, low, cut)
                 end = min(grip, cut)
                 turn = min(_zero(axis, law, _VELOCITY, 0.0, low, end), end)
-                tau = min(_wall(axis, law, low, turn), _wall(axis, law, turn, end))
+                tau = _wall(axis, law, low, turn)
+                if tau == np.inf:
+                    tau = _wall(axis, law, turn, end)
                 if tau < np.inf:
                     return tau, HIT
                 if grip <= cut:

@@ -1,6 +1,6 @@
 """A slow reference for the ring-down, written from the equations of motion and sharing no code with the engine.
 
-Each axis is the linear system x' = A x for x = (u, v, s, w, 1), with one A per regime; x is stepped densely with
+Each axis is the linear system x' = A x for x = (u, v, s, w, 1, spin), with one A per regime; x is stepped densely with
 matrix exponentials, every sign change of an event function between two samples is bisected. What it can miss, two
 roots within one sample, it misses differently at another sampling: run it at two and compare.
 
@@ -25,8 +25,9 @@ CHUNK = 64
 class Axis:
     stiffness: float
     gap: float
-    x: np.ndarray  # u, v, s, w, 1
+    x: np.ndarray  # u, v, s, w, 1, spin
     direction: int = 0
+    slips: bool = False
     start: float = 0.0
     next: float = math.inf
     kind: str = ""
@@ -56,12 +57,13 @@ class Reference:
         self.m, self.big = d.ball_mass / d.modal_mass, 1.0  # masses in units of M2
         self.total = self.m + self.big
         self.threshold = d.rolling_friction / d.ball_radius * d.centrifugal_acceleration / (self.length * self.rate**2)
+        self.grip = (d.floor_friction or 0.0) * d.centrifugal_acceleration / (self.length * self.rate**2)
         scale = d.modal_mass * self.rate**2
         self.axes = [
             Axis(
                 d.stiffness[i] / scale,
                 (d.cavity[i] / 2 - d.ball_radius) / self.length,
-                np.array([self.release[i] / self.length, 0.0, 0.0, 0.0, 1.0]),
+                np.array([self.release[i] / self.length, 0.0, 0.0, 0.0, 1.0, 0.0]),
             )
             for i in range(2)
         ]
@@ -76,20 +78,38 @@ class Reference:
         return 2 * self.damper.damping_ratio * math.sqrt(axis.stiffness * mass)
 
     def matrix(self, axis: Axis) -> np.ndarray:
-        a = np.zeros((5, 5))
+        a = np.zeros((6, 6))
         a[0, 1] = 1.0
         if axis.direction == 0:
             a[1, 0], a[1, 1] = -axis.stiffness / self.total, -self.dashpot(axis, stuck=True) / self.total
+            if axis.x[5] != 0.0:  # pressed against a wall, spinning
+                a[5, 4] = -2.5 * math.copysign(self.grip, axis.x[5])
+            return a
+        if axis.slips:
+            friction = -axis.direction * self.grip  # on the ball, per unit of its mass
+            a[1] = [
+                -axis.stiffness / self.big,
+                -self.dashpot(axis, stuck=False) / self.big,
+                0,
+                0,
+                -self.m * friction / self.big,
+                0,
+            ]
+            a[2, 3] = 1.0
+            a[3] = -a[1]
+            a[3, 4] += friction
+            a[5, 4] = -2.5 * friction
             return a
         sigma = -axis.direction
         if self.printed:
             mass, force = self.big, -self.m * self.threshold * sigma
         else:
             mass, force = self.big + (1 - self.beta) * self.m, -self.beta * self.m * self.threshold * sigma
-        a[1] = [-axis.stiffness / mass, -self.dashpot(axis, stuck=False) / mass, 0, 0, force / mass]
+        a[1] = [-axis.stiffness / mass, -self.dashpot(axis, stuck=False) / mass, 0, 0, force / mass, 0]
         a[2, 3] = 1.0
         a[3] = -self.beta * a[1]
         a[3, 4] += self.beta * self.threshold * sigma
+        a[5] = a[3]  # rolling, the spin is the relative velocity
         return a
 
     # event functions: positive means it has happened ---------------------------------------------------------
@@ -100,6 +120,17 @@ class Reference:
         return tuple((axis.stiffness * u + self.dashpot(axis, stuck=stuck) * v) / self.total for stuck in (True, False))
 
     def tests(self, axis: Axis, x: np.ndarray) -> dict[str, np.ndarray]:
+        if axis.slips:
+            return {
+                "hit+": x[..., 2] - axis.gap,
+                "hit-": -x[..., 2] - axis.gap,
+                "grip": -axis.direction * (x[..., 3] - x[..., 5]),
+            }
+        if axis.direction == 0 and axis.x[5] != 0.0:
+            side = math.copysign(1.0, axis.x[2])
+            acceleration = -self.drives(axis, x)[0]
+            push = math.copysign(self.grip, axis.x[5])
+            return {"away": side * (acceleration - push), "grip": -math.copysign(1.0, axis.x[5]) * x[..., 5]}
         if axis.direction != 0:
             return {
                 "hit": axis.direction * x[..., 2] - axis.gap,
@@ -124,9 +155,9 @@ class Reference:
         # just after a start or a rebound the function that fired is zero: it must first move away
         if axis.direction == 0:
             for kind, value in previous.items():
-                if value > 0:
+                if value > 0 and kind != "grip":
                     return self.plan(axis, 0.0, kind)
-        elif previous["hit"] >= 0:
+        elif not axis.slips and previous["hit"] >= 0:
             return self.plan(axis, 0.0, "hit")
         while t0 < end:
             block = powers @ x
@@ -164,26 +195,35 @@ class Reference:
         axis.x, axis.start = new, time
 
     def settle(self, axis: Axis) -> None:
-        axis.x[3] = 0.0
-        axis.direction = 0
+        axis.x[3] = axis.x[5] = 0.0
+        axis.direction, axis.slips = 0, False
         for kind, value in self.tests(axis, axis.x).items():
             if value > 0:
                 axis.direction = int(kind.removeprefix("start"))
                 return
 
+    def slip(self, axis: Axis) -> None:
+        axis.slips = True
+        axis.direction = int(math.copysign(1.0, axis.x[3] - axis.x[5]))
+
     def hit(self, axis: Axis, other: Axis, time: float) -> None:
         d, m, big = self.damper, self.m, self.big
         mbar = m * big / (m + big)
-        axis.x[2] = axis.direction * axis.gap
+        side = math.copysign(1.0, axis.x[2])
+        axis.x[2] = side * axis.gap
         u_n, p_n = axis.x[1], axis.x[1] + axis.x[3]
         closing = u_n - p_n
         axis.x[1] = u_n - mbar * (1 + d.restitution) * closing / big
         axis.x[3] = p_n + mbar * (1 + d.restitution) * closing / m - axis.x[1]
-        axis.direction = -axis.direction
+        axis.direction, axis.slips = int(-side), False
         floor = 1e-9
         if abs(axis.x[3]) <= max(d.sticking_ratio * abs(axis.x[1]), floor):
             common = (big * axis.x[1] + m * (axis.x[1] + axis.x[3])) / (m + big)
             axis.x[1], axis.x[3], axis.direction = common, 0.0, 0
+        elif self.grip > 0:
+            self.slip(axis)
+        if self.grip == 0:
+            axis.x[5] = axis.x[3]
         if other.direction != 0 and d.friction > 0:
             self.fly(other, time)
             u_t, p_t = other.x[1], other.x[1] + other.x[3]
@@ -193,7 +233,13 @@ class Reference:
                 mu = math.copysign(min(d.friction, cap), slide / closing)
                 other.x[1] = u_t - mu * mbar * (1 + d.restitution) * closing / big
                 other.x[3] = p_t + mu * mbar * (1 + d.restitution) * closing / m - other.x[1]
+                if self.grip == 0:
+                    other.x[5] = other.x[3]
                 if d.friction >= cap:
+                    other.x[3] = 0.0
+                if self.grip > 0 and other.x[3] != other.x[5]:
+                    self.slip(other)
+                elif d.friction >= cap:
                     self.settle(other)
             self.schedule(other)
 
@@ -208,13 +254,19 @@ class Reference:
             time, kind = axis.next, axis.kind
             if time >= end:
                 break
-            self.events.append((time / (2 * math.pi), i, kind[:5]))
+            self.events.append((time / (2 * math.pi), i, kind.split("+")[0].split("-")[0]))
             self.fly(axis, time)
-            if kind == "hit":
+            if kind.startswith("hit"):
                 self.impacts += 1
                 self.hit(axis, other, time)
             elif kind == "reversal":
                 self.settle(axis)
+            elif kind == "away":
+                self.slip(axis)
+            elif kind == "grip":
+                axis.x[5] = axis.x[3]
+                axis.slips = False
+                axis.direction = int(np.sign(axis.x[3]))
             else:
                 axis.direction = int(kind.removeprefix("start"))
             self.schedule(axis)
@@ -227,7 +279,7 @@ class Reference:
             0.5 * a.stiffness * a.x[0] ** 2
             + 0.5 * self.big * a.x[1] ** 2
             + 0.5 * self.m * (a.x[1] + a.x[3]) ** 2
-            + 0.5 * spin * a.x[3] ** 2
+            + 0.5 * spin * a.x[5] ** 2
             for a in self.axes
         )
 
@@ -235,8 +287,8 @@ class Reference:
 @lru_cache(maxsize=64)
 def _powers(matrix: bytes, dt: float) -> np.ndarray:
     """exp(A k dt) for k = 1 … CHUNK."""
-    step = expm(np.frombuffer(matrix).reshape(5, 5) * dt)
-    out = np.empty((CHUNK, 5, 5))
+    step = expm(np.frombuffer(matrix).reshape(6, 6) * dt)
+    out = np.empty((CHUNK, 6, 6))
     out[0] = step
     for k in range(1, CHUNK):
         out[k] = out[k - 1] @ step
