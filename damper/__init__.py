@@ -5,12 +5,14 @@
 The heavy parts (compiled kernels) load at the first ring-down.
 """
 
+from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
 from damper.model import Formulation, ParticleDamper
 from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
 from damper.sample import History, sample
 
 __all__ = [
+    "Batch",
     "Capacity",
     "EnergyBooks",
     "Formulation",
@@ -22,6 +24,7 @@ __all__ = [
     "capacity",
     "intrinsic_sdc",
     "ringdown",
+    "ringdowns",
     "sample",
     "two_hit_bound",
     "work_bound",

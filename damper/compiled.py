@@ -34,4 +34,4 @@ _F = TypeVar("_F", bound="Callable[..., object]")
 
 def kernel(function: _F) -> _F:
     """Decorate a function to have it compiled at its first call and cached beside the source."""
-    return cast("_F", nb.njit(cache=True, error_model="numpy")(function))
+    return cast("_F", nb.njit(cache=True, error_model="numpy", nogil=True)(function))

@@ -10,13 +10,13 @@ import numpy as np
 from damper.compiled import kernel
 from damper.detect import schedule
 from damper.flight import begin, increments, structure, viscous_loss
-from damper.peaks import next_window, watch
+from damper.peaks import close, resume, watch
 from damper.records import GRIP, HIT, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
 from damper.resolve import hit, roll, rub, settle, slip
 from damper.slip import sliding_distance, spin_after
 
 if TYPE_CHECKING:
-    from damper.records import Floats, Record, Records
+    from damper.records import Floats, Integers, Record, Records
 
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
@@ -46,7 +46,7 @@ def run(
     laws: Records,
     ball: Record,
     books: Record,
-    peak: Record,
+    cycle: Record,
     peaks: Floats,
     rows: Records,
     budget: int,
@@ -56,11 +56,12 @@ def run(
     while True:
         i = 0 if axes[0].next <= axes[1].next else 1
         time = min(axes[i].next, clock.end)
-        if not _observe(clock, axes, laws, ball, books, peak, peaks, time):
+        if not _observe(clock, axes, laws, ball, books, cycle, peaks, time):
             return FULL
         if time >= clock.end:
             for j in range(2):
                 _fly(axes[j], laws[j], ball, books, time)
+            resume(cycle, clock.last_motion)
             clock.time = time
             return DONE
         if clock.events >= stop:
@@ -71,6 +72,26 @@ def run(
         clock.events += 1
         _happen(i, clock, axes, laws, ball, books, rows)
         _rest(clock, axes)
+
+
+@kernel
+def run_block(
+    block: tuple[int, int],
+    clocks: Records,
+    axes: Records,
+    laws: Records,
+    balls: Records,
+    books: Records,
+    cycles: Records,
+    tables: tuple[Floats, Records],
+    budget: int,
+    status: Integers,
+) -> None:
+    """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
+    peaks, rows = tables
+    for k in range(block[0], block[1]):
+        release(clocks[k], axes[k], laws[k], balls[k], rows)
+        status[k] = run(clocks[k], axes[k], laws[k], balls[k], books[k], cycles[k], peaks, rows, budget)
 
 
 @kernel
@@ -174,19 +195,20 @@ def _observe(
     laws: Records,
     ball: Record,
     books: Record,
-    peak: Record,
+    cycle: Record,
     peaks: Floats,
     time: float,
 ) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(peak, axes, laws, clock.watched, time):
-        if clock.peaks == len(peaks):
-            return False
-        peaks[clock.peaks, 0], peaks[clock.peaks, 1] = peak.time, peak.speed
+    while watch(cycle, axes, laws, clock.watched, time):
+        if len(peaks) > 0:
+            if clock.peaks == len(peaks):
+                return False
+            peaks[clock.peaks, 0], peaks[clock.peaks, 1] = cycle.time, cycle.speed
         clock.peaks += 1
-        clock.watched = peak.closes
-        _tremor(clock, ball, books, peak.speed)
-        next_window(peak)
+        clock.watched = cycle.closes
+        _tremor(clock, ball, books, cycle.speed)
+        close(cycle, clock.last_motion)
     clock.watched = time
     if axes[0].regime != STUCK or axes[1].regime != STUCK:
         clock.last_motion = time

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import StrEnum
+
+from damper import parameters
+from damper.parameters import parameters_of, validate
 
 
 class Formulation(StrEnum):
@@ -60,30 +62,10 @@ class ParticleDamper:
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
-        _require(self.modal_mass > 0, "modal_mass", self.modal_mass, "positive")
-        for k in self.stiffness:
-            _require(k > 0, "stiffness", k, "positive")
-        _require(self.ball_mass > 0, "ball_mass", self.ball_mass, "positive")
-        _require(self.ball_radius > 0, "ball_radius", self.ball_radius, "positive")
-        for length in self.cavity:
-            fits = length >= 2 * self.ball_radius * (1 - 1e-12)
-            _require(fits, "cavity", length, f"at least the ball's diameter {2 * self.ball_radius:g} m")
-        _require(
-            self.centrifugal_acceleration >= 0,
-            "centrifugal_acceleration",
-            self.centrifugal_acceleration,
-            "≥ 0",
-        )
-        _require(0 <= self.restitution <= 1, "restitution", self.restitution, "between 0 and 1")
-        _require(self.friction >= 0, "friction", self.friction, "≥ 0")
-        _require(self.rolling_friction >= 0, "rolling_friction", self.rolling_friction, "≥ 0")
-        _require(0 <= self.damping_ratio < 1, "damping_ratio", self.damping_ratio, "at least 0 and below 1")
-        _require(self.sticking_ratio >= 0, "sticking_ratio", self.sticking_ratio, "≥ 0")
         Formulation(self.formulation)
-        if self.floor_friction is not None:
-            _require(self.floor_friction > 0, "floor_friction", self.floor_friction, "positive")
-            if self.formulation is Formulation.PRINTED:
-                raise ValueError("floor_friction: the printed equations know no slip; use the consistent formulation")
+        if self.floor_friction is not None and not self.floor_friction > 0:
+            raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
+        validate(parameters_of(self))
 
     @property
     def stuck_mass(self) -> float:
@@ -93,17 +75,18 @@ class ParticleDamper:
     @property
     def stuck_frequency(self) -> float:
         """omega_1 along x, the ball stuck [rad/s]."""
-        return math.sqrt(self.stiffness[0] / self.stuck_mass)
+        return float(parameters.stuck_frequency(parameters_of(self))[0])
 
     @property
     def half_gap(self) -> tuple[float, float]:
         """How far the ball's centre can go from the cavity's centre along x and y [m]."""
-        return tuple(max(0.5 * length - self.ball_radius, 0.0) for length in self.cavity)  # type: ignore[return-value]
+        x, y = parameters.half_gap(parameters_of(self))[0]
+        return float(x), float(y)
 
     @property
     def rolling_threshold(self) -> float:
         """a_r = mu_r N / (r m_p): the structure's acceleration above which a stuck ball rolls [m/s^2]."""
-        return self.rolling_friction / self.ball_radius * self.centrifugal_acceleration
+        return float(parameters.rolling_threshold(parameters_of(self))[0])
 
     @property
     def inertia_ratio(self) -> float:
@@ -113,18 +96,9 @@ class ParticleDamper:
         inertia about the centre in an equation of moments about the contact); 1 for a ball that nothing presses
         onto the floor, which floats.
         """
-        if self.centrifugal_acceleration == 0.0:
-            return 1.0
-        return 5 / 7 if self.formulation is Formulation.CONSISTENT else 5 / 2
+        return float(parameters.inertia_ratio(parameters_of(self))[0])
 
     @property
     def spin_mass(self) -> float:
         """Mass-equivalent of the rolling ball's spin, 2/5 m_p [kg]; none in the printed equations or afloat."""
-        if self.formulation is Formulation.PRINTED or self.centrifugal_acceleration == 0.0:
-            return 0.0
-        return 0.4 * self.ball_mass
-
-
-def _require(holds: bool, name: str, value: float, rule: str) -> None:
-    if not (holds and math.isfinite(value)):
-        raise ValueError(f"{name} must be {rule}, got {value:g}")
+        return float(parameters.spin_mass(parameters_of(self))[0])

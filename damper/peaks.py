@@ -19,42 +19,67 @@ if TYPE_CHECKING:
 
 
 @kernel
-def watch(peak: Record, axes: Records, laws: Records, begin: float, end: float) -> bool:
+def watch(cycle: Record, axes: Records, laws: Records, begin: float, end: float) -> bool:
     """Look for the window's largest speed while both axes fly from time `begin` to `end`.
 
-    Returns True when the window closed, `peak.time` and `peak.speed` then hold the peak; call again with the time
+    Returns True when the window closed, `cycle.time` and `cycle.speed` then hold the peak; call again with the time
     at which it closed until it returns False.
     """
-    low, high = max(begin, peak.opens), min(end, peak.closes)
+    low, high = max(begin, cycle.opens), min(end, cycle.closes)
     if low <= high:
-        pieces = 1 + int(8 * (high - low) / peak.period)
+        pieces = 1 + int(8 * (high - low) / cycle.period)
         t, (f, g) = low, _speed(axes, laws, low)
-        _take(peak, t, f)
+        _take(cycle, t, f)
         for i in range(pieces):
             t_next = low + (high - low) * (i + 1) / pieces
             f_next, g_next = _speed(axes, laws, t_next)
-            _take(peak, t_next, f_next)
+            _take(cycle, t_next, f_next)
             if g > 0.0 > g_next:
-                top = _stationary(axes, laws, t, t_next, g, g_next, 1e-8 * peak.period)
-                _take(peak, top, _speed(axes, laws, top)[0])
+                top = _stationary(axes, laws, t, t_next, g, g_next, 1e-8 * cycle.period)
+                _take(cycle, top, _speed(axes, laws, top)[0])
             t, g = t_next, g_next
-    return end >= peak.closes
+    return end >= cycle.closes
 
 
 @kernel
-def next_window(peak: Record) -> None:
-    """Open the window of the following peak."""
-    peak.opens = peak.time + 0.75 * peak.period
-    peak.closes = peak.time + 1.25 * peak.period
-    peak.speed = -1.0
+def close(cycle: Record, last_motion: float) -> None:
+    """Take the peak just found as the end of a cycle and the start of the next, and open the window after it."""
+    first = cycle.last_speed < 0.0
+    if not first:
+        _tally(cycle, last_motion)
+    cycle.last_time = 0.0 if first else cycle.time
+    cycle.last_speed = cycle.speed
+    cycle.opens = cycle.time + 0.75 * cycle.period
+    cycle.closes = cycle.time + 1.25 * cycle.period
+    cycle.speed = -1.0
 
 
 @kernel
-def _take(peak: Record, time: float, square: float) -> None:
+def _tally(cycle: Record, last_motion: float) -> None:
+    """Keep the largest capacity, and where the ball last moved: it may rest for a while and move again."""
+    sdc = 1.0 - (cycle.speed / cycle.last_speed) ** 2 if cycle.last_speed > 0.0 else 0.0
+    if sdc > cycle.peak_sdc:
+        cycle.peak_sdc, cycle.peak_sdc_speed = sdc, cycle.last_speed
+    resume(cycle, last_motion)
+    if cycle.last_time <= last_motion:
+        cycle.moving_speed = cycle.last_speed
+    else:
+        cycle.waiting_speed, cycle.waiting_since = cycle.last_speed, last_motion
+
+
+@kernel
+def resume(cycle: Record, last_motion: float) -> None:
+    """If the ball moved after it had rested, the cycles in between count as ones before its last motion."""
+    if cycle.waiting_speed >= 0.0 and last_motion > cycle.waiting_since:
+        cycle.moving_speed, cycle.waiting_speed = cycle.waiting_speed, -1.0
+
+
+@kernel
+def _take(cycle: Record, time: float, square: float) -> None:
     speed = math.sqrt(square)
-    if speed > peak.speed:
-        peak.speed = speed
-        peak.time = time
+    if speed > cycle.speed:
+        cycle.speed = speed
+        cycle.time = time
 
 
 @kernel

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
+from damper.parameters import inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+
 if TYPE_CHECKING:
-    from damper.model import ParticleDamper
+    from damper.parameters import Parameters
 
 Record: TypeAlias = np.record
 Records: TypeAlias = npt.NDArray[np.record]
 Floats: TypeAlias = npt.NDArray[np.float64]
+Integers: TypeAlias = npt.NDArray[np.int64]
 
 
 def _record(*fields: tuple[str, str]) -> np.dtype[np.record]:
@@ -70,14 +73,21 @@ AXIS = _record(
 BOOKS = _record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"))
 """Energy lost since the start, by cause [J]."""
 
-PEAK = _record(
+CYCLE = _record(
     ("period", "f8"),
-    ("opens", "f8"),
+    ("opens", "f8"),  # window in which the next velocity maximum is sought
     ("closes", "f8"),
-    ("speed", "f8"),  # largest so far in the open window
-    ("time", "f8"),
+    ("time", "f8"),  # of the largest speed in it so far
+    ("speed", "f8"),
+    ("last_time", "f8"),  # of the velocity maximum before, 0 for the first
+    ("last_speed", "f8"),  # negative before the first
+    ("peak_sdc", "f8"),  # largest specific damping capacity of a cycle so far
+    ("peak_sdc_speed", "f8"),  # and the velocity maximum at which that cycle began
+    ("moving_speed", "f8"),  # that of the last cycle begun before the ball's last motion, negative if none
+    ("waiting_speed", "f8"),  # that of the last cycle begun after it, negative if none
+    ("waiting_since", "f8"),  # the ball's last motion when that was written
 )
-"""The window in which the next velocity maximum is sought."""
+"""Velocity maxima, one per vibration cycle, and what is kept of the cycles where their table is not."""
 
 CLOCK = _record(
     ("time", "f8"),
@@ -112,45 +122,33 @@ EVENT = _record(
 """A row is an event and the state of its axis just after it."""
 
 
-def laws_of(damper: ParticleDamper) -> Records:
-    """Oscillators that govern the structure, shape (2 axes, 3 regimes)."""
-    from damper.model import Formulation
-
-    printed = damper.formulation is Formulation.PRINTED
-    laws = np.zeros((2, 3), LAW)
-    beta, zeta = damper.inertia_ratio, damper.damping_ratio
-    moving_mass = damper.modal_mass + (0.0 if printed else (1 - beta) * damper.ball_mass)
-    for axis, stiffness in enumerate(damper.stiffness):
-        dashpot = 2 * zeta * np.sqrt(stiffness * damper.modal_mass)
-        stuck_dashpot = 2 * zeta * np.sqrt(stiffness * damper.stuck_mass) if printed else dashpot
-        masses = (damper.stuck_mass, moving_mass, damper.modal_mass)
-        for row, (mass, c) in enumerate(zip(masses, (stuck_dashpot, dashpot, dashpot), strict=True)):
-            decay = c / (2 * mass)
-            frequency = np.sqrt(max(stiffness / mass - decay**2, 0.0))
-            laws[axis, row] = (mass, stiffness, c, decay, frequency)
+def laws_of(rows: Parameters) -> Records:
+    """Oscillators that govern the structures, shape (n, 2 axes, 3 regimes)."""
+    m2, ball, zeta = rows["modal_mass"], rows["ball_mass"], rows["damping_ratio"]
+    stuck = m2 + ball
+    rolling = np.where(rows["printed"], m2, m2 + (1 - inertia_ratio(rows)) * ball)
+    laws = np.zeros((len(rows), 2, 3), LAW)
+    for axis in range(2):
+        stiffness = rows["stiffness"][:, axis]
+        dashpot = 2 * zeta * np.sqrt(stiffness * m2)
+        stuck_dashpot = np.where(rows["printed"], 2 * zeta * np.sqrt(stiffness * stuck), dashpot)
+        for regime, mass, c in ((STUCK, stuck, stuck_dashpot), (ROLLING, rolling, dashpot), (SLIPPING, m2, dashpot)):
+            law = laws[:, axis, regime]
+            law["mass"], law["stiffness"], law["damping"], law["decay"] = mass, stiffness, c, c / (2 * mass)
+            law["frequency"] = np.sqrt(stiffness / mass - law["decay"] ** 2)
     return laws
 
 
-def ball_of(damper: ParticleDamper, reach: float) -> Records:
-    """The ball's constants as a one-element record array; `reach` [m], the largest release, sets the sticking floor."""
-    from damper.model import Formulation
-
-    beta = damper.inertia_ratio
-    reaction = 1.0 if damper.formulation is Formulation.PRINTED else beta
-    threshold = damper.rolling_threshold
-    ball = np.zeros(1, BALL)
-    ball[0] = (
-        damper.modal_mass,
-        damper.ball_mass,
-        damper.spin_mass,
-        beta,
-        threshold,
-        reaction * damper.ball_mass * threshold,
-        beta * threshold,
-        (damper.floor_friction or 0.0) * damper.centrifugal_acceleration,
-        damper.restitution,
-        damper.friction,
-        damper.sticking_ratio,
-        1e-9 * damper.stuck_frequency * reach,
-    )
-    return ball
+def balls_of(rows: Parameters, reach: Floats) -> Records:
+    """Constants of the balls, shape (n,); `reach` [m], shape (n,), the largest release, sets the sticking floor."""
+    beta, threshold = inertia_ratio(rows), rolling_threshold(rows)
+    balls = np.zeros(len(rows), BALL)
+    balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
+    balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
+    balls["push"] = np.where(rows["printed"], 1.0, beta) * rows["ball_mass"] * threshold
+    balls["relative_push"] = beta * threshold
+    balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
+    for name in ("restitution", "friction", "sticking_ratio"):
+        balls[name] = rows[name]
+    balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
+    return balls

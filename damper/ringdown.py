@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from damper.records import AXIS, BOOKS, CLOCK, EVENT, PEAK, Floats, Records, ball_of, laws_of
+from damper.parameters import energy, parameters_of
+from damper.prepare import prepare
+from damper.records import EVENT, Floats, Records
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
-_CYCLES_AFTER_REST = 3
 _BUDGET = 200_000
 """Events between two looks at the progress callback and at Ctrl-C."""
 
@@ -125,80 +126,41 @@ def ringdown(
     """
     from damper import engine
 
-    if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
-        raise ValueError(f"cycles must be positive, got {cycles:g}")
-    axes = _start(damper, release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity)
-    omega = damper.stuck_frequency
-    period = 2 * math.pi / omega
-    reach = max(map(abs, (*release, *(x / omega for x in (*velocity, *ball_velocity)))))
-    laws, ball = laws_of(damper), ball_of(damper, reach)
-    clock, books, peak = np.zeros(1, CLOCK), np.zeros(1, BOOKS), np.zeros(1, PEAK)
-    clock["end"] = period * (max_cycles if cycles is None else cycles)
-    clock["tail"] = _CYCLES_AFTER_REST * period if cycles is None else np.inf
-    clock["rest"], clock["last_motion"] = np.inf, -np.inf
-    peak[0] = (period, 0.0, 0.5 * period, -1.0, 0.0)
-    peaks = np.zeros((1024, 2))
-    rows = np.zeros(1024 if keep_events else 0, EVENT)
-    initial = energy_of(damper, axes)
-
-    engine.release(clock[0], axes, laws, ball[0], rows)
+    start = np.array([[release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity]], dtype=np.float64)
+    parameters = parameters_of(damper)
+    one = prepare(parameters, start, cycles, max_cycles)
+    clock, axes, laws, ball = one.clocks[0], one.axes[0], one.laws[0], one.balls[0]
+    peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)
+    engine.release(clock, axes, laws, ball, rows)
     while True:
-        budget = min(_BUDGET, max_events - int(clock["events"][0]))
-        status = engine.run(clock[0], axes, laws, ball[0], books[0], peak[0], peaks, rows, budget)
-        if status == engine.DONE or clock["events"][0] >= max_events:
+        budget = min(_BUDGET, max_events - int(clock["events"]))
+        status = engine.run(clock, axes, laws, ball, one.books[0], one.cycles[0], peaks, rows, budget)
+        if status == engine.DONE or clock["events"] >= max_events:
             break
-        peaks, rows = _roomier(peaks, int(clock["peaks"][0])), _roomier(rows, int(clock["rows"][0]) + 2)
+        peaks, rows = _roomier(peaks, int(clock["peaks"])), _roomier(rows, int(clock["rows"]) + 2)
         if progress is not None:
-            progress(float(clock["time"][0]))
+            progress(float(clock["time"]))
 
-    end, book = clock[0], books[0]
+    moved = math.isfinite(clock["last_motion"])
     load = damper.centrifugal_acceleration
     return RingDown(
         damper=damper,
-        outcome=_outcome(status == engine.DONE, cycles is not None, end),
-        duration=float(end["time"]),
-        impacts=int(end["impacts"]),
-        events=int(end["events"]),
-        peak_times=peaks[: end["peaks"], 0].copy(),
-        peak_velocities=peaks[: end["peaks"], 1].copy(),
-        last_motion=float(end["last_motion"]) if math.isfinite(end["last_motion"]) else None,
-        rested=math.isfinite(end["rest"]),
+        outcome=outcome_of(status == engine.DONE, cycles is not None, clock),
+        duration=float(clock["time"]),
+        impacts=int(clock["impacts"]),
+        events=int(clock["events"]),
+        peak_times=peaks[: clock["peaks"], 0].copy(),
+        peak_velocities=peaks[: clock["peaks"], 1].copy(),
+        last_motion=float(clock["last_motion"]) if moved else None,
+        rested=math.isfinite(clock["rest"]),
         energy=EnergyBooks(
-            initial=initial,
-            final=energy_of(damper, axes),
-            structure=float(book["structure"]),
-            rolling=float(book["rolling"]),
-            impact=float(book["impact"]),
-            slip=float(book["slip"]),
+            initial=float(one.initial[0]),
+            final=float(energy(parameters, one.axes)[0]),
+            **{name: float(one.books[name][0]) for name in ("structure", "rolling", "impact", "slip")},
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
-        rows=rows[: end["rows"]].copy() if keep_events else None,
+        rows=rows[: clock["rows"]].copy() if keep_events else None,
     )
-
-
-def _start(damper: ParticleDamper, *state: tuple[float, float]) -> Records:
-    """The two axes at time 0, from u, v, s, w and the spin of each."""
-    axes = np.zeros(2, AXIS)
-    axes["half_gap"] = damper.half_gap
-    for name, pair in zip(("u", "v", "s", "w", "spin"), state, strict=True):
-        if not all(map(math.isfinite, pair)):
-            raise ValueError(f"the release must be finite, got {pair}")
-        axes[name] = pair
-    if (abs(axes["s"]) > axes["half_gap"] + 1e-12 * damper.ball_radius).any():
-        raise ValueError(f"ball_position {state[2]} lies outside the cavity, ±{damper.half_gap}")
-    axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
-    return axes
-
-
-def energy_of(damper: ParticleDamper, state: Records) -> float:
-    """Energy of structure and ball [J] from records with fields u, v, w and spin, one per axis.
-
-    Sum over the axes of  K u^2 / 2 + M2 v^2 / 2 + m_p (v + w)^2 / 2, and 2/5 m_p spin^2 / 2.
-    """
-    u, v, w, spin = state["u"], state["v"], state["w"], state["spin"]
-    stiffness = np.asarray(damper.stiffness)
-    twice = stiffness * u**2 + damper.modal_mass * v**2 + damper.ball_mass * (v + w) ** 2 + damper.spin_mass * spin**2
-    return 0.5 * float(twice.sum())
 
 
 def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
@@ -210,7 +172,8 @@ def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     return bigger
 
 
-def _outcome(done: bool, asked: bool, clock: np.void) -> Outcome:
+def outcome_of(done: bool, asked: bool, clock: np.void) -> Outcome:
+    """Why a run ended that was done, or capped; `asked` for a number of cycles or not."""
     if not done:
         return Outcome.EVENT_CAP
     if asked:

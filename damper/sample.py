@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from damper.records import AXIS, ball_of, laws_of
+from damper.parameters import parameters_of
+from damper.records import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
     from damper.ringdown import RingDown
@@ -53,17 +54,17 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
     time = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
-    damper = ringdown.damper
-    laws, ball = laws_of(damper), ball_of(damper, 0.0)
+    rows = parameters_of(ringdown.damper)
+    laws, ball = laws_of(rows)[0], balls_of(rows, np.zeros(1))[0]
     out = np.empty((5, time.size, 2))
     regime = np.empty((time.size, 2), np.int64)
     for i in range(2):
-        rows = ringdown.rows[ringdown.rows["axis"] == i]
-        at = np.searchsorted(rows["time"], time, side="right") - 1
+        events = ringdown.rows[ringdown.rows["axis"] == i]
+        at = np.searchsorted(events["time"], time, side="right") - 1
         flights = np.zeros(time.size, AXIS)
         for name in ("u", "v", "s", "w", "spin", "regime", "direction"):
-            flights[name] = rows[name][at]
-        flights["start"] = rows["time"][at]
-        evaluate(flights, laws[i], ball[0], time, out[:, :, i])
+            flights[name] = events[name][at]
+        flights["start"] = events["time"][at]
+        evaluate(flights, laws[i], ball, time, out[:, :, i])
         regime[:, i] = flights["regime"]
     return History(time, out[0], out[1], out[2], out[3], out[4], regime)

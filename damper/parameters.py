@@ -1,0 +1,129 @@
+"""The numbers behind dampers, as arrays: validation and derived quantities, for one damper or many alike."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from damper.model import ParticleDamper
+    from damper.records import Floats
+
+PARAMETERS = np.dtype(
+    [
+        ("modal_mass", "f8"),
+        ("stiffness", "f8", 2),
+        ("ball_mass", "f8"),
+        ("ball_radius", "f8"),
+        ("cavity", "f8", 2),
+        ("centrifugal_acceleration", "f8"),
+        ("restitution", "f8"),
+        ("friction", "f8"),
+        ("rolling_friction", "f8"),
+        ("damping_ratio", "f8"),
+        ("sticking_ratio", "f8"),
+        ("floor_friction", "f8"),  # 0: no slip
+        ("printed", "?"),
+    ]
+)
+"""One row per damper; the fields are those of `damper.ParticleDamper`, in SI."""
+
+Parameters = npt.NDArray[np.void]
+
+
+def parameters_of(damper: ParticleDamper) -> Parameters:
+    """One row, shape (1,)."""
+    rows = np.zeros(1, PARAMETERS)
+    for name in PARAMETERS.names or ():
+        if name != "printed":
+            rows[name] = getattr(damper, name) or 0.0
+    rows["printed"] = damper.formulation == "printed"
+    return rows
+
+
+def ensemble(base: ParticleDamper, size: int, varied: dict[str, Any]) -> Parameters:
+    """`size` rows that differ from `base` in the varied fields, each of shape (size,) or, in x and y, (size, 2).
+
+    Raises:
+        ValueError: an unknown field, a wrong shape, or a value without physical sense.
+    """
+    rows = np.repeat(parameters_of(base), size)
+    for name, values in varied.items():
+        if name not in (PARAMETERS.names or ()) or name == "printed":
+            raise ValueError(f"{name} is no field of ParticleDamper that can be varied")
+        array = np.asarray(values, dtype=np.float64)
+        if array.shape[:1] != (size,) or array.shape[1:] not in {(), rows[name].shape[1:]}:
+            raise ValueError(f"{name} must have {size} values, one for each release, got shape {array.shape}")
+        rows[name] = array[:, None] if array.ndim < rows[name].ndim else array
+    validate(rows)
+    return rows
+
+
+def validate(rows: Parameters) -> None:
+    """Raise ValueError, naming field and value, where a quantity has no physical sense."""
+    for name in ("modal_mass", "stiffness", "ball_mass", "ball_radius"):
+        _require(rows[name] > 0, name, rows[name], "positive")
+    for name in (
+        "centrifugal_acceleration",
+        "friction",
+        "rolling_friction",
+        "damping_ratio",
+        "sticking_ratio",
+        "floor_friction",
+    ):
+        _require(rows[name] >= 0, name, rows[name], "≥ 0")
+    e, zeta = rows["restitution"], rows["damping_ratio"]
+    _require((e >= 0) & (e <= 1), "restitution", e, "between 0 and 1")
+    _require(zeta < 1, "damping_ratio", zeta, "at least 0 and below 1")
+    fits = rows["cavity"] >= 2 * rows["ball_radius"][:, None] * (1 - 1e-12)
+    _require(fits, "cavity", rows["cavity"], "at least the ball's diameter")
+    if (rows["printed"] & (rows["floor_friction"] > 0)).any():
+        raise ValueError("floor_friction: the printed equations know no slip; use the consistent formulation")
+
+
+def stuck_frequency(rows: Parameters) -> Floats:
+    """omega_1 along x, the ball stuck, shape (n,) [rad/s]."""
+    omega: Floats = np.sqrt(rows["stiffness"][:, 0] / (rows["modal_mass"] + rows["ball_mass"]))
+    return omega
+
+
+def half_gap(rows: Parameters) -> Floats:
+    """How far the ball's centre can go from the cavity's centre along x and y, shape (n, 2) [m]."""
+    gap: Floats = np.maximum(0.5 * rows["cavity"] - rows["ball_radius"][:, None], 0.0)
+    return gap
+
+
+def rolling_threshold(rows: Parameters) -> Floats:
+    """a_r = mu_r N / (r m_p), shape (n,) [m/s^2]."""
+    threshold: Floats = rows["rolling_friction"] / rows["ball_radius"] * rows["centrifugal_acceleration"]
+    return threshold
+
+
+def inertia_ratio(rows: Parameters) -> Floats:
+    """Beta in  s'' = -beta (u'' - a_r sigma), shape (n,) [-]; see `ParticleDamper.inertia_ratio`."""
+    return np.where(rows["centrifugal_acceleration"] == 0, 1.0, np.where(rows["printed"], 5 / 2, 5 / 7))
+
+
+def spin_mass(rows: Parameters) -> Floats:
+    """Mass-equivalent of the rolling ball's spin, shape (n,) [kg]; see `ParticleDamper.spin_mass`."""
+    return np.where(rows["printed"] | (rows["centrifugal_acceleration"] == 0), 0.0, 0.4 * rows["ball_mass"])
+
+
+def energy(rows: Parameters, state: npt.NDArray[Any]) -> Floats:
+    """Energy of structure and ball, shape (n,) [J], from records with fields u, v, w, spin, shape (n, 2 axes).
+
+    Sum over the axes of  K u^2 / 2 + M2 v^2 / 2 + m_p (v + w)^2 / 2, and for a rolling ball 2/5 m_p spin^2 / 2.
+    """
+    u, v, w, spin = state["u"], state["v"], state["w"], state["spin"]
+    m2, ball, sphere = (m[:, None] for m in (rows["modal_mass"], rows["ball_mass"], spin_mass(rows)))
+    twice = rows["stiffness"] * u**2 + m2 * v**2 + ball * (v + w) ** 2 + sphere * spin**2
+    total: Floats = 0.5 * twice.sum(axis=1)
+    return total
+
+
+def _require(holds: npt.NDArray[np.bool_], name: str, values: npt.NDArray[Any], rule: str) -> None:
+    bad = ~(holds & np.isfinite(values))
+    if bad.any():
+        raise ValueError(f"{name} must be {rule}, got {values[bad][0]:g}")

@@ -1,0 +1,72 @@
+"""The records of ring-downs about to start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from damper.parameters import energy, half_gap, stuck_frequency
+from damper.records import AXIS, BOOKS, CLOCK, CYCLE, balls_of, laws_of
+
+if TYPE_CHECKING:
+    from damper.parameters import Parameters
+    from damper.records import Floats, Records
+
+_CYCLES_AFTER_REST = 3
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Everything the engine needs for n ring-downs: constants, states, clocks and books, each of length n."""
+
+    laws: Records
+    balls: Records
+    axes: Records
+    clocks: Records
+    books: Records
+    cycles: Records
+    initial: Floats
+
+
+def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:
+    """Set up n ring-downs from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
+
+    Raises:
+        ValueError: a number is not finite, the number of cycles not positive, or a ball outside its cavity.
+    """
+    if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
+        raise ValueError(f"cycles must be positive, got {cycles:g}")
+    if not np.isfinite(start).all():
+        raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
+    axes = np.zeros((len(rows), 2), AXIS)
+    axes["half_gap"] = half_gap(rows)
+    for i, name in enumerate(("u", "v", "s", "w", "spin")):
+        axes[name] = start[:, i]
+    outside = abs(axes["s"]) > axes["half_gap"] + 1e-12 * rows["ball_radius"][:, None]
+    if outside.any():
+        raise ValueError(f"ball_position {axes['s'][outside][0]:g} m lies outside the cavity")
+    axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
+
+    omega = stuck_frequency(rows)
+    period = 2 * np.pi / omega
+    reach = np.abs(start[:, (0, 1, 3)] / np.stack([np.ones_like(omega), omega, omega], axis=1)[:, :, None])
+    clocks, books, windows = np.zeros(len(rows), CLOCK), np.zeros(len(rows), BOOKS), np.zeros(len(rows), CYCLE)
+    clocks["end"] = period * (max_cycles if cycles is None else cycles)
+    clocks["tail"] = _CYCLES_AFTER_REST * period if cycles is None else np.inf
+    clocks["rest"], clocks["last_motion"] = np.inf, -np.inf
+    windows["period"], windows["closes"] = period, 0.5 * period
+    windows["waiting_since"] = -np.inf
+    for name in ("speed", "last_speed", "moving_speed", "waiting_speed"):
+        windows[name] = -1.0
+    return Prepared(
+        laws=laws_of(rows),
+        balls=balls_of(rows, reach.max(axis=(1, 2))),
+        axes=axes,
+        clocks=clocks,
+        books=books,
+        cycles=windows,
+        initial=energy(rows, axes),
+    )

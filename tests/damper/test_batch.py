@@ -1,0 +1,87 @@
+"""Batches give what single runs give."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from damper import Batch, Formulation, capacity, ringdown, ringdowns
+from tests.damper.test_reference import paper_like
+
+N = 150
+RNG = np.random.default_rng(5)
+VARIED = {
+    "restitution": RNG.uniform(0, 1, N),
+    "ball_mass": 10 ** RNG.uniform(-4, -1, N),
+    "rolling_friction": RNG.uniform(0.2e-4, 2e-4, N),
+    "cavity": RNG.uniform(2.05e-3, 5e-3, (N, 2)),
+    "damping_ratio": RNG.choice([0.003, 0.02], N),
+}
+RELEASE = RNG.uniform(2e-3, 30e-3, (N, 2))
+
+
+def same(a: Batch, b: Batch) -> bool:
+    fields = [f.name for f in dataclasses.fields(Batch) if f.name != "outcome"]
+    return all(np.array_equal(getattr(a, n), getattr(b, n), equal_nan=True) for n in fields)
+
+
+@pytest.mark.parametrize("cycles", [None, 7])
+def test_batch_equals_single_runs_bit_for_bit(cycles: float | None) -> None:
+    base = paper_like(Formulation.CONSISTENT)
+    batch = ringdowns(base, RELEASE, cycles, **VARIED)
+    for k in range(N):
+        one = {name: v[k].item() if v.ndim == 1 else tuple(v[k].tolist()) for name, v in VARIED.items()}
+        run = ringdown(dataclasses.replace(base, **one), tuple(RELEASE[k]), cycles)
+        damping = capacity(run)
+        assert (batch.impacts[k], batch.events[k], batch.outcome[k]) == (run.impacts, run.events, run.outcome)
+        assert (batch.initial[k], batch.final[k]) == (run.energy.initial, run.energy.final)
+        assert (batch.structure[k], batch.rolling[k], batch.impact[k]) == (
+            run.energy.structure,
+            run.energy.rolling,
+            run.energy.impact,
+        )
+        assert batch.peak_sdc[k] == damping.sdc.max(initial=0.0)
+        assert batch.cutoff[k] == damping.cutoff or (np.isnan(batch.cutoff[k]) and damping.cutoff is None)
+        assert batch.largest_rolling_demand[k] == run.largest_rolling_demand
+
+
+def test_threads_do_not_matter() -> None:
+    base = paper_like(Formulation.PRINTED)
+    runs = [ringdowns(base, RELEASE, 5, threads=threads, **VARIED) for threads in (1, 2, 5)]
+    assert same(runs[0], runs[1])
+    assert same(runs[0], runs[2])
+
+
+def test_progress_counts_to_the_end() -> None:
+    calls: list[int] = []
+    ringdowns(paper_like(Formulation.CONSISTENT), RELEASE, 3, progress=calls.append)
+    assert calls[-1] == N
+    assert calls == sorted(calls)
+
+
+def test_interrupt_ends_the_call() -> None:
+    def stop(done: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ringdowns(paper_like(Formulation.CONSISTENT), RELEASE, 3, progress=stop)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"restitution": np.full(N, 1.2)}, "restitution must be between 0 and 1, got 1.2"),
+        ({"restitution": np.zeros(3)}, "restitution must have 150 values"),
+        ({"colour": np.zeros(N)}, "colour is no field"),
+        ({"cavity": np.full(N, 1e-3)}, "cavity must be at least the ball's diameter"),
+    ],
+)
+def test_bad_input(changes: dict[str, np.ndarray], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ringdowns(paper_like(Formulation.CONSISTENT), RELEASE, 3, **changes)
+
+
+def test_empty_batch() -> None:
+    assert len(ringdowns(paper_like(Formulation.CONSISTENT), np.zeros((0, 2)), 3).impacts) == 0
