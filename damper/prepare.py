@@ -52,7 +52,8 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
 
     omega = stuck_frequency(rows)
     period = 2 * np.pi / omega
-    reach = np.abs(start[:, (0, 1, 3)] / np.stack([np.ones_like(omega), omega, omega], axis=1)[:, :, None])
+    size = np.abs(start).max(axis=2)
+    reach = np.maximum(size[:, 0], np.maximum(size[:, 1], size[:, 3]) / omega)
     clocks, books, windows = np.zeros(len(rows), CLOCK), np.zeros(len(rows), BOOKS), np.zeros(len(rows), CYCLE)
     clocks["end"] = period * (max_cycles if cycles is None else cycles)
     clocks["tail"] = _CYCLES_AFTER_REST * period if cycles is None else np.inf
@@ -63,7 +64,7 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         windows[name] = -1.0
     return Prepared(
         laws=laws_of(rows),
-        balls=balls_of(rows, reach.max(axis=(1, 2))),
+        balls=balls_of(rows, reach),
         axes=axes,
         clocks=clocks,
         books=books,

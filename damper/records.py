@@ -124,18 +124,19 @@ EVENT = _record(
 
 def laws_of(rows: Parameters) -> Records:
     """Oscillators that govern the structures, shape (n, 2 axes, 3 regimes)."""
-    m2, ball, zeta = rows["modal_mass"], rows["ball_mass"], rows["damping_ratio"]
-    stuck = m2 + ball
-    rolling = np.where(rows["printed"], m2, m2 + (1 - inertia_ratio(rows)) * ball)
-    laws = np.zeros((len(rows), 2, 3), LAW)
-    for axis in range(2):
-        stiffness = rows["stiffness"][:, axis]
-        dashpot = 2 * zeta * np.sqrt(stiffness * m2)
-        stuck_dashpot = np.where(rows["printed"], 2 * zeta * np.sqrt(stiffness * stuck), dashpot)
-        for regime, mass, c in ((STUCK, stuck, stuck_dashpot), (ROLLING, rolling, dashpot), (SLIPPING, m2, dashpot)):
-            law = laws[:, axis, regime]
-            law["mass"], law["stiffness"], law["damping"], law["decay"] = mass, stiffness, c, c / (2 * mass)
-            law["frequency"] = np.sqrt(stiffness / mass - law["decay"] ** 2)
+    m2, ball, printed = rows["modal_mass"], rows["ball_mass"], rows["printed"]
+    mass = np.empty((len(rows), 1, 3))
+    mass[:, 0, STUCK] = m2 + ball
+    mass[:, 0, ROLLING] = np.where(printed, m2, m2 + (1 - inertia_ratio(rows)) * ball)
+    mass[:, 0, SLIPPING] = m2
+    sprung = np.repeat(m2[:, None, None], 3, axis=2)  # the mass that zeta refers to
+    sprung[printed, :, STUCK] += ball[printed, None]
+    stiffness = rows["stiffness"][:, :, None]
+    laws = np.empty((len(rows), 2, 3), LAW)
+    laws["mass"], laws["stiffness"] = mass, stiffness
+    laws["damping"] = damping = 2 * rows["damping_ratio"][:, None, None] * np.sqrt(stiffness * sprung)
+    laws["decay"] = decay = damping / (2 * mass)
+    laws["frequency"] = np.sqrt(stiffness / mass - decay * decay)
     return laws
 
 
