@@ -10,6 +10,7 @@ from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two
 from damper.model import Formulation, ParticleDamper
 from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
 from damper.sample import History, sample
+from damper.stepping import SteppedRingDown, stepped_ringdown
 
 __all__ = [
     "Batch",
@@ -20,12 +21,14 @@ __all__ = [
     "Outcome",
     "ParticleDamper",
     "RingDown",
+    "SteppedRingDown",
     "ball_density",
     "capacity",
     "intrinsic_sdc",
     "ringdown",
     "ringdowns",
     "sample",
+    "stepped_ringdown",
     "two_hit_bound",
     "work_bound",
 ]

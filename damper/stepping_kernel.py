@@ -1,0 +1,61 @@
+"""The compiled loop of the paper's fixed-step algorithm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from damper.compiled import kernel
+from damper.flight import begin, increments
+from damper.records import STUCK
+from damper.resolve import hit, roll, rub, settle
+
+if TYPE_CHECKING:
+    from damper.records import Floats, Record, Records
+
+
+@kernel
+def march(axes: Records, laws: Records, ball: Record, books: Record, step: float, velocity: Floats) -> int:
+    """Fill `velocity`, shape (n + 1, 2), step by step; returns the number of wall hits."""
+    impacts = 0
+    for k in range(len(velocity) - 1):
+        for i in range(2):
+            if axes[i].regime == STUCK:
+                settle(axes[i], laws[i], ball)
+            _step(axes[i], laws[i], ball, step)
+        for i in range(2):
+            axis, other = axes[i], axes[1 - i]
+            side = 1 if axis.w > 0.0 else -1
+            if axis.regime != STUCK and side * axis.s >= axis.half_gap:
+                axis.heading = side
+                impulse = hit(axis, ball, books)
+                impacts += 1
+                if ball.friction > 0.0 and other.regime != STUCK:
+                    rub(other, impulse, laws[1 - i], ball, books)
+            elif axis.regime != STUCK and axis.w * axis.direction <= 0.0:
+                _turn(axis, laws[i], ball)
+        velocity[k + 1, 0], velocity[k + 1, 1] = axes[0].v, axes[1].v
+    return impacts
+
+
+@kernel
+def _step(axis: Record, laws: Records, ball: Record, step: float) -> None:
+    begin(axis, laws, ball, 0.0)
+    du, dv, _ = increments(axis, laws[axis.regime], step)
+    if axis.regime != STUCK:
+        axis.s += axis.w * step - axis.beta * du + 0.5 * axis.f * step * step
+        axis.w += axis.f * step - axis.beta * dv
+        axis.spin = axis.w
+    axis.u += axis.v * step + du
+    axis.v += dv
+
+
+@kernel
+def _turn(axis: Record, laws: Records, ball: Record) -> None:
+    """The relative velocity has changed sign: stick if the structure no longer drives the ball, else roll on."""
+    direction = 1 if axis.w > 0.0 else -1
+    acceleration = (laws[STUCK].stiffness * axis.u + laws[STUCK].damping * axis.v) / laws[STUCK].mass
+    if abs(acceleration) <= ball.threshold:
+        axis.w = 0.0
+        roll(axis, 0)
+    else:
+        roll(axis, direction)

@@ -1,0 +1,55 @@
+"""The paper's fixed-step algorithm: it tends to the exact events, and how slowly."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from damper import Formulation, ringdown, stepped_ringdown
+from tests.damper.test_reference import paper_like
+
+RELEASE = (20e-3, 5e-3)
+
+
+@pytest.mark.parametrize("formulation", list(Formulation))
+def test_first_order(formulation: Formulation) -> None:
+    """Events noticed at the end of a step are late by half a step on average: the error falls with the step."""
+    damper = paper_like(formulation)
+    run = ringdown(damper, RELEASE, 20)
+    exact = run.energy.final / run.energy.initial
+    errors = []
+    steps = [2560, 5120, 10240, 20480, 40960]
+    for n in steps:
+        stepped = stepped_ringdown(damper, RELEASE, 20, n)
+        errors.append(abs(stepped.final / stepped.initial - exact))
+    rate = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert 0.7 < rate < 1.3
+    assert errors[-1] < 5e-5
+
+
+def test_forty_steps_make_damping_of_their_own() -> None:
+    """At the paper's 40 steps a cycle the printed equations seem to damp, where they really gain energy."""
+    damper = paper_like(Formulation.PRINTED)
+    exact = ringdown(damper, RELEASE, 20).energy
+    stepped = stepped_ringdown(damper, RELEASE, 20, 40)
+    assert exact.final > exact.initial
+    assert stepped.final < 0.7 * stepped.initial
+
+
+def test_structure_alone_is_exact_at_any_step() -> None:
+    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), centrifugal_acceleration=1e9, damping_ratio=0.02)
+    run = ringdown(damper, RELEASE, 5)
+    for n in (3, 40):
+        stepped = stepped_ringdown(damper, RELEASE, 5, n)
+        assert stepped.impacts == 0
+        assert stepped.final == pytest.approx(run.energy.final, rel=1e-12)
+
+
+def test_bad_input() -> None:
+    damper = paper_like(Formulation.CONSISTENT)
+    with pytest.raises(ValueError, match="at least 1"):
+        stepped_ringdown(damper, RELEASE, 0)
+    with pytest.raises(ValueError, match="no slip"):
+        stepped_ringdown(dataclasses.replace(damper, floor_friction=0.3), RELEASE, 3)
