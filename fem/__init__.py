@@ -1,0 +1,79 @@
+"""Plates that spin: prestress, modes, and the reduced mass and stiffness at a damper's place.
+
+    from fem import Effects, Material, Plate, Rotor, assemble, rectangle, solve_modes
+
+    plate = Plate(rectangle(0.2, 0.08, 20, 8), 0.01, Material(184.5e9, 0.3, 7850.0))
+    operators = assemble(plate, Rotor(), Effects())
+    solve_modes(operators, omega=1047.2).frequencies_hz
+
+Everything is in SI units, angular speeds in rad/s. The names below are imported when first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fem.accuracy import estimate_error
+    from fem.display import displacement
+    from fem.family import families
+    from fem.meshfile import read_mesh
+    from fem.modes import Divergence, Modes, solve_modes
+    from fem.operators import Operators, assemble, with_point_mass
+    from fem.planform import MeshError, rectangle
+    from fem.plate import Material, Plate
+    from fem.reduction import Reduced, reduce_at
+    from fem.rotor import Effects, Rotor
+
+_HOMES = {
+    "Divergence": "fem.modes",
+    "Effects": "fem.rotor",
+    "Material": "fem.plate",
+    "MeshError": "fem.planform",
+    "Modes": "fem.modes",
+    "Operators": "fem.operators",
+    "Plate": "fem.plate",
+    "Reduced": "fem.reduction",
+    "Rotor": "fem.rotor",
+    "assemble": "fem.operators",
+    "displacement": "fem.display",
+    "estimate_error": "fem.accuracy",
+    "families": "fem.family",
+    "read_mesh": "fem.meshfile",
+    "rectangle": "fem.planform",
+    "reduce_at": "fem.reduction",
+    "solve_modes": "fem.modes",
+    "with_point_mass": "fem.operators",
+}
+
+__all__ = [
+    "Divergence",
+    "Effects",
+    "Material",
+    "MeshError",
+    "Modes",
+    "Operators",
+    "Plate",
+    "Reduced",
+    "Rotor",
+    "assemble",
+    "displacement",
+    "estimate_error",
+    "families",
+    "read_mesh",
+    "rectangle",
+    "reduce_at",
+    "solve_modes",
+    "with_point_mass",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'fem' has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

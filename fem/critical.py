@@ -1,0 +1,26 @@
+"""The critical speed: where spin softening has eaten up the stiffness and the plate diverges."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.solver import factorise, krylov, random_block
+
+if TYPE_CHECKING:
+    from fem.operators import Operators
+
+
+def critical_speed(operators: Operators) -> float:
+    """Lowest speed in rad/s at which K(Omega) is singular; infinity where it never is.
+
+    Prestress is taken as linear in Omega², also where the effects ask for large deflection.
+    """
+    if operators.softening is None and operators.geometric is None:
+        return np.inf
+    loss = -operators.spinning
+    factor = factorise(operators.stiffness)
+    start = factor.solve(loss @ random_block(loss.shape[0]))
+    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.stiffness, start, 1, np.asarray)
+    return float(values[0] ** -0.5) if values[0] > 0.0 else np.inf

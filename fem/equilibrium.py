@@ -1,0 +1,126 @@
+"""Static equilibrium with large deflection, and the stiffness about it.
+
+The strain is E = sym D g + (1/2) sum_m (Q g)_a (Q g)_b at every layer (`fem.discretisation.Layer`): von
+Kármán's strains and, in addition, the in-plane products, so that turning a plate as a whole strains it not
+even in its plane. The centrifugal load is that of the displaced mass when softening is counted. Newton's
+method starts from the stretched plate or from the state at a neighbouring speed, and takes the load in
+parts when that is too far.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.fields import gram
+from fem.forms import VOIGT, geometric_coefficients, strain_matrix
+from fem.solver import factorise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.discretisation import Discretisation, Layer
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+ITERATIONS = 25
+"""Newton steps before the load is taken in smaller parts."""
+
+CONVERGED = 1e-20
+"""Energy of the last Newton step relative to that of the load."""
+
+SMALLEST_PART = 1e-3
+"""Smallest part of the load that is tried before giving up."""
+
+
+class NoEquilibrium(ArithmeticError):
+    """Newton's method found no static equilibrium at a speed omega (rad/s), even in small steps."""
+
+    def __init__(self, omega: float) -> None:
+        super().__init__(f"no static equilibrium was found at {omega * 30 / np.pi:.6g} rpm")
+        self.omega = omega
+
+
+def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
+    """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
+
+    start: the state at a neighbouring speed, if known. Raises NoEquilibrium.
+    """
+    target = omega**2
+    if start is not None and (found := _newton(operators, target, start)) is not None:
+        return found
+    state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
+    while reached < 1.0:
+        attempt = min(1.0, reached + part)
+        begin = state
+        if operators.prestress is not None:
+            begin = state + (attempt - reached) * target * operators.prestress
+        found = _newton(operators, attempt * target, begin)
+        if found is None:
+            part *= 0.25
+            if part < SMALLEST_PART:
+                raise NoEquilibrium(omega)
+        else:
+            state, reached, part = found, attempt, 2.0 * part
+    return state
+
+
+def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
+    """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
+    return _respond(operators, omega**2, state)[1]
+
+
+def _newton(operators: Operators, load: float, state: Array) -> Array | None:
+    for _ in range(ITERATIONS):
+        residual, stiffness = _respond(operators, load, state)
+        step = factorise(stiffness).solve(residual)
+        if not np.isfinite(step).all():
+            return None
+        state = state + step
+        work = abs(load * operators.load @ state)
+        if abs(step @ residual) <= CONVERGED * work or not work:
+            return state
+    return None
+
+
+def _respond(operators: Operators, load: float, state: Array) -> tuple[Array, csc_array]:
+    """Unbalanced force (n,) and tangent stiffness (n, n) at a state under load times the unit load."""
+    model = operators.model
+    gradients = model.gradient.evaluate(state)
+    force = np.zeros_like(gradients)
+    coefficients = np.zeros((gradients.shape[0],) * 2 + gradients.shape[1:])
+    stresses = []
+    for layer in model.elastic:
+        strain, variation = _strain(layer, gradients)
+        stress = np.einsum("st,tcp->scp", model.stiffness, strain)
+        stresses.append(stress)
+        force += layer.weight * np.einsum("sgcp,scp->gcp", variation, stress)
+        stiff = np.einsum("st,thcp->shcp", layer.weight * model.stiffness, variation)
+        coefficients += np.einsum("sgcp,shcp->ghcp", variation, stiff, optimize=True)
+    coefficients += geometric_coefficients(model, stresses)
+    residual = load * operators.load - model.gradient.load(force)
+    for fields, c in model.extra:
+        residual -= fields.load(np.einsum("ij...,j...->i...", c, fields.evaluate(state)))
+    stiffness = gram((model.gradient, coefficients), *model.extra)
+    if operators.softening is not None:
+        residual += load * (operators.softening @ state)
+        stiffness = (stiffness - load * operators.softening).tocsc()
+    return residual, stiffness
+
+
+def _strain(layer: Layer, gradients: Array) -> tuple[Array, Array]:
+    """Strain (nstrain, ncell, npoint) and its variation with the gradients (nstrain, ngradient, ...)."""
+    products = np.einsum("mag,gcp->macp", layer.quadratic, gradients)
+    strain = np.einsum("sg,gcp->scp", strain_matrix(layer), gradients)
+    variation = np.broadcast_to(
+        strain_matrix(layer)[:, :, None, None], (len(strain), *gradients.shape)
+    ).copy()
+    for k, (a, b) in enumerate(VOIGT[layer.quadratic.shape[1]]):
+        half = 0.5 if a == b else 1.0
+        strain[k] += half * (products[:, a] * products[:, b]).sum(axis=0)
+        variation[k] += half * np.einsum("mcp,mg->gcp", products[:, a], layer.quadratic[:, b])
+        variation[k] += half * np.einsum("mcp,mg->gcp", products[:, b], layer.quadratic[:, a])
+    return strain, variation

@@ -1,0 +1,126 @@
+"""Scalar fields on a mesh as tables at quadrature points, and the quadratic forms they make.
+
+Every operator of the plate is a form sum_ij integral c_ij f_i f_j over fields f_i that are linear in the
+unknowns: the physics is in the small matrix c, the discretisation in the tables. `gram` joins the two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+CLAMPED = -1
+"""Number of an unknown that is held at zero."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Fields that depend on the same unknowns.
+
+    table: (ncell, npoint, nfield, ndof), the value of each field for a unit of each unknown of the cell.
+    dofs: (ncell, ndof), the numbers of these unknowns; `CLAMPED` where they are held.
+    """
+
+    table: NDArray[np.float64]
+    dofs: NDArray[np.int64]
+
+    @property
+    def size(self) -> int:
+        """Number of fields."""
+        return int(self.table.shape[2])
+
+
+@dataclass(frozen=True)
+class Fields:
+    """An ordered set of scalar fields, block after block, with the integration weights of their points.
+
+    dx: (ncell, npoint), in m² (plates) or m³ (solids). dofs: number of unknowns that are free.
+    """
+
+    blocks: tuple[Block, ...]
+    dx: NDArray[np.float64]
+    dofs: int
+
+    @property
+    def size(self) -> int:
+        """Number of fields."""
+        return sum(block.size for block in self.blocks)
+
+    def evaluate(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of all fields at the points, (nfield, ncell, npoint, ...), for unknowns (dofs, ...)."""
+        padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])
+        columns = padded.reshape(len(padded), -1)
+        values = [_at_points(block.table, columns[block.dofs]) for block in self.blocks]
+        return np.concatenate(values).reshape(-1, *self.dx.shape, *vector.shape[1:])
+
+    def load(self, density: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Vector (dofs,) of sum_i integral density_i f_i, with density (nfield, ncell, npoint)."""
+        total = np.zeros(self.dofs + 1)
+        start = 0
+        for block in self.blocks:
+            part = density[start : start + block.size] * self.dx
+            start += block.size
+            cellwise = np.einsum("cpfd,fcp->cd", block.table, part, optimize=True)
+            total += np.bincount(
+                np.where(block.dofs < 0, self.dofs, block.dofs).ravel(), cellwise.ravel(), self.dofs + 1
+            )
+        return total[:-1]
+
+
+def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
+    """Sparse matrix (dofs, dofs) of the sum over terms of integral c_ij f_i f_j.
+
+    terms: pairs of fields and coefficients c, (nfield, nfield) or pointwise (nfield, nfield, ncell, npoint).
+    Pairs of blocks whose coefficients vanish are not computed and leave no entries.
+    """
+    from scipy.sparse import coo_array
+
+    rows, cols, data = [], [], []
+    for fields, coefficients in terms:
+        starts = np.cumsum([0, *(block.size for block in fields.blocks)])
+        for a, left in enumerate(fields.blocks):
+            for b, right in enumerate(fields.blocks):
+                c = coefficients[starts[a] : starts[a + 1], starts[b] : starts[b + 1]]
+                if not c.any():
+                    continue
+                cells = _cell_matrices(left.table, c, right.table, fields.dx)
+                shape = cells.shape
+                rows.append(np.broadcast_to(left.dofs[:, :, None], shape).ravel())
+                cols.append(np.broadcast_to(right.dofs[:, None, :], shape).ravel())
+                data.append(cells.ravel())
+    n = terms[0][0].dofs
+    if not data:
+        return coo_array((n, n)).tocsc()
+    row, col, value = np.concatenate(rows), np.concatenate(cols), np.concatenate(data)
+    free = (row >= 0) & (col >= 0)
+    return coo_array((value[free], (row[free], col[free])), shape=(n, n)).tocsc()
+
+
+def _cell_matrices(
+    left: NDArray[np.float64],
+    c: NDArray[np.float64],
+    right: NDArray[np.float64],
+    dx: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Cell matrices (ncell, ndof left, ndof right)."""
+    ncell, npoint, nleft, ndof = left.shape
+    weighted = (
+        np.moveaxis(np.broadcast_to(c, (*c.shape[:2], *dx.shape)), (0, 1), (2, 3)) @ right
+        if c.ndim == 4
+        else np.matmul(c, right)
+    ) * dx[:, :, None, None]
+    flat = left.reshape(ncell, npoint * nleft, ndof)
+    return np.matmul(flat.transpose(0, 2, 1), weighted.reshape(ncell, npoint * nleft, right.shape[3]))
+
+
+def _at_points(table: NDArray[np.float64], unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fields (nfield, ncell, npoint, k) of a table for unknowns (ncell, ndof, k)."""
+    ncell, npoint, nfield, ndof = table.shape
+    values = np.matmul(table.reshape(ncell, npoint * nfield, ndof), unknowns)
+    return np.moveaxis(values.reshape(ncell, npoint, nfield, -1), 2, 0)

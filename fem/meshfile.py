@@ -1,0 +1,107 @@
+"""Mid-surface meshes from files, through meshio: Gmsh .msh, VTU, Abaqus .inp, Nastran .bdf and the rest.
+
+Straight-sided cells are used: of second-order cells the corners are taken. One kind of cell a mesh: where a
+file mixes triangles and quadrilaterals, the quadrilaterals are split.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.planform import MeshError, check_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TRIANGLES = ("triangle", "triangle6", "triangle7")
+QUADS = ("quad", "quad8", "quad9")
+IGNORED = ("vertex", "line", "line3")
+FLATNESS = 1e-6
+"""Largest departure from a plane of constant z, relative to the size of the mesh."""
+
+
+def read_mesh(path: str | Path) -> Any:
+    """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across.
+
+    Raises `MeshError` with the file's name for a file that cannot be read, that holds no surface, or whose
+    surface is not flat, not upright, not in one piece or without a straight root edge.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    try:
+        return _surface(_read(path))
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from None
+
+
+def _read(path: Path) -> Any:
+    import meshio
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except SystemExit:
+        raise MeshError("not a mesh file that meshio can read") from None
+    except Exception as error:
+        raise MeshError(f"not a readable mesh file ({type(error).__name__}: {error})") from None
+
+
+def _surface(raw: Any) -> Any:
+    from skfem import MeshQuad, MeshTri
+
+    kinds = {block.type for block in raw.cells}
+    others = ", ".join(sorted(kinds - set(TRIANGLES + QUADS + IGNORED)))
+    if others:
+        raise MeshError(f"a plate needs a mesh of its mid-surface, but the file holds {others}")
+    points = _flat(np.asarray(raw.points, dtype=float))
+    triangles = _cells(raw, TRIANGLES, 3)
+    quads = _cells(raw, QUADS, 4)
+    if not len(triangles) and not len(quads):
+        raise MeshError("the file holds no triangles and no quadrilaterals")
+    split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
+    cells = np.vstack(split) if len(triangles) else quads
+    cells = _oriented(points, cells)
+    used, renumbered = np.unique(cells, return_inverse=True)
+    kind = MeshTri if cells.shape[1] == 3 else MeshQuad
+    mesh = kind(np.ascontiguousarray(points[used].T), np.ascontiguousarray(renumbered.reshape(cells.shape).T))
+    check_mesh(mesh)
+    return mesh
+
+
+def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    if (
+        points.shape[1] == 3
+        and points.size
+        and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max()
+    ):
+        raise MeshError(
+            f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}"
+        )
+    return points[:, :2]
+
+
+def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
+    blocks = [block.data[:, :corners] for block in raw.cells if block.type in kinds]
+    return np.vstack(blocks).astype(np.int64) if blocks else np.empty((0, corners), dtype=np.int64)
+
+
+def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells counter-clockwise; a mesh seen from below is turned over, a mixed one is an error."""
+    x, y = points[cells].transpose(2, 0, 1)
+    area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    if (area < 0.0).all():
+        return cells[:, ::-1]
+    if (area <= 0.0).any():
+        first = int(np.flatnonzero(area <= 0.0)[0])
+        raise MeshError(
+            f"{np.count_nonzero(area <= 0.0)} of {area.size} cells are inverted or flat, the first one near "
+            f"({x[first].mean():.6g}, {y[first].mean():.6g})"
+        )
+    return cells

@@ -1,0 +1,107 @@
+"""The Mindlin plate with its membrane: u, v, w and the rotations, all quadratic, with assumed shear.
+
+U = (u - z theta_x, v - z theta_y, w). Direct strains in plane stress; transverse shear g = grad w - theta
+with the correction factor 5/6 (Reissner 1945; Mindlin, J. Appl. Mech. 18 (1951) 31). Quadrilaterals carry Q2
+throughout, triangles P2 with a cubic bubble in the rotations; see `fem.tying` for the shear.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem import tying
+from fem.discretisation import Discretisation, Layer, Space, number
+from fem.fields import Block, Fields
+from fem.planform import root_facets
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate import Plate
+
+SHEAR_CORRECTION = 5.0 / 6.0
+"""Reissner's factor for a homogeneous section."""
+
+SHEAR_FLOOR = 1e-5
+"""Least shear compliance, as (a/h)² of the cell size a that is added to 1.
+
+The shear stiffness of a thin plate exceeds the bending stiffness by (a/h)² on a cell and drowns it in
+rounding (2e-4 of a frequency at h/L = 1e-5). Capping it makes a plate no softer in shear than one of thickness
+0.003 a, an error that falls with the mesh and stays orders below that of the mesh.
+"""
+
+
+def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
+    """Make the Mindlin model of a plate."""
+    from skfem import Basis, ElementQuad2, ElementTriP2, ElementTriP2B
+    from skfem.quadrature import get_quadrature
+
+    mesh = plate.mesh
+    quads = mesh.t.shape[0] == 4
+    element = ElementQuad2() if quads else ElementTriP2()
+    quadrature = get_quadrature(mesh.elem.refdom, 5)
+    basis = Basis(mesh, element, quadrature=quadrature)
+    rotation = basis if quads else Basis(mesh, ElementTriP2B(), quadrature=quadrature)
+    root = root_facets(mesh)
+    bases = [basis, basis, basis, rotation, rotation]
+    tables, total = number([(b, b.get_dofs(root).flatten()) for b in bases])
+    u, v, w, tx, ty = (Space(b, t) for b, t in zip(bases, tables, strict=True))
+
+    dx = np.asarray(basis.dx)
+    value, gradient = ((),), ((0,), (1,))
+    shear = Fields((_shear(w, tx, ty),), dx, total)
+    floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / plate.thickness**2
+    modulus = SHEAR_CORRECTION * plate.material.shear_modulus * plate.thickness / floor
+    elastic = plate_layers(plate.thickness)
+    planar = np.asarray(basis.global_coordinates())
+    return Discretisation(
+        theory="mindlin",
+        points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
+        displacement=Fields(tuple(s.block(value) for s in (u, v, w, tx, ty)), dx, total),
+        gradient=Fields(tuple(s.block(gradient) for s in (u, v, w, tx, ty)), dx, total),
+        inertia=elastic if rotary_inertia else plate_layers(plate.thickness, flat=True),
+        elastic=elastic,
+        stiffness=plate.material.plane_stress,
+        extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
+        membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
+        spaces=(u, v, w),
+        mesh=mesh,
+    )
+
+
+def plate_layers(thickness: float, flat: bool = False) -> tuple[Layer, ...]:
+    """Two Gauss points through the thickness, exact for quadratics in z; flat: the mid-surface alone."""
+    z = 0.0 if flat else 0.5 * thickness / np.sqrt(3.0)
+    return (_layer(0.0, thickness),) if flat else (_layer(-z, 0.5 * thickness), _layer(z, 0.5 * thickness))
+
+
+def _layer(z: float, weight: float) -> Layer:
+    displacement = np.zeros((3, 5))
+    displacement[:, :3] = np.eye(3)
+    displacement[0, 3] = displacement[1, 4] = -z
+    products = np.diag([1.0, 1.0, 1.0, -z, -z])
+    gradient, quadratic = (
+        np.einsum("kf,ab->kafb", m, np.eye(2)).reshape(-1, 2, 10) for m in (displacement, products)
+    )
+    return Layer(z, weight, displacement, gradient, quadratic)
+
+
+def _shear(w: Space, tx: Space, ty: Space) -> Block:
+    """Tabulate the assumed shear strain as one block over the unknowns of w and theta."""
+    basis, rotation = w.basis, tx.basis
+    rule = tying.quadrilateral() if basis.mesh.t.shape[0] == 4 else tying.triangle()
+    reduction = rule.reduction(basis.X)
+    slope = np.stack([basis.elem.lbasis(rule.points, j)[1] for j in range(basis.Nbfun)], axis=-1)
+    turn = np.stack([rotation.elem.lbasis(rule.points, j)[0] for j in range(rotation.Nbfun)], axis=-1)
+    jacobian = basis.mapping.DF(rule.points)
+    from_w = np.einsum("masb,bsj->maj", reduction, slope)
+    from_turn = np.einsum("masb,kbcs,sj->kcmaj", reduction, jacobian, turn, optimize=True)
+    ncell, npoint = basis.dx.shape
+    covariant = np.concatenate(
+        [np.broadcast_to(from_w, (ncell, npoint, *from_w.shape[1:])), -from_turn[0], -from_turn[1]], axis=-1
+    )
+    table = np.einsum("abcm,cmaj->cmbj", basis.mapping.invDF(basis.X), covariant, optimize=True)
+    dofs: NDArray[Any] = np.concatenate([w.dofs, tx.dofs, ty.dofs], axis=1)
+    return Block(np.ascontiguousarray(table), dofs)

@@ -1,0 +1,124 @@
+"""Free vibration of the spinning plate at one speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.solver import CONVERGED, Factor, factorise, lanczos
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+
+class Divergence(ArithmeticError):
+    """Spin softening has overcome the stiffness: the plate leaves its equilibrium without oscillating.
+
+    omega: the speed in rad/s. eigenvalue: the lowest omega_n², negative, in rad²/s². count: how many are.
+    """
+
+    def __init__(self, omega: float, eigenvalue: float, count: int = 1) -> None:
+        super().__init__(
+            f"the plate diverges at {omega * 30 / np.pi:.6g} rpm: {count} mode(s) without a frequency, "
+            f"eigenvalue {eigenvalue:.6g} rad²/s²"
+        )
+        self.omega = omega
+        self.eigenvalue = eigenvalue
+        self.count = count
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes at a speed omega (rad/s).
+
+    eigenvalues: (count,) squared circular frequencies in rad²/s², ascending.
+    shapes: (n, count), mass-normalised; complex with Coriolis, displacement Re(shape e^{i omega_n t}).
+    damping_ratios: (count,), zero without a damper of the plate's own.
+    factor: of K at this speed. state: the displacement (n,) about which the plate vibrates, where the
+    deflection is large.
+    """
+
+    omega: float
+    eigenvalues: Array
+    shapes: NDArray[Any]
+    damping_ratios: Array
+    factor: Factor = field(repr=False, compare=False)
+    state: Array | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def frequencies_hz(self) -> Array:
+        """Natural frequencies (count,) in Hz, ascending."""
+        return np.asarray(np.sqrt(self.eigenvalues) / (2.0 * np.pi))
+
+
+def solve_modes(
+    operators: Operators,
+    omega: float,
+    count: int = 6,
+    *,
+    start: Array | None = None,
+    damping_ratio: float = 0.0,
+) -> Modes:
+    """Find the count lowest modes at a speed omega (rad/s).
+
+    start: the state at a neighbouring speed, to warm-start a large deflection. damping_ratio: viscous
+    damping of each mode of the plate, which Coriolis forces then share out.
+    Raises ValueError for a count below one or a negative ratio, Divergence past the critical speed and
+    NoEquilibrium where a large deflection has none.
+    """
+    from fem.gyroscopic import solve_gyroscopic
+
+    if count < 1:
+        raise ValueError(f"count of modes must be at least 1, got {count!r}")
+    if not damping_ratio >= 0.0:
+        raise ValueError(f"damping_ratio must be zero or more, got {damping_ratio!r}")
+    stiffness, state = linearise(operators, omega, start)
+    if operators.gyroscopic is not None and omega != 0.0:
+        return solve_gyroscopic(operators, omega, stiffness, count, state, damping_ratio)
+    return solve_real(operators, omega, stiffness, count, state, damping_ratio)
+
+
+def solve_real(
+    operators: Operators,
+    omega: float,
+    stiffness: csc_array,
+    count: int,
+    state: Array | None = None,
+    damping_ratio: float = 0.0,
+    tolerance: float = CONVERGED,
+) -> Modes:
+    """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence."""
+    factor = factorise(stiffness)
+    values, vectors = lanczos(factor, operators.mass, count, tolerance)
+    if factor.negative:
+        raise Divergence(omega, _lowest(stiffness, operators.mass, values), factor.negative)
+    order = np.argsort(values)
+    ratios = np.full(order.size, damping_ratio)
+    return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
+
+
+def linearise(
+    operators: Operators, omega: float, start: Array | None = None
+) -> tuple[csc_array, Array | None]:
+    """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large."""
+    from fem.equilibrium import equilibrium, tangent
+
+    if not operators.effects.large_deflection:
+        return operators.at(omega), None
+    state = equilibrium(operators, omega, start)
+    return tangent(operators, omega, state), state
+
+
+def _lowest(stiffness: csc_array, mass: csc_array, values: Array) -> float:
+    """Find the lowest of eigenvalues that are known to reach below zero, by shifting all above it."""
+    shift = 2.0 * float(np.abs(values).max())
+    while (factor := factorise((stiffness + shift * mass).tocsc())).negative:
+        shift *= 4.0
+    return float(lanczos(factor, mass, 1)[0][0] - shift)

@@ -1,0 +1,149 @@
+"""From a plate on a rotor to its matrices: everything that does not depend on the speed, made once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem import forms
+from fem.locate import locate
+from fem.solver import factorise
+from fem.theories import discretise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.discretisation import Discretisation
+    from fem.plate import Plate
+    from fem.rotor import Effects, Rotor
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Operators:
+    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s.
+
+    K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
+    gyroscopic: G, the Coriolis force is -Omega G times the velocity.
+    load: the centrifugal load (n,) per Omega². prestress: the displacement (n,) it causes, per Omega².
+    """
+
+    plate: Plate
+    rotor: Rotor
+    effects: Effects
+    model: Discretisation
+    stiffness: csc_array
+    mass: csc_array
+    geometric: csc_array | None
+    softening: csc_array | None
+    gyroscopic: csc_array | None
+    load: Array
+    prestress: Array | None
+
+    @cached_property
+    def spinning(self) -> csc_array:
+        """What Omega² multiplies in K(Omega), (n, n)."""
+        from scipy.sparse import csc_array as sparse
+
+        total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
+        return total if self.softening is None else (total - self.softening).tocsc()
+
+    def at(self, omega: float) -> csc_array:
+        """K(Omega), (n, n)."""
+        if self.geometric is None and self.softening is None:
+            return self.stiffness
+        return (self.stiffness + omega**2 * self.spinning).tocsc()
+
+
+def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
+    """Matrices of a plate on a rotor; the prestress is solved once, at 1 rad/s.
+
+    Raises ValueError for an unknown theory, or one that the mesh does not allow.
+    """
+    model = discretise(plate, theory, effects.rotary_inertia)
+    density = plate.material.density
+    stiffness = forms.elastic_stiffness(model)
+    load = forms.centrifugal_load(model, density, rotor)
+    prestress = geometric = softening = gyroscopic = None
+    if effects.stress_stiffening:
+        prestress, geometric = _stiffening(model, stiffness, load)
+    if effects.spin_softening:
+        softening = forms.inertia(model, density, rotor.projector)
+    if effects.coriolis:
+        gyroscopic = forms.inertia(model, density, 2.0 * rotor.spin)
+    mass = forms.inertia(model, density, np.eye(3))
+    operators = Operators(
+        plate,
+        rotor,
+        effects,
+        model,
+        stiffness,
+        mass,
+        geometric,
+        softening,
+        gyroscopic,
+        load,
+        prestress,
+    )
+    if plate.tip_mass > 0.0 and plate.tip_at is not None:
+        return with_point_mass(operators, plate.tip_at, plate.tip_mass)
+    return operators
+
+
+def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
+    """Stick a point mass (kg) to the plate at a place (x, y) in m.
+
+    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate.
+    """
+    model, rotor = operators.model, operators.rotor
+    rows = point_rows(model, at)
+    place = np.array([at[0] + rotor.hub_radius, at[1], 0.0])
+    load = mass * (rows.T @ (rotor.projector @ place))
+    changed: dict[str, Any] = {
+        "mass": operators.mass + mass * _through(rows, np.eye(3)),
+        "load": operators.load + load,
+    }
+    if operators.prestress is not None and operators.geometric is not None:
+        prestress, geometric = _stiffening(model, operators.stiffness, load)
+        changed["prestress"] = operators.prestress + prestress
+        changed["geometric"] = operators.geometric + geometric
+    if operators.softening is not None:
+        changed["softening"] = operators.softening + mass * _through(rows, rotor.projector)
+    if operators.gyroscopic is not None:
+        changed["gyroscopic"] = operators.gyroscopic + mass * _through(rows, 2.0 * rotor.spin)
+    return replace(operators, **changed)
+
+
+def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
+    """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
+    from scipy.sparse import coo_array
+
+    cell, reference = locate(model.mesh, at)
+    rows, columns, weights = [], [], []
+    for k, space in enumerate(model.spaces):
+        weight, dofs = space.probe(np.array([cell]), reference[:, None], derivative)
+        free = dofs[0] >= 0
+        rows.append(np.full(np.count_nonzero(free), k))
+        columns.append(dofs[0][free])
+        weights.append(weight[0][free])
+    where = (np.concatenate(rows), np.concatenate(columns))
+    return coo_array((np.concatenate(weights), where), shape=(3, model.dofs)).tocsc()
+
+
+def _through(rows: csc_array, matrix: Array) -> csc_array:
+    from scipy.sparse import csc_array as sparse
+
+    return (rows.T @ sparse(matrix) @ rows).tocsc()
+
+
+def _stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:
+    """Solve for the displacement of a load and the geometric stiffness of its stress."""
+    held = model.membrane
+    displacement = np.zeros(model.dofs)
+    displacement[held] = factorise(stiffness[held][:, held].tocsc()).solve(load[held])
+    return displacement, forms.geometric_stiffness(model, forms.linear_stress(model, displacement))

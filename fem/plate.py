@@ -1,0 +1,88 @@
+"""What is given: the material and the plate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def _positive(name: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} must be a positive number of {unit}, got {value!r}")
+
+
+@dataclass(frozen=True)
+class Material:
+    """An isotropic linear elastic material.
+
+    youngs_modulus in Pa, poissons_ratio (-1 < nu < 0.5), density in kg/m³.
+
+    Raises ValueError for values no such material has.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+
+    def __post_init__(self) -> None:
+        _positive("youngs_modulus", self.youngs_modulus, "Pa")
+        _positive("density", self.density, "kg/m³")
+        if not -1.0 < self.poissons_ratio < 0.5:
+            raise ValueError(f"poissons_ratio must lie between -1 and 0.5, got {self.poissons_ratio!r}")
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / 2(1 + nu), in Pa."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def plane_stress(self) -> NDArray[Any]:
+        """Plane-stress stiffness (3, 3) in Pa for the strains xx, yy and 2xy."""
+        import numpy as np
+
+        e, nu = self.youngs_modulus, self.poissons_ratio
+        return e / (1.0 - nu**2) * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
+
+    @property
+    def elasticity(self) -> NDArray[Any]:
+        """Three-dimensional stiffness (6, 6) in Pa for the strains xx, yy, zz, 2yz, 2xz and 2xy."""
+        import numpy as np
+
+        lame = 2.0 * self.shear_modulus * self.poissons_ratio / (1.0 - 2.0 * self.poissons_ratio)
+        c = np.zeros((6, 6))
+        c[:3, :3] = lame
+        c[np.arange(6), np.arange(6)] += self.shear_modulus * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+        return c
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A flat plate of constant thickness, clamped where its mid-surface has the smallest x.
+
+    mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards from
+        the hub's surface, y across, z through the thickness.
+    thickness in m. tip_mass: a point mass in kg at tip_at = (x, y) in m on the mid-surface.
+
+    Raises ValueError for a non-positive thickness, a negative mass or a mass without a place, and
+    `MeshError` for a mesh that no plate can be made of.
+    """
+
+    mesh: Any
+    thickness: float
+    material: Material
+    tip_mass: float = 0.0
+    tip_at: tuple[float, float] | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        from fem.planform import check_mesh
+
+        _positive("thickness", self.thickness, "m")
+        if not (isfinite(self.tip_mass) and self.tip_mass >= 0.0):
+            raise ValueError(f"tip_mass must be zero or more kg, got {self.tip_mass!r}")
+        if self.tip_mass > 0.0 and self.tip_at is None:
+            raise ValueError("tip_mass needs tip_at = (x, y), the place where it sits")
+        check_mesh(self.mesh)

@@ -1,0 +1,62 @@
+"""How the plate spins, and which effects of spinning are counted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, isfinite, sin
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """The spin axis: it passes hub_radius (m) inside x = 0 and leans by stagger (rad) from z towards y.
+
+    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
+    """
+
+    hub_radius: float = 0.0
+    stagger: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.hub_radius) and self.hub_radius >= 0.0):
+            raise ValueError(f"hub_radius must be zero or more m, got {self.hub_radius!r}")
+        if not isfinite(self.stagger):
+            raise ValueError(f"stagger must be a finite angle in rad, got {self.stagger!r}")
+
+    @property
+    def axis(self) -> NDArray[Any]:
+        """Unit vector n of the spin axis, (3,)."""
+        import numpy as np
+
+        # At a right angle cos is 6e-17, not 0: such dust would couple what is not coupled.
+        n = np.array([0.0, sin(self.stagger), cos(self.stagger)])
+        return np.where(np.abs(n) < 1e-15, 0.0, n)
+
+    @property
+    def projector(self) -> NDArray[Any]:
+        """I - n n^T, (3, 3): the part of a vector that is perpendicular to the axis."""
+        import numpy as np
+
+        return np.eye(3) - np.outer(self.axis, self.axis)
+
+    @property
+    def spin(self) -> NDArray[Any]:
+        """The matrix (3, 3) of v -> n x v."""
+        import numpy as np
+
+        x, y, z = self.axis
+        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What is counted. An effect that is off is neither assembled nor solved for."""
+
+    stress_stiffening: bool = True
+    spin_softening: bool = True
+    coriolis: bool = False
+    large_deflection: bool = False
+    rotary_inertia: bool = True

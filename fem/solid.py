@@ -1,0 +1,85 @@
+"""The plate as a solid: triquadratic bricks, the reference for the plate theories.
+
+The planform is extruded into layers of 27-node bricks, an even number so that the mid-surface is a face
+between bricks. Triangles are first split into three quadrilaterals each.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.discretisation import Discretisation, Layer, Space, number
+from fem.fields import Fields
+
+if TYPE_CHECKING:
+    from fem.plate import Plate
+
+LAYERS = 2
+"""Bricks through the thickness."""
+
+CORNERS = ((1, 1, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
+"""Reference coordinates of a brick's vertices in the order of `skfem.ElementHex1`."""
+
+
+def discretise(plate: Plate) -> Discretisation:
+    """Make the solid model of a plate."""
+    from skfem import Basis, ElementHex2
+    from skfem.quadrature import get_quadrature
+
+    planform = quadrilaterals(plate.mesh)
+    mesh = extrude(planform, plate.thickness, LAYERS)
+    element = ElementHex2()
+    basis = Basis(mesh, element, quadrature=get_quadrature(mesh.elem.refdom, 5))
+    x = mesh.p[0]
+    root = mesh.facets_satisfying(lambda p: p[0] < x.min() + 1e-6 * np.ptp(x), boundaries_only=True)
+    clamped = basis.get_dofs(root).flatten()
+    tables, total = number([(basis, clamped)] * 3)
+    spaces = tuple(Space(basis, t, height=1.0) for t in tables)
+    dx = np.asarray(basis.dx)
+    nine = np.eye(9).reshape(3, 3, 9)
+    body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
+    return Discretisation(
+        theory="solid",
+        points=np.asarray(basis.global_coordinates()),
+        displacement=Fields(tuple(s.block(((),)) for s in spaces), dx, total),
+        gradient=Fields(tuple(s.block(((0,), (1,), (2,))) for s in spaces), dx, total),
+        inertia=body,
+        elastic=body,
+        stiffness=plate.material.elasticity,
+        extra=(),
+        membrane=np.arange(total),
+        spaces=(spaces[0], spaces[1], spaces[2]),
+        mesh=planform,
+    )
+
+
+def quadrilaterals(mesh: Any) -> Any:
+    """Return a mesh of quadrilaterals: itself, or each triangle in three, old vertices first."""
+    from skfem import MeshQuad
+
+    if mesh.t.shape[0] == 4:
+        return mesh
+    nvertices, nfacets = mesh.p.shape[1], mesh.facets.shape[1]
+    middles = mesh.p[:, mesh.facets].mean(axis=1)
+    centres = mesh.p[:, mesh.t].mean(axis=1)
+    a, b, c = mesh.t
+    ab, bc, ac = nvertices + mesh.t2f
+    o = nvertices + nfacets + np.arange(mesh.t.shape[1])
+    cells = np.hstack([[a, ab, o, ac], [b, bc, o, ab], [c, ac, o, bc]])
+    return MeshQuad(np.hstack([mesh.p, middles, centres]), cells)
+
+
+def extrude(mesh: Any, thickness: float, layers: int) -> Any:
+    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface."""
+    from skfem import MeshHex
+
+    n = mesh.p.shape[1]
+    levels = np.linspace(-0.5 * thickness, 0.5 * thickness, layers + 1)
+    points = np.hstack([np.vstack([mesh.p, np.full(n, z)]) for z in levels])
+    corner = {(0, 0): 0, (1, 0): 1, (1, 1): 2, (0, 1): 3}
+    middle = layers // 2 - 1
+    order = [middle, *(k for k in range(layers) if k != middle)]
+    bricks = [np.stack([mesh.t[corner[i, j]] + n * (layer + k) for i, j, k in CORNERS]) for layer in order]
+    return MeshHex(points, np.hstack(bricks))

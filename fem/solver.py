@@ -1,0 +1,175 @@
+"""Sparse symmetric factors and the lowest modes by shift-inverted block Lanczos.
+
+The Lanczos basis is kept orthonormal in the mass (twice-repeated Gram-Schmidt), so no mode is found twice;
+blocks of vectors find double eigenvalues, which a square plate has. Sources: Ericsson and Ruhe, Math. Comp.
+35 (1980) 1251; Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    Array = NDArray[np.float64]
+
+BLOCK = 4
+"""Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""
+
+CONVERGED = 1e-11
+"""Residual of a mode relative to its own inverse eigenvalue."""
+
+NULL = 1e-24
+"""Squared weight of a unit direction that counts as nothing."""
+
+REFINED = 1e-13
+"""Relative energy of a refined mode's error, which is the relative error of its eigenvalue."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A sparse LU factor with a symmetric ordering and pivots on the diagonal."""
+
+    lu: Any
+
+    def solve(self, right: Array) -> Array:
+        """Solution for one (n,) or several (n, k) right-hand sides."""
+        return np.asarray(self.lu.solve(right))
+
+    @property
+    def negative(self) -> int:
+        """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester)."""
+        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+
+
+def factorise(matrix: csc_array) -> Factor:
+    """Factor of a symmetric matrix, (n, n)."""
+    from scipy.sparse.linalg import splu
+
+    options = {"SymmetricMode": True}
+    return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
+
+
+def lanczos(
+    factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED
+) -> tuple[Array, Array]:
+    """Find the eigenvalues nearest zero of K x = lambda M x and their vectors, K given by its factor.
+
+    Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors,
+    whose residuals in 1/lambda are within a relative tolerance.
+    """
+    start = factor.solve(mass @ random_block(mass.shape[0]))
+    inverse, vectors = krylov(
+        lambda _, heavy: factor.solve(heavy), mass, start, count, np.abs, tolerance=tolerance
+    )
+    return 1.0 / inverse, vectors
+
+
+def random_block(n: int) -> Array:
+    """Vectors (n, BLOCK) to start a Krylov space from, the same in every run."""
+    return np.random.default_rng(0).standard_normal((n, min(BLOCK, n)))
+
+
+def krylov(
+    apply: Callable[[Array, Array], Array],
+    weight: csc_array,
+    start: Array,
+    count: int,
+    rank: Callable[[Array], Array],
+    skew: bool = False,
+    tolerance: float = CONVERGED,
+) -> tuple[Array, Any]:
+    """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
+
+    apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b).
+    rank: how much each eigenvalue is wanted. skew: the operator T is skew-adjoint and the eigenvalues are
+    those of iT, with complex vectors.
+    Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight.
+    """
+    n = start.shape[0]
+    basis, image = (np.empty((n, 0), order="F") for _ in range(2))
+    projected = np.empty((0, 0))
+    block, heavy, _, _ = orthonormal(start, basis, image, weight)
+    sign, unit = (-1.0, 1.0j) if skew else (1.0, 1.0)
+    while True:
+        basis, image = _append(basis, block), _append(image, heavy)
+        block, heavy, column, coupling = orthonormal(apply(block, heavy), basis, image, weight)
+        m, b = column.shape
+        projected = np.pad(projected, ((0, b), (0, b)))
+        projected[m - b :] = sign * column.T
+        projected[:, m - b :] = column
+        values, vectors = np.linalg.eigh(0.5 * unit * (projected + sign * projected.T))
+        order = np.argsort(-rank(values))[:count]
+        residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
+        enough = order.size == count and bool((residual <= tolerance * np.abs(values[order])).all())
+        if enough or block.shape[1] == 0 or m >= n:
+            return values[order], basis @ vectors[:, order]
+
+
+def _append(columns: Array, more: Array) -> Array:
+    return np.concatenate([columns.T, more.T]).T
+
+
+def orthonormal(
+    block: Array, basis: Array, image: Array, weight: csc_array
+) -> tuple[Array, Array, Array, Array]:
+    """Orthonormalise a block (n, b) in a weight against a basis (n, m) with weighted image.
+
+    Directions without weight are dropped. Returns vectors (n, k), their image, and column (m, b) and coupling
+    (k, b) such that block = basis @ column + vectors @ coupling.
+    """
+    column = image.T @ block
+    vectors = block - basis @ column
+    heavy = weight @ vectors
+    size = np.sqrt(np.maximum(np.einsum("ij,ij->j", vectors, heavy), 0.0))
+    scale = np.where(size > 0.0, size, 1.0)
+    vectors = vectors / scale
+    coupling = np.diag(scale)
+    for _ in range(2):
+        again = image.T @ vectors
+        vectors = vectors - basis @ again
+        heavy = weight @ vectors
+        gram = vectors.T @ heavy
+        values, rotation = np.linalg.eigh(0.5 * (gram + gram.T))
+        keep = values > NULL
+        root = np.sqrt(values[keep])
+        column = column + again @ coupling
+        coupling = (root[:, None] * rotation[:, keep].T) @ coupling
+        vectors, heavy = vectors @ (rotation[:, keep] / root), heavy @ (rotation[:, keep] / root)
+        if values[0] > 0.1:
+            break
+    return vectors, heavy, column, coupling
+
+
+def refine(
+    stiffness: csc_array, mass: csc_array, start: Array, target: int, nearby: Factor
+) -> tuple[float, Array]:
+    """Find the eigenpair of (stiffness, mass) most like one column of start, by Davidson's method.
+
+    start: (n, k) vectors to begin with. nearby: a factor of some matrix close to the stiffness, so that a
+    small change of a plate does not need a factor of its own. Returns the eigenvalue and the vector (n,),
+    mass-normalised. Source: Davidson, J. Comput. Phys. 17 (1975) 87.
+    """
+    wanted = mass @ start[:, target]
+    empty = np.empty((start.shape[0], 0))
+    basis, image, _, _ = orthonormal(start, empty, empty, mass)
+    while True:
+        reduced = basis.T @ (stiffness @ basis)
+        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+        pick = int(np.argmax(np.abs(wanted @ basis @ vectors)))
+        shape = basis @ vectors[:, pick]
+        residual = stiffness @ shape - values[pick] * (mass @ shape)
+        step = nearby.solve(residual)
+        # The step is the shape's error to first order; its energy is that of the eigenvalue.
+        if abs(residual @ step) <= REFINED * abs(values[pick]) or basis.shape[1] >= start.shape[0]:
+            return float(values[pick]), shape
+        block, heavy, _, _ = orthonormal(step[:, None], basis, image, mass)
+        if block.shape[1] == 0:
+            return float(values[pick]), shape
+        basis, image = np.hstack([basis, block]), np.hstack([image, heavy])

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""From a fresh checkout and nothing but Python to results: makes .venv, installs the project there, runs it.
+
+    python3 go.py run [ARGS]    runs `spindamp run ARGS`
+    python3 go.py test [ARGS]   runs ruff, mypy and pytest (ARGS go to pytest)
+
+Any other command is handed to spindamp: `python3 go.py check paper`.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+VENV = ROOT / ".venv"
+BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
+OLDEST = (3, 11)
+PACKAGES = ["fem", "damper", "workflows", "tests", "meshes", "go.py"]
+
+
+def main(arguments):
+    """Run a command; return its exit status."""
+    if sys.version_info < OLDEST:
+        return fail("needs Python {}.{} or newer, this is {}.{}".format(*OLDEST, *sys.version_info[:2]))
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(__doc__.strip())
+        return 0 if arguments else 2
+    command, rest = arguments[0], arguments[1:]
+    try:
+        install("[test]" if command == "test" else "")
+    except subprocess.CalledProcessError as error:
+        return fail(f"the installation ended with status {error.returncode}; remove .venv to begin afresh")
+    try:
+        return test(rest) if command == "test" else call(BIN / "spindamp", command, *rest)
+    except KeyboardInterrupt:
+        return 130
+
+
+def test(arguments):
+    """Lint, format, types, tests; all of them, even if one fails."""
+    steps = [
+        ("ruff check", [PYTHON, "-m", "ruff", "check", *PACKAGES]),
+        ("ruff format", [PYTHON, "-m", "ruff", "format", "--check", *PACKAGES]),
+        ("mypy", [PYTHON, "-m", "mypy"]),
+        ("pytest", [PYTHON, "-m", "pytest", *arguments]),
+    ]
+    failed = []
+    for name, command in steps:
+        print(f"\n== {name}", flush=True)
+        if call(*command) != 0:
+            failed.append(name)
+    print("\n== {}".format("failed: " + ", ".join(failed) if failed else "all passed"))
+    return 1 if failed else 0
+
+
+def install(extra):
+    """Make .venv and install the project into it, unless that was done for this very pyproject.toml."""
+    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest() + extra
+    stamp = VENV / ".installed"
+    done = stamp.read_text() if stamp.is_file() else ""
+    if PYTHON.is_file() and done in (wanted, wanted + "[test]"):
+        return
+    if not PYTHON.is_file():
+        make_venv()
+    print("installing spindamp into .venv (once, a minute or two)", file=sys.stderr, flush=True)
+    pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    subprocess.run([*pip, "-e", f"{ROOT}{extra}"], check=True)
+    stamp.write_text(wanted)
+
+
+def make_venv():
+    """Make .venv, or say what to install where Python came without the means."""
+    try:
+        import ensurepip  # noqa: F401
+        import venv
+    except ImportError:
+        package = "python{}.{}-venv".format(*sys.version_info)
+        sys.exit(fail(f"this Python cannot make virtual environments; on Debian: apt-get install {package}"))
+    print("making .venv", file=sys.stderr, flush=True)
+    try:
+        venv.create(VENV, with_pip=True, clear=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        shutil.rmtree(VENV, ignore_errors=True)
+        sys.exit(fail(f"cannot make .venv: {error}"))
+
+
+def call(*command):
+    """Run a command in the project's folder or, for spindamp, where the user is."""
+    where = None if command[0] == BIN / "spindamp" else ROOT
+    return subprocess.run([os.fspath(part) for part in command], cwd=where, check=False).returncode
+
+
+def fail(message):
+    """Say what is wrong; return the exit status for it."""
+    print(f"go.py: {message}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,95 @@
+"""Spinning plates in CalculiX: writes the input, runs `ccx` and reads the frequencies.
+
+20-node bricks with reduced integration (C3D20R); a static step with NLGEOM under CENTRIF, then a frequency
+step with PERTURBATION, so that stress stiffening and spin softening are in, and Coriolis is not.
+"""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+COMMAND = "ccx"
+
+
+def available():
+    """Whether `ccx` is installed."""
+    return shutil.which(COMMAND) is not None
+
+
+def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, threads=1):
+    """Frequencies (count,) in Hz of a plate size = (length, width, thickness) in m.
+
+    material: (E, nu, rho). cells: bricks along x, y and z. omega in rad/s, stagger in rad. mass: (kg, x, y).
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        job = Path(folder) / "plate"
+        job.with_suffix(".inp").write_text(deck(size, material, cells, omega, hub, stagger, count, mass))
+        environment = {"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin:/usr/local/bin"}
+        done = subprocess.run(
+            [COMMAND, job.name], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
+        listing = job.with_suffix(".dat")
+        if not listing.is_file():
+            raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
+        rows = re.findall(r"^\s*\d+\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", listing.read_text(), re.M)
+    return np.array([float(row[2]) for row in rows])[:count]
+
+
+def deck(size, material, cells, omega, hub, stagger, count, mass):
+    """Write the input deck."""
+    nodes, bricks = grid(size, cells)
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{k + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for k, (x, y, z) in enumerate(nodes)]
+    lines += ["*ELEMENT, TYPE=C3D20R, ELSET=PLATE"]
+    for k, brick in enumerate(bricks + 1):
+        lines.append(f"{k + 1}, " + ", ".join(map(str, brick[:15])) + ",")
+        lines.append(", ".join(map(str, brick[15:])))
+    lines += ["*NSET, NSET=ROOT"] + [f"{k + 1}," for k in np.flatnonzero(nodes[:, 0] < 1e-9)]
+    e, nu, rho = material
+    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{e:.12g}, {nu:.12g}", "*DENSITY", f"{rho:.12g}"]
+    lines += ["*SOLID SECTION, ELSET=PLATE, MATERIAL=M"]
+    loads = ["PLATE"]
+    if mass is not None:
+        kg, x, y = mass
+        node = int(np.argmin(np.linalg.norm(nodes - [x, y, 0.0], axis=1))) + 1
+        lines += ["*ELEMENT, TYPE=MASS, ELSET=BOB", f"{len(bricks) + 1}, {node}"]
+        lines += ["*MASS, ELSET=BOB", f"{kg:.12g}"]
+        loads.append("BOB")
+    lines += ["*BOUNDARY", "ROOT, 1, 3"]
+    if omega > 0.0:
+        axis = f"{-hub:.12g}, 0, 0, 0, {np.sin(stagger):.15g}, {np.cos(stagger):.15g}"
+        lines += ["*STEP, NLGEOM, INC=200", "*STATIC", "*DLOAD"]
+        lines += [f"{name}, CENTRIF, {omega**2:.15g}, {axis}" for name in loads]
+        lines += ["*END STEP", "*STEP, PERTURBATION"]
+    else:
+        lines += ["*STEP"]
+    lines += ["*FREQUENCY", f"{count}", "*END STEP", ""]
+    return "\n".join(lines)
+
+
+def grid(size, cells):
+    """Nodes (n, 3) and 20-node bricks (m, 20), from 0, of a regular grid."""
+    nx, ny, nz = cells
+    length, width, height = size
+    index = {}
+    nodes = []
+    for i in range(2 * nx + 1):
+        for j in range(2 * ny + 1):
+            for k in range(2 * nz + 1):
+                if (i % 2) + (j % 2) + (k % 2) <= 1:
+                    index[i, j, k] = len(nodes)
+                    nodes.append((length * i / (2 * nx), width * (j / (2 * ny) - 0.5), height * (k / (2 * nz) - 0.5)))
+    corner = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+    middle = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    local = corner + [tuple((np.add(corner[a], corner[b]) // 2).tolist()) for a, b in middle]
+    bricks = [
+        [index[2 * i + a, 2 * j + b, 2 * k + c] for a, b, c in local]
+        for i in range(nx)
+        for j in range(ny)
+        for k in range(nz)
+    ]
+    return np.array(nodes), np.array(bricks)

@@ -1,0 +1,94 @@
+"""The Mindlin element itself: patches, spurious modes, locking, rates."""
+
+import numpy as np
+import pytest
+from fem_cases import STEEL, distorted
+
+from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
+from fem import mindlin
+from fem.forms import elastic_stiffness
+
+MESHES = {
+    "quads": lambda n: rectangle(1.0, 1.0, n, n),
+    "skewed quads": lambda n: distorted(rectangle(1.0, 1.0, n, n), 0.25 / n),
+    "triangles": lambda n: rectangle(1.0, 1.0, n, n).to_meshtri(),
+    "skewed triangles": lambda n: distorted(rectangle(1.0, 1.0, n, n).to_meshtri(), 0.2 / n),
+}
+
+
+@pytest.fixture
+def free_plate(monkeypatch):
+    """Discretise a plate that nothing clamps."""
+    monkeypatch.setattr(mindlin, "root_facets", lambda mesh: np.empty(0, dtype=np.int64))
+    return lambda kind, thickness: mindlin.discretise(Plate(MESHES[kind](3), thickness, STEEL))
+
+
+@pytest.mark.parametrize("thickness", [0.1, 1e-3])
+@pytest.mark.parametrize("kind", MESHES)
+def test_free_plate_has_six_rigid_motions_and_no_more(free_plate, kind, thickness):
+    model = free_plate(kind, thickness)
+    stiffness = elastic_stiffness(model).toarray()
+    scale = 1.0 / np.sqrt(np.diag(stiffness))
+    values = np.linalg.eigvalsh(stiffness * np.outer(scale, scale))
+    assert np.abs(values[:6]).max() < 1e-11
+    assert values[6] > 1e-8
+
+
+@pytest.mark.parametrize("kind", MESHES)
+def test_patch(free_plate, kind):
+    """Constant membrane strain, curvature and shear are met exactly on any mesh."""
+    h = 0.01
+    model = free_plate(kind, h)
+    x, y, _ = model.points
+    u, v, w, tx, ty = _interpolate(
+        model,
+        lambda x, y: (2 * x + 3 * y, -y + x, 0.5 * x**2 + 0.25 * y**2 - x * y, x - y, 0.5 * y - x),
+    )
+    gradients = model.gradient.evaluate(u + v + w + tx + ty)
+    expected = [2, 3, 1, -1, x - y, 0.5 * y - x, 1, -1, -1, 0.5]
+    for found, value in zip(gradients, expected, strict=True):
+        np.testing.assert_allclose(found, np.broadcast_to(value, x.shape), atol=1e-11)
+    ((shear, _),) = model.extra
+    np.testing.assert_allclose(shear.evaluate(w + tx + ty), 0.0, atol=1e-11)
+    np.testing.assert_allclose(shear.evaluate(_interpolate(model, lambda x, y: (0, 0, 3 * x - y, 0, 0))[2]).T,
+                               np.broadcast_to([3.0, -1.0], (*x.T.shape, 2)), atol=1e-11)
+
+
+def _interpolate(model, function):
+    """Unknowns of each of u, v, w, theta_x, theta_y alone, for functions of degree two or less."""
+    fields = []
+    for k, block in enumerate(model.displacement.blocks):
+        vector = np.zeros(model.dofs)
+        target = np.broadcast_to(function(*model.points[:2])[k], model.points[0].shape)
+        for cell, dofs in enumerate(block.dofs):
+            table = block.table[cell, :, 0]
+            vector[dofs] = np.linalg.lstsq(table, target[cell], rcond=None)[0]
+        fields.append(vector)
+    return fields
+
+
+@pytest.mark.parametrize("kind", MESHES)
+def test_no_locking(kind):
+    """omega / h tends to a constant as h/L goes from 1e-1 to 1e-5: it is what shear leaves of thin-plate theory."""
+    found = {}
+    for h in (1e-2, 1e-3, 1e-4, 1e-5):
+        operators = assemble(Plate(MESHES[kind](8), h, STEEL), Rotor(), Effects())
+        found[h] = solve_modes(operators, 0.0, 6).frequencies_hz / h
+    for h in (1e-4, 1e-5):
+        np.testing.assert_allclose(found[h], found[1e-3], rtol=1e-4)
+    np.testing.assert_allclose(found[1e-2], found[1e-3], rtol=3e-3)  # the true shear effect
+
+
+@pytest.mark.parametrize("kind", MESHES)
+def test_rate(kind):
+    """Errors fall at least with the square of the cell size, and the finest is small (thin plate)."""
+    h, exact = 1e-3, np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
+    bending = STEEL.youngs_modulus * h**3 / 12.0 / (1.0 - STEEL.poissons_ratio**2)
+    unit = np.sqrt(bending / STEEL.density / h) / (2.0 * np.pi)
+    errors = []
+    for n in (4, 8):
+        operators = assemble(Plate(MESHES[kind](n), h, STEEL), Rotor(), Effects())
+        errors.append(solve_modes(operators, 0.0, 6).frequencies_hz / unit / exact - 1.0)
+    coarse, fine = np.abs(errors).max(axis=1)
+    assert np.log2(coarse / fine) > 2.0
+    assert fine < 4e-3

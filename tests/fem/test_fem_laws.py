@@ -1,0 +1,144 @@
+"""What must hold exactly, whatever the mesh."""
+
+import numpy as np
+import pytest
+from fem_cases import STEEL, distorted, paper_plate, rpm
+
+from fem import (
+    Divergence,
+    Effects,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    displacement,
+    families,
+    rectangle,
+    solve_modes,
+    with_point_mass,
+)
+
+OFF = Effects(stress_stiffening=False, spin_softening=False)
+
+
+def test_no_effects_no_speed_dependence():
+    operators = assemble(paper_plate(10, 4), Rotor(), OFF)
+    assert operators.geometric is None
+    assert operators.softening is None
+    rest, fast = (solve_modes(operators, omega, 6).frequencies_hz for omega in (0.0, rpm(17500)))
+    np.testing.assert_array_equal(rest, fast)
+
+
+def test_softening_alone_lowers_flap_by_n_squared_at_right_angles():
+    flat, turned = (
+        assemble(paper_plate(10, 4), Rotor(stagger=angle), Effects()) for angle in (0.0, np.pi / 2)
+    )
+    for speed in (3500, 10000, 17500):
+        f, g = (solve_modes(o, rpm(speed), 1).frequencies_hz[0] for o in (flat, turned))
+        assert f**2 - g**2 == pytest.approx((speed / 60.0) ** 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("stagger", [0.3, 1.0])
+def test_softening_of_a_beam_goes_with_sine_squared(stagger):
+    """omega²(stagger) = omega²(0) - Omega² sin² stagger where lag is stiff: exact for equal prestress."""
+    plate = Plate(rectangle(1.0, 0.05, 20, 1), 0.001, Material(2e11, 0.0, 7850.0))
+    omega = 5.0
+    straight, leaning = (
+        solve_modes(assemble(plate, Rotor(stagger=angle), Effects()), omega, 1).eigenvalues[0]
+        for angle in (0.0, stagger)
+    )
+    assert straight - leaning == pytest.approx((omega * np.sin(stagger)) ** 2, rel=2e-3)
+
+
+@pytest.mark.parametrize(("theory", "tolerance"), [("mindlin", 1e-10), ("solid", 1e-8)])
+def test_rotating_bar_stretches_as_it_should(theory, tolerance):
+    """Tip displacement rho Omega² L³ / 3E, exact in these elements when nu = 0.
+
+    A solid is pulled apart through its thickness too, which the clamp hinders: 1e-9.
+    """
+    plate = Plate(rectangle(0.2, 0.08, 5, 2), 0.01, Material(2e11, 0.0, 7850.0))
+    operators = assemble(plate, Rotor(stagger=np.pi / 2), Effects(), theory)  # no pull across the width
+    omega = rpm(10000)
+    moved = omega**2 * displacement(operators, operators.prestress)
+    tip = moved[plate.mesh.p[0] > 0.199, 0]
+    np.testing.assert_allclose(tip, 7850.0 * omega**2 * 0.2**3 / 6e11, rtol=tolerance)
+
+
+def test_stiffness_and_speed_scale_together():
+    """Doubling E and Omega² leaves f / sqrt(E) unchanged."""
+    soft, hard = (
+        solve_modes(
+            assemble(paper_plate(10, 4, Material(e, 0.3, 7850.0)), Rotor(0.1, 0.4), Effects()),
+            np.sqrt(e / 2e11) * 900.0,
+            6,
+        ).frequencies_hz
+        / np.sqrt(e)
+        for e in (2e11, 4e11)
+    )
+    np.testing.assert_allclose(soft, hard, rtol=1e-10)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "solid"])
+def test_stiffening_does_something(theory):
+    """d f² / d n² of the first flap mode is 1.19 by CalculiX; without its prestress it would be 0."""
+    operators = assemble(paper_plate(10, 4), Rotor(), Effects(), theory)
+    rest, slow = (solve_modes(operators, omega, 1).eigenvalues[0] for omega in (0.0, 100.0))
+    assert (slow - rest) / 100.0**2 == pytest.approx(1.19, abs=0.02)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "solid"])
+@pytest.mark.parametrize("triangles", [False, True])
+def test_mass_is_conserved(theory, triangles):
+    """Rigid motion of the unclamped part weighs what the plate weighs: checked on the load along x."""
+    mesh = distorted(rectangle(0.2, 0.08, 6, 3), 0.005)
+    plate = Plate(mesh.to_meshtri() if triangles else mesh, 0.01, STEEL)
+    operators = assemble(plate, Rotor(), OFF, theory)
+    model = operators.model
+    volume = model.displacement.dx.sum() * sum(layer.weight for layer in model.inertia)
+    assert volume == pytest.approx(0.2 * 0.08 * 0.01, rel=1e-12)
+
+
+def test_tip_mass_pulls_softens_and_weighs():
+    """A heavy mass on a thin strip is a bob on a string: flap goes with Omega, and lag keeps what softening leaves."""
+    plate = Plate(rectangle(1.0, 0.01, 20, 1), 1e-4, Material(2e11, 0.0, 7850.0), 1.0, (1.0, 0.0))
+    omega = 3.0
+    found = []
+    for stagger in (0.0, np.pi / 2):
+        operators = assemble(plate, Rotor(stagger=stagger), Effects())
+        modes = solve_modes(operators, omega, 3)
+        found.append(modes.eigenvalues[families(operators, modes).index("flap")] / omega**2)
+    flap, lag = found
+    assert flap == pytest.approx(1.0, abs=0.02)
+    assert flap - lag == pytest.approx(1.0, abs=1e-3)
+
+
+def test_point_masses_add_up():
+    plate = paper_plate(10, 4)
+    once = assemble(paper_plate(10, 4, tip_mass=0.3, tip_at=(0.2, 0.01)), Rotor(0.05, 0.3), Effects())
+    bare = assemble(plate, Rotor(0.05, 0.3), Effects())
+    twice = with_point_mass(with_point_mass(bare, (0.2, 0.01), 0.1), (0.2, 0.01), 0.2)
+    for a, b in ((once.mass, twice.mass), (once.at(500.0), twice.at(500.0))):
+        assert abs(a - b).max() < 1e-12 * abs(a).max()
+
+
+def test_divergence_is_a_finding():
+    """Softening without stiffening at right angles: flap diverges where Omega is its frequency."""
+    effects = Effects(stress_stiffening=False)
+    operators = assemble(paper_plate(10, 4), Rotor(stagger=np.pi / 2), effects)
+    rest = solve_modes(operators, 0.0, 1).eigenvalues[0]
+    below = solve_modes(operators, 0.99 * np.sqrt(rest), 1).eigenvalues[0]
+    assert 0.0 < below < 0.03 * rest
+    with pytest.raises(Divergence) as caught:
+        solve_modes(operators, 1.01 * np.sqrt(rest), 1)
+    assert caught.value.eigenvalue < 0.0
+    assert caught.value.count == 1
+    assert caught.value.omega == pytest.approx(1.01 * np.sqrt(rest))
+
+
+def test_geometric_stiffness_a_hundred_times_the_elastic():
+    """A membrane: the lowest flap frequency tends to Omega, whatever the plate's own stiffness."""
+    plate = Plate(rectangle(1.0, 0.02, 40, 1), 1e-4, Material(2e11, 0.0, 7850.0))
+    operators = assemble(plate, Rotor(), Effects())
+    elastic = solve_modes(operators, 0.0, 1).eigenvalues[0]
+    omega = 10.0 * np.sqrt(elastic)
+    assert solve_modes(operators, omega, 1).eigenvalues[0] / omega**2 == pytest.approx(1.0, abs=0.1)

@@ -1,0 +1,106 @@
+"""Scenes to bend, and one real run that many tests read."""
+
+from __future__ import annotations
+
+import copy
+import json
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from workflows.cli import main
+from workflows.scene_file import SHIPPED
+
+Scene = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command left behind."""
+
+    status: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def spindamp(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> Callable[..., Outcome]:
+    """The command line, run in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: object) -> Outcome:
+        capsys.readouterr()
+        status = main([str(argument) for argument in arguments])
+        found = capsys.readouterr()
+        return Outcome(status, found.out, found.err)
+
+    return call
+
+
+@pytest.fixture
+def paper() -> Scene:
+    """The paper's scene as plain data."""
+    return tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def structure() -> Scene:
+    """The structure-only scene as plain data."""
+    return tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+
+
+def changed(scene: Scene, **changes: Any) -> Scene:
+    """A copy with keys set (table__key=value) or, by None, taken out."""
+    new = copy.deepcopy(scene)
+    for path, value in changes.items():
+        *tables, key = path.split("__")
+        place = new
+        for table in tables:
+            place = place.setdefault(table, {})
+        if value is None:
+            place.pop(key, None)
+        else:
+            place[key] = value
+    return new
+
+
+def toml(value: Any) -> str:
+    """A value as TOML."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, float) and value != value:
+        return "nan"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def write(scene: Scene, path: Path) -> Path:
+    """Write a scene as a TOML file."""
+    lines = [f"{key} = {toml(value)}" for key, value in scene.items() if not isinstance(value, dict)]
+    for name, table in scene.items():
+        if isinstance(table, dict):
+            lines += [f"[{name}]", *(f"{key} = {toml(value)}" for key, value in table.items())]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of one real run of the paper's scene."""
+    folder = tmp_path_factory.mktemp("run") / "out"
+    assert main(["run", "--out", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="session")
+def document(finished: Path) -> dict[str, Any]:
+    """Its results.json."""
+    found: dict[str, Any] = json.loads((finished / "results.json").read_text(encoding="utf-8"))
+    return found

@@ -1,0 +1,174 @@
+"""The command line: what it prints where, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import cli
+from workflows.commands import COMMANDS
+from workflows.errors import NoAnswer
+
+USAGE = [
+    ((), "ommand"),
+    (("rnu",), "rnu"),
+    (("run", "--outt", "x"), "--outt"),
+    (("run", "a", "b"), "b"),
+    (("check",), "SCENE"),
+    (("ringdown", "--rpm", "fast"), "--rpm"),
+    (("ringdown", "--rpm", "-5"), "--rpm = -5.0: expected a rotation speed"),
+    (("ringdown", "--rpm", "nan"), "--rpm"),
+    (("ringdown", "campbell"), "[damper]: the table is missing"),
+    (("campbell", "structure"), "[plate]: the table is missing"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), USAGE)
+def test_usage_errors(
+    arguments: tuple[str, ...], message: str, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    outcome = spindamp(*arguments)
+    assert outcome.status == 2
+    assert message in outcome.err + outcome.out
+    if arguments:
+        assert len(outcome.err.splitlines()) == 1
+        assert outcome.out == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_help_names_every_command(spindamp: Callable[..., Outcome]) -> None:
+    outcome = spindamp("--help")
+    assert outcome.status == 0
+    assert all(command in outcome.out for command in COMMANDS)
+    assert spindamp("run", "--help").status == 0
+
+
+def test_version(spindamp: Callable[..., Outcome]) -> None:
+    assert spindamp("--version") == Outcome(0, f"spindamp {version('spindamp')}\n", "")
+
+
+@pytest.mark.parametrize("command", ["run", "campbell", "ringdown"])
+def test_json_is_all_that_is_printed(
+    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    scene = write(changed(paper, rotor__speeds=["10000 rpm"]), tmp_path / "scene.toml")
+    outcome = spindamp(command, scene, "--json")
+    assert outcome.status == 0
+    assert outcome.err == ""
+    document = json.loads(outcome.out, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+    assert document["schema_version"] == 1
+    point = document["speeds"][0]
+    assert ("damper" in point) == ("reduced" in point) == (command != "campbell")
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_json_is_what_is_written(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    outcome = spindamp("run", "structure", "--json", "--out", "out")
+    assert json.loads(outcome.out) == json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+
+
+def test_run_names_its_folder(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    outcome = spindamp("run", "structure")
+    assert outcome.status == 0
+    assert "spindamp-a-known-structure/report.html" in outcome.out
+    assert (tmp_path / "spindamp-a-known-structure" / "report.html").is_file()
+
+
+def test_ringdown_takes_one_speed(spindamp: Callable[..., Outcome]) -> None:
+    found = json.loads(spindamp("ringdown", "structure", "--rpm", "5000", "--json").out)
+    assert [point["rpm"] for point in found["speeds"]] == [5000]
+    middle = json.loads(spindamp("ringdown", "paper", "--json").out)
+    assert [point["rpm"] for point in middle["speeds"]] == [10_000]
+
+
+def test_check_says_why(spindamp: Callable[..., Outcome]) -> None:
+    outcome = spindamp("check", "paper")
+    assert outcome.status == 0
+    assert "stress_stiffening = true" in outcome.out
+    assert "the centrifugal pull stiffens it" in outcome.out
+    found = json.loads(spindamp("check", "paper", "--json").out)
+    assert found["effects"]["coriolis"]["on"] is False
+    assert found["scene"]["plate"]["theory"] == found["theory"]["name"]
+
+
+def test_divergence_is_no_answer(spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+    changes = {"rotor__speeds": ["0 rpm", "30000 rpm"], "rotor__stagger": "90 deg", "effects__stress_stiffening": False}
+    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    outcome = spindamp("campbell", scene, "--out", "out")
+    assert outcome.status == NoAnswer.exit_status == 3
+    assert "30000 rpm" in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_a_defect_is_one_line_and_a_traceback_on_request(
+    spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("a bug\nof ours")
+
+    monkeypatch.setattr("workflows.scene_file.load", broken)
+    outcome = spindamp("run")
+    assert outcome.status == 1
+    assert len(outcome.err.splitlines()) == 1
+    assert "ZeroDivisionError: a bug of ours" in outcome.err
+    assert "report it" in outcome.err
+    monkeypatch.setenv("SPINDAMP_DEBUG", "1")
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["run"])
+
+
+def test_ctrl_c(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("workflows.pipeline.structure", interrupted)
+    outcome = spindamp("run", "--out", "out")
+    assert outcome.status == 130
+    assert "as it was" in outcome.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_sigint_to_the_process(tmp_path: Path) -> None:
+    # A million cycles without loss: long enough to be interrupted anywhere.
+    scene = tmp_path / "long.toml"
+    text = (Path(cli.__file__).with_name("scenes") / "structure.toml").read_text(encoding="utf-8")
+    scene.write_text(text.replace("cycles = 20", "cycles = 10000000"), encoding="utf-8")
+    command = [sys.executable, "-m", "workflows.cli", "ringdown", str(scene)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            process.wait(4)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert out == b""
+    assert b"stopped" in err
+    assert b"Traceback" not in err
+
+
+def test_a_closed_pipe_is_no_error() -> None:
+    command = f"{sys.executable} -m workflows.cli check paper | head -c 1"
+    done = subprocess.run(command, shell=True, capture_output=True, check=False)
+    assert done.stderr == b""
+
+
+def test_progress_only_on_a_terminal() -> None:
+    pty = pytest.importorskip("pty")
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "workflows.cli", "ringdown", "paper", "--json"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, check=True)
+    os.close(theirs)
+    shown = os.read(ours, 100_000).decode()
+    os.close(ours)
+    assert "modes" in shown
+    json.loads(done.stdout)

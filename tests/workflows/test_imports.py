@@ -1,0 +1,88 @@
+"""Who may import whom, what is public, and what light commands leave unloaded."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("fem", "damper", "workflows")
+MAY_IMPORT = {"fem": {"fem"}, "damper": {"damper"}, "workflows": set(PACKAGES)}
+HEAVY = {
+    "h5netcdf",
+    "h5py",
+    "jinja2",
+    "llvmlite",
+    "matplotlib",
+    "meshio",
+    "numba",
+    "pandas",
+    "pyvista",
+    "rich",
+    "scipy.linalg",
+    "scipy.sparse",
+    "skfem",
+    "vtkmodules",
+    "xarray",
+}
+
+
+def _imports(source: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            found.add(node.module.split(".")[0])
+    return found
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_one_direction(package: str) -> None:
+    for source in (ROOT / package).rglob("*.py"):
+        ours = _imports(source) & set(PACKAGES)
+        assert ours <= MAY_IMPORT[package], source
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_public_names_are_complete(package: str) -> None:
+    module = import_module(package)
+    tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
+    offered = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(package)
+        for alias in node.names
+    }
+    assert list(module.__all__) == sorted(module.__all__)
+    assert set(module.__all__) == offered
+    for name in module.__all__:
+        assert getattr(module, name) is not None
+    with pytest.raises(AttributeError):
+        module.nonsense  # noqa: B018
+
+
+def _loaded(statement: str) -> set[str]:
+    code = f"import sys\n{statement}\nprint('\\n' + ' '.join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_alone_loads_nothing_heavy(package: str) -> None:
+    assert not _loaded(f"import {package}") & HEAVY
+
+
+@pytest.mark.parametrize("arguments", [["check", "paper"], ["check", "paper", "--json"], ["--version"], ["--help"]])
+def test_light_commands_load_nothing_heavy(arguments: list[str]) -> None:
+    assert not _loaded(f"from workflows.cli import main\nmain({arguments})") & HEAVY
+
+
+def test_a_damper_alone_loads_no_plate() -> None:
+    loaded = _loaded("from workflows.cli import main\nmain(['ringdown', 'structure', '--json'])")
+    assert not loaded & {"skfem", "matplotlib", "xarray", "pyvista", "jinja2"}

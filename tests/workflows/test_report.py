@@ -1,0 +1,138 @@
+"""The report: one file, for a person, that loads nothing and runs nothing."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import mode_shape
+
+VOID = {"meta", "link", "img", "br", "hr", "input"}
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.fixture(scope="module")
+def page(finished: Path) -> str:
+    return (finished / "report.html").read_text(encoding="utf-8")
+
+
+class Reader(HTMLParser):
+    """Collects what could load something, ids, and tags left open."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+        self.ids: list[str] = []
+        self.references: list[str] = []
+        self.tags: set[str] = set()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        for name, value in attrs:
+            if name in ("src", "href", "xlink:href", "data", "action", "srcset") and value:
+                (self.references if value.startswith("#") else self.loads).append(value)
+            elif name == "id" and value:
+                self.ids.append(value)
+            elif name.startswith("on"):
+                pytest.fail(f"{tag} {name}")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag, self.getpos()
+
+
+def test_self_contained(page: str) -> None:
+    reader = Reader()
+    reader.feed(page)
+    assert not reader.open
+    assert all(load.startswith("data:") for load in reader.loads)
+    assert len(reader.ids) == len(set(reader.ids))
+    assert {reference[1:] for reference in reader.references} <= set(reader.ids)
+    assert not reader.tags & {"script", "iframe", "object", "embed", "form"}
+    assert not re.search(r"https?:|@import|url\((?!#)", page)
+
+
+def test_says_what_it_must(page: str) -> None:
+    text = re.sub(r"<[^>]+>", " ", page)
+    for words in (
+        "Will the damper work?",
+        "Table II",
+        "373.5",
+        "Campbell diagram",
+        "First mode",
+        "Ring-down at 10\u2009000 rpm",
+        "Damping over amplitude",
+        "What to bear in mind",
+        "Where the energy went",
+        "Assumptions",
+        "the centrifugal pull stiffens it",
+        "prestress",
+    ):
+        assert words in text, words
+
+
+def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    title = "<script>alert('1')</script> & {{ 7 * 7 }}"
+    scene = write(changed(structure, title=title), tmp_path / "scene.toml")
+    assert spindamp("run", scene, "--out", "out").status == 0
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert "{{ 7 * 7 }}" in page
+
+
+@pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
+def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    assert spindamp("run", name, "--out", "out").status == 0
+    reader = Reader()
+    reader.feed((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
+    assert not reader.open
+    assert ("img" in reader.tags) == (name != "structure")
+
+
+@pytest.mark.parametrize("broken", ["import sys; sys.exit(3)", "import os; os.abort()", "import time; time.sleep(60)"])
+def test_without_vtk_the_report_still_has_its_picture(
+    broken: str, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(mode_shape, "COMMAND", ["-c", broken])
+    monkeypatch.setattr(mode_shape, "PATIENCE", 0.5)
+    scene = write(changed(paper, rotor__speeds=["10000 rpm"], damper=None, release=None), tmp_path / "scene.toml")
+    assert spindamp("run", scene, "--out", "out").status == 0
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Drawn without VTK" in page
+    assert "data:image/png;base64," in page
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium (Debian: apt-get install chromium)")
+@pytest.mark.parametrize("size", ["1200,2000", "400,2000"])
+def test_chromium_opens_it_without_a_word(finished: Path, tmp_path: Path, size: str) -> None:
+    picture = tmp_path / "report.png"
+    command = [
+        str(CHROMIUM),
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--enable-logging=stderr",
+        f"--user-data-dir={tmp_path / 'profile'}",
+        f"--window-size={size}",
+        f"--screenshot={picture}",
+        (finished / "report.html").as_uri(),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "CONSOLE" not in done.stderr
+    assert picture.stat().st_size > 30_000

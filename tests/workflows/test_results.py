@@ -1,0 +1,192 @@
+"""The files of a run: each readable by whoever will read it, and all of one mind."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import Scene, changed, write
+from workflows import results_json
+from workflows.scene_file import SceneFile, load, parse
+
+SCHEMA = json.loads(Path(results_json.__file__).with_name("results.schema.json").read_text(encoding="utf-8"))
+STAGES = {"mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"}
+TABLE_II = [208.9, 218.8, 241.3, 269.5, 301.7, 336.7, 373.5]
+
+
+def test_document_meets_its_schema(document: dict[str, Any]) -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.validate(document, SCHEMA)
+
+
+def test_json_has_no_nan(finished: Path) -> None:
+    text = (finished / "results.json").read_text(encoding="utf-8")
+    json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+
+
+def test_every_stage_is_timed(document: dict[str, Any]) -> None:
+    timings = document["timings"]
+    assert set(timings) == STAGES
+    parts = sum(seconds for name, seconds in timings.items() if name != "total")
+    assert 0 < parts <= timings["total"]
+
+
+def test_scene_in_the_document_is_the_scene_run(document: dict[str, Any]) -> None:
+    again = parse(document["scene"])
+    assert again.damper == load("paper").scene.damper
+    assert again.rotor == load("paper").scene.rotor
+    assert document["effects"].keys() == document["scene"]["effects"].keys()
+
+
+def test_frequencies_and_loads_of_table_two(document: dict[str, Any]) -> None:
+    points = document["speeds"]
+    assert [round(point["load_g"]) for point in points] == [2687, 5483, 12337, 21932, 34269, 49348, 67168]
+    assert [point["rpm"] for point in points] == [3500, 5000, 7500, 10000, 12500, 15000, 17500]
+    first = [point["modes"][0]["frequency_hz"] for point in points]
+    np.testing.assert_allclose(first, TABLE_II, rtol=1e-3)
+    for point in points:
+        assert point["modes"][0]["family"] == "flap"
+        assert point["modes"][0]["error_estimate"] <= 1e-3
+        frequencies = [mode["frequency_hz"] for mode in point["modes"]]
+        assert frequencies == sorted(frequencies)
+
+
+def test_cut_off_ratio(document: dict[str, Any]) -> None:
+    for point in document["speeds"]:
+        damper = point["damper"]
+        assert damper["cutoff_ratio"] == pytest.approx(damper["cutoff_g"] / point["load_g"])
+        if point["load_g"] >= 12337:
+            assert 0.09 <= damper["cutoff_ratio"] <= 0.112
+
+
+def test_energy_books_close(document: dict[str, Any]) -> None:
+    for point in document["speeds"]:
+        energy = point["damper"]["energy"]
+        assert abs(energy["residual"]) <= 1e-9 * energy["initial"]
+        losses = sum(energy[name] for name in ("structure", "rolling", "impact", "slip"))
+        explained = energy["initial"] - energy["final"] - losses
+        assert energy["residual"] == pytest.approx(explained, abs=1e-12 * energy["initial"])
+
+
+def test_reduced_parameters_belong_together(document: dict[str, Any]) -> None:
+    for point in document["speeds"]:
+        reduced = point["reduced"]
+        for number in "12":
+            stiffness = reduced[f"M{number}"] * (2 * np.pi * reduced[f"f{number}_hz"]) ** 2
+            assert reduced[f"K{number}"] == pytest.approx(stiffness)
+        assert reduced["M1"] == pytest.approx(1.006 * reduced["M2"])
+        assert reduced["f1_hz"] < reduced["f2_hz"] == pytest.approx(point["modes"][0]["frequency_hz"])
+
+
+def test_cycles_are_the_papers_quantities(document: dict[str, Any]) -> None:
+    for point in document["speeds"]:
+        damper, omega = point["damper"], 2 * np.pi * point["reduced"]["f1_hz"]
+        velocity = np.array([cycle["peak_velocity"] for cycle in damper["cycles"]])
+        amplitude = np.array([cycle["amplitude_g"] for cycle in damper["cycles"]])
+        sdc = np.array([cycle["sdc"] for cycle in damper["cycles"]])
+        np.testing.assert_allclose(amplitude, velocity * omega / 10, rtol=1e-12)
+        np.testing.assert_allclose(sdc[:-1], 1 - (velocity[1:] / velocity[:-1]) ** 2, atol=1e-12)
+        best = int(np.argmax(sdc))
+        assert (damper["peak_sdc"], damper["peak_sdc_at_g"]) == (sdc[best], amplitude[best])
+        assert damper["intrinsic_sdc"] == pytest.approx(sdc[-1], rel=1e-9)
+
+
+def test_netcdf_is_labelled_and_agrees(finished: Path, document: dict[str, Any]) -> None:
+    import xarray as xr
+
+    with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
+        assert set(data.dims) == {"speed", "mode", "cycle"}
+        assert data.speed.attrs["units"] == "rpm"
+        for variable in data.data_vars.values():
+            assert variable.attrs.get("units") or variable.dtype.kind in "OUT"
+        at = data.sel(speed=10000)
+        point = document["speeds"][3]
+        assert float(at.frequency[0]) == point["modes"][0]["frequency_hz"]
+        assert str(at.family.values[0]) == "flap"
+        assert float(at.M2) == point["reduced"]["M2"]
+        sdc = at.sdc.dropna("cycle").values
+        assert list(sdc) == [cycle["sdc"] for cycle in point["damper"]["cycles"]]
+        assert float(at.energy_impact) == point["damper"]["energy"]["impact"]
+
+
+def test_a_csv_for_every_curve(finished: Path, document: dict[str, Any]) -> None:
+    names = {path.stem for path in finished.glob("*.csv")}
+    assert {f"sdc_{point['rpm']:.0f}rpm" for point in document["speeds"]} <= names
+    assert {"campbell_flap_1", "velocity_x_10000rpm", "velocity_y_10000rpm"} <= names
+    for path in finished.glob("*.csv"):
+        assert len(path.read_text().splitlines()[0].split(",")) == 2
+        assert np.isfinite(np.loadtxt(path, delimiter=",", skiprows=1)).all()
+    flap = np.loadtxt(finished / "campbell_flap_1.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(flap[:, 1], [p["modes"][0]["frequency_hz"] for p in document["speeds"]], rtol=1e-9)
+
+
+def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
+    import meshio
+
+    mesh = meshio.read(finished / "modes.vtu")
+    assert len(mesh.point_data) == sum(len(point["modes"]) for point in document["speeds"])
+    for name, field in mesh.point_data.items():
+        assert field.shape == (len(mesh.points), 3), name
+        assert np.linalg.norm(field, axis=1).max() == pytest.approx(1)
+    first = mesh.point_data[next(name for name in mesh.point_data if name.startswith("10000rpm mode 1 "))]
+    np.testing.assert_allclose(first[mesh.points[:, 0] == 0], 0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "impacts", "left"), [("consistent", 164, 0.99138562833), ("printed", 165, 1.0680097305)]
+)
+def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, left: float) -> None:
+    # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
+    speeds = [math.sqrt(219_320 / 0.2)]
+    scene = parse(changed(structure, rotor__speeds=speeds, damper__formulation=formulation))
+    damping = workflows.run(SceneFile(scene, "scene.toml", Path())).speeds[0].damping
+    assert damping is not None
+    assert damping.impacts == impacts
+    assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
+
+
+def test_nothing_spins(paper: Scene) -> None:
+    for scene in (
+        changed(paper, rotor__speeds=[0], release__cycles=5),
+        changed(paper, rotor__speeds=[0], release={"ratio": 0.5, "cycles": 5}),
+    ):
+        results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
+        point = workflows.document(results)["speeds"][0]
+        assert point["load_g"] == 0
+        assert point["damper"]["cutoff_ratio"] is None
+        jsonschema.validate(workflows.document(results), SCHEMA)
+
+
+def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
+    notes = " ".join(document["notes"])
+    for word in (
+        "osmium",
+        "floor tilts",
+        "ζ = 0.01",
+        "K1",
+        "MPa",
+        "mesh",
+        "at most 4 (m_p/M2)",
+        "Rolling without slip",
+    ):
+        assert word in notes, word
+
+
+@pytest.mark.parametrize("name", ["plate_coarse.msh", "plate_medium.msh"])
+def test_a_scene_may_name_a_mesh(paper: Scene, document: dict[str, Any], name: str, tmp_path: Path) -> None:
+    mesh = Path(__file__).parents[2] / "meshes" / name
+    changes = {"plate__length": None, "plate__width": None, "plate__mesh": str(mesh), "damper__at": None}
+    scene = write(changed(paper, rotor__speeds=["10000 rpm"], **changes), tmp_path / "scene.toml")
+    point = workflows.run(load(scene)).speeds[0]
+    same = document["speeds"][3]
+    assert point.load_g == pytest.approx(same["load_g"])
+    assert point.modes[0].frequency_hz == pytest.approx(same["modes"][0]["frequency_hz"], rel=1e-3)
+    assert point.damping is not None
+    assert point.damping.cutoff_ratio == pytest.approx(same["damper"]["cutoff_ratio"], rel=0.13)

@@ -1,0 +1,135 @@
+"""Scenes that are right: every key and every alternative of the contract."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from tests.workflows.conftest import Scene, changed, write
+from workflows import effects, resolved
+from workflows.errors import NotAvailable
+from workflows.scene_file import SHIPPED, load, parse, shipped, slug
+from workflows.scene_schema import schema
+
+PUBLISHED = Path(effects.__file__).with_name("scene.schema.json")
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_scenes_load(name: str) -> None:
+    assert load(name).scene == load(SHIPPED / f"{name}.toml").scene
+
+
+def test_default_is_the_papers(paper: Scene) -> None:
+    assert load().scene == parse(paper)
+
+
+def test_loads_of_table_two_to_every_printed_digit() -> None:
+    rotor = load().scene.rotor
+    loads = [round(omega**2 * 0.2 / rotor.gravity) for omega in rotor.speeds]
+    assert loads == [2687, 5483, 12337, 21932, 34269, 49348, 67168]
+
+
+def test_speeds_as_a_ladder(paper: Scene) -> None:
+    ladder = {"start": "0 rpm", "stop": "17500 rpm", "count": 36}
+    speeds = parse(changed(paper, rotor__speeds=ladder)).rotor.speeds
+    assert len(speeds) == 36
+    assert speeds[0] == 0
+    assert speeds[1] == pytest.approx(500 * math.pi / 30)
+    assert speeds[-1] == pytest.approx(17500 * math.pi / 30)
+
+
+def test_release_alternatives(paper: Scene) -> None:
+    scene = parse(changed(paper, release={"acceleration": ["6000 g", 5.0]}))
+    assert scene.release is not None
+    assert scene.release.acceleration == (60_000.0, 5.0)
+    default = parse(changed(paper, rotor__gravity=None, release={"acceleration": ["1 g", "0 g"]}))
+    assert default.release is not None
+    assert default.release.acceleration == (9.80665, 0.0)
+    assert parse(changed(paper, release={"ratio": 0.3, "cycles": 20})).release is not None
+
+
+def test_mass_alternatives(paper: Scene) -> None:
+    scene = parse(changed(paper, damper__mass_ratio=None, damper__mass="1.9 g"))
+    assert scene.damper is not None
+    assert scene.damper.mass == pytest.approx(0.0019)
+
+
+def test_a_ball_may_fill_its_cavity(paper: Scene) -> None:
+    assert parse(changed(paper, damper__cavity=["2 mm", "2 mm"])).damper is not None
+
+
+def test_mesh_is_beside_the_scene(paper: Scene, tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "plate.msh").write_text("a mesh, perhaps")
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="plate.msh")
+    found = load(write(scene, tmp_path / "deep" / "scene.toml"))
+    assert found.mesh == tmp_path / "deep" / "plate.msh"
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
+    scene = load(name).scene
+    decided, theory = effects.resolve(scene), effects.theory(scene)
+    again = parse(resolved.scene(scene, decided, theory))
+    assert again.model_copy(update={"effects": scene.effects, "plate": scene.plate}) == scene
+
+
+def test_published_schema_comes_from_the_model() -> None:
+    assert json.loads(PUBLISHED.read_text(encoding="utf-8")) == schema(), "run python -m workflows.scene_schema"
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_scenes_meet_the_published_schema(name: str, paper: Scene) -> None:
+    import tomllib
+
+    jsonschema.Draft202012Validator.check_schema(schema())
+    jsonschema.validate(tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8")), schema())
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(changed(paper, plate__lenght=1), schema())
+
+
+def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
+    decided = effects.resolve(parse(changed(paper, effects=None)))
+    on = {name for name, effect in decided.items() if effect.on}
+    assert on == {"stress_stiffening", "spin_softening", "rotary_inertia", "rolling_resistance", "impact_friction"}
+    assert all(effect.why for effect in decided.values())
+
+    still = effects.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
+    assert {name for name, effect in still.items() if effect.on} == {"rotary_inertia", "impact_friction"}
+
+    one = changed(paper, effects=None, rotor__modes=1)
+    assert not effects.resolve(parse(one))["spin_softening"].on
+    assert effects.resolve(parse(changed(one, rotor__stagger="90 deg")))["spin_softening"].on
+
+    smooth = effects.resolve(parse(changed(structure, damper__friction=0, damper__rolling_friction=0)))
+    assert not any(effect.on for effect in smooth.values())
+
+
+def test_an_effect_called_for_but_missing_is_said(paper: Scene) -> None:
+    decided = effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))
+    for name in set(effects.NOT_YET) & {"large_deflection"}:
+        assert not decided[name].on
+        assert "not available yet" in decided[name].why
+
+
+@pytest.mark.parametrize("name", effects.NOT_YET)
+def test_asking_for_a_missing_effect_is_an_error(paper: Scene, name: str) -> None:
+    with pytest.raises(NotAvailable, match="not available yet"):
+        effects.resolve(parse(changed(paper, effects={name: True})))
+
+
+def test_switches_override_the_rules(paper: Scene) -> None:
+    decided = effects.resolve(parse(changed(paper, effects={"stress_stiffening": False, "spin_softening": True})))
+    assert not decided["stress_stiffening"].on
+    assert "switched off by the scene" in decided["stress_stiffening"].why
+    assert decided["spin_softening"].why == "asked for by the scene"
+
+
+def test_slug() -> None:
+    assert slug("The paper's plate") == "the-papers-plate"
+    assert slug("../../etc") == "etc"
+    assert slug("ζ") == "run"

@@ -1,0 +1,192 @@
+"""Scenes that are wrong: exit 2, one line that names file, key and value, no traceback, nothing written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+
+NAN = float("nan")
+
+# What is changed in the paper's scene, the key that the message names, and a part of what it says.
+MALFORMED: list[tuple[dict[str, Any], str, str]] = [
+    ({"plate__length": "5 kg"}, "[plate] length = '5 kg'", "expected a length such as '20 cm'"),
+    ({"plate__length": "twenty"}, "[plate] length", "expected a length"),
+    ({"plate__length": "0.2"}, "[plate] length", "a string carries its unit"),
+    ({"plate__length": 0}, "[plate] length", "above 0"),
+    ({"plate__length": "-20 cm"}, "[plate] length", "above 0"),
+    ({"plate__length": NAN}, "[plate] length", "finite"),
+    ({"plate__length": True}, "[plate] length = true", "expected a length"),
+    ({"plate__length": ["20 cm"]}, "[plate] length", "expected a length"),
+    ({"plate__length": None}, "[plate] length", "missing"),
+    ({"plate__width": None}, "[plate] width", "missing"),
+    ({"plate__thickness": None}, "[plate] thickness", "missing"),
+    ({"plate__thickness": "30 cm"}, "[plate] thickness", "less than the length"),
+    ({"plate__lenght": "20 cm", "plate__length": None}, "[plate] lenght", "did you mean 'length'?"),
+    ({"plate__theory": "mindlinn"}, "[plate] theory = 'mindlinn'", "did you mean 'mindlin'?"),
+    ({"plate__theory": 3}, "[plate] theory", "expected"),
+    ({"plate__tip_mass": "-1 kg"}, "[plate] tip_mass", "at least 0"),
+    ({"plate__mesh": "plate.msh"}, "[plate] length", "leave this out"),
+    ({"plate__length": None, "plate__width": None, "plate__mesh": "no.msh"}, "[plate] mesh = 'no.msh'", "no such file"),
+    ({"plate__length": None, "plate__width": None, "plate__mesh": ""}, "[plate] mesh", "name of a mesh file"),
+    ({"plate__length": None, "plate__width": None, "plate__mesh": 7}, "[plate] mesh", "text in quotes"),
+    ({"plate": "steel"}, "[plate] = 'steel'", "expected a table"),
+    ({"plate": None}, "[plate]", "missing"),
+    ({"material": None}, "[material]", "missing"),
+    ({"material__youngs_modulus": "200 kg"}, "[material] youngs_modulus", "expected a modulus such as '200 GPa'"),
+    ({"material__poissons_ratio": 0.5}, "[material] poissons_ratio = 0.5", "below 0.5"),
+    ({"material__poissons_ratio": -1}, "[material] poissons_ratio", "above -1"),
+    ({"material__poissons_ratio": "0.3"}, "[material] poissons_ratio", "expected a number"),
+    ({"material__density": "0 kg/m^3"}, "[material] density", "above 0"),
+    ({"material__densty": 1, "material__density": None}, "[material] densty", "did you mean 'density'?"),
+    ({"rotor": None}, "[rotor]", "missing"),
+    ({"rotor__speeds": None}, "[rotor] speeds", "missing"),
+    ({"rotor__speeds": []}, "[rotor] speeds", "expected a list such as"),
+    ({"rotor__speeds": "3500 rpm"}, "[rotor] speeds", "expected a list such as"),
+    ({"rotor__speeds": ["3500 Hz"]}, "[rotor] speeds", "expected a rotation speed such as '3500 rpm'"),
+    ({"rotor__speeds": ["-1 rpm"]}, "[rotor] speeds", "negative"),
+    ({"rotor__speeds": ["1 rpm", "1 rpm"]}, "[rotor] speeds", "every speed once"),
+    ({"rotor__speeds": {"start": 0, "stop": 1}}, "[rotor] speeds", "'count' is missing"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "cuont": 2}}, "[rotor] speeds", "unknown key 'cuont'"),
+    ({"rotor__speeds": {"start": 5, "stop": 1, "count": 2}}, "[rotor] speeds", "stop"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 10**9}}, "[rotor] speeds", "count"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1.5}}, "[rotor] speeds", "count"),
+    ({"rotor__hub_radius": "-1 m"}, "[rotor] hub_radius", "at least 0"),
+    ({"rotor__radius": "20 cm"}, "[rotor] radius", "belongs to a [structure]"),
+    ({"rotor__stagger": "1 m"}, "[rotor] stagger", "expected an angle such as '45 deg'"),
+    ({"rotor__gravity": "1 g"}, "[rotor] gravity", "expected an acceleration"),
+    ({"rotor__gravity": 0}, "[rotor] gravity", "above 0"),
+    ({"rotor__modes": 0}, "[rotor] modes", "at least 1"),
+    ({"rotor__modes": 2.5}, "[rotor] modes", "whole number"),
+    ({"rotor__modes": 10_000}, "[rotor] modes", "at most 200"),
+    ({"effects__coriolis": "yes"}, "[effects] coriolis = 'yes'", "'auto', true or false"),
+    ({"effects__coriolis": 1}, "[effects] coriolis", "'auto', true or false"),
+    ({"effects__corriolis": True}, "[effects] corriolis", "did you mean 'coriolis'?"),
+    ({"damper__at": ["30 cm", "0 cm"]}, "[damper] at", "outside the plate"),
+    ({"damper__at": ["20 cm", "5 cm"]}, "[damper] at", "outside the plate"),
+    ({"damper__at": ["0 cm", "0 cm"]}, "[damper] at", "outside the plate"),
+    ({"damper__at": "tip"}, "[damper] at", "list of two"),
+    ({"damper__mass_ratio": None}, "[damper] mass_ratio", "either mass_ratio or mass"),
+    ({"damper__mass": "1 g"}, "[damper] mass_ratio", "not both"),
+    ({"damper__mass_ratio": 0}, "[damper] mass_ratio", "above 0"),
+    ({"damper__mass_ratio": "0.6 %"}, "[damper] mass_ratio", "expected a number"),
+    ({"damper__count": 0}, "[damper] count", "at least 1"),
+    ({"damper__count": 1.5}, "[damper] count = 1.5", "whole number"),
+    ({"damper__count": True}, "[damper] count", "whole number"),
+    ({"damper__radius": "0 mm"}, "[damper] radius", "above 0"),
+    ({"damper__radius": "2 mm"}, "[damper] cavity", "does not fit"),
+    ({"damper__cavity": ["1 mm", "3 mm"]}, "[damper] cavity", "does not fit"),
+    ({"damper__cavity": ["3 mm"]}, "[damper] cavity", "list of two"),
+    ({"damper__restitution": 1.2}, "[damper] restitution = 1.2", "at most 1"),
+    ({"damper__restitution": -0.1}, "[damper] restitution", "at least 0"),
+    ({"damper__restitution": None}, "[damper] restitution", "missing"),
+    ({"damper__friction": -0.1}, "[damper] friction", "at least 0"),
+    ({"damper__rolling_friction": "-1 mm"}, "[damper] rolling_friction", "at least 0"),
+    ({"damper__formulation": "exact"}, "[damper] formulation", "'consistent' or 'printed'"),
+    ({"damper__damping_ratio": 1}, "[damper] damping_ratio", "below 1"),
+    ({"damper__sticking_ratio": 0}, "[damper] sticking_ratio", "above 0"),
+    ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
+    ({"damper": None}, "[damper]", "missing"),
+    ({"release": None}, "[release]", "missing"),
+    ({"release__displacement": None}, "[release] displacement", "expected one of"),
+    ({"release__ratio": 0.3}, "[release] ratio", "expected one of"),
+    ({"release__displacement": ["0 m", "0 m"]}, "[release] displacement", "not zero"),
+    ({"release": {"ratio": 0}}, "[release] ratio", "above 0"),
+    ({"release": {"acceleration": ["6000 kg", "0 g"]}}, "[release] acceleration", "expected an acceleration"),
+    ({"release__cycles": "many"}, "[release] cycles", "'auto' or a number"),
+    ({"release__cycles": 0}, "[release] cycles", "above 0"),
+    ({"release__cycles": -3}, "[release] cycles", "above 0"),
+    ({"accuracy__frequency": 0}, "[accuracy] frequency", "above 0"),
+    ({"accuracy__damping": 1}, "[accuracy] damping", "below 1"),
+    ({"dampr": {}}, "dampr", "did you mean 'damper'?"),
+    ({"title": 3}, "title = 3", "text in quotes"),
+    ({"structure": {"frequency": "1 Hz", "mass": "1 kg"}}, "[plate]", "not both"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "message"), MALFORMED)
+def test_malformed_scene(
+    changes: dict[str, Any], key: str, message: str, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    scene = write(changed(paper, **changes), tmp_path / "bad.toml")
+    _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
+
+
+STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
+    ({"structure__frequency": "1 kg"}, "[structure] frequency", "expected a frequency"),
+    ({"structure__mass": None}, "[structure] mass", "missing"),
+    ({"rotor__radius": None}, "[rotor] radius", "missing"),
+    ({"rotor__stagger": "10 deg"}, "[rotor] stagger", "belongs to a plate"),
+    ({"damper__at": ["1 cm", "0 cm"]}, "[damper] at", "belongs to a plate"),
+    ({"damper": None, "release": None}, "[damper]", "missing"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "message"), STRUCTURE_ONLY)
+def test_malformed_structure(
+    changes: dict[str, Any], key: str, message: str, structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    scene = write(changed(structure, **changes), tmp_path / "bad.toml")
+    _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
+
+
+FILES = {
+    "not TOML": (b"title = ", "not valid TOML"),
+    "a key twice": (b"title = '1'\ntitle = '2'", "not valid TOML"),
+    "binary": (bytes(range(256)), "not UTF-8"),
+    "empty": (b"", "[rotor]: missing"),
+    "nested without end": (b"a = " + b"[" * 100_000, "not a scene"),
+    "enormous": (b"#" * 2_000_000, "larger than"),
+}
+
+
+@pytest.mark.parametrize("what", FILES)
+def test_malformed_file(what: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    content, message = FILES[what]
+    scene = tmp_path / "bad.toml"
+    scene.write_bytes(content)
+    for command in ("run", "check", "campbell", "ringdown"):
+        _refused(spindamp(command, scene), tmp_path, str(scene), "", message)
+
+
+def test_missing_scene(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    _refused(spindamp("check", "papr"), tmp_path, "papr", "", "did you mean 'paper'?", files=0)
+    _refused(spindamp("run", tmp_path), tmp_path, str(tmp_path), "", "found a folder", files=0)
+
+
+def test_mesh_files_that_are_no_mesh(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    for name, content, message in (
+        ("junk.msh", b"\x00\xff" * 100, ""),
+        ("empty.msh", b"", "empty"),
+        ("text.vtu", b"<VTKFile", ""),
+        ("plate.xyz", b"1 2 3", ""),
+    ):
+        (tmp_path / name).write_bytes(content)
+        changes = {"plate__length": None, "plate__width": None, "plate__mesh": name}
+        scene = write(changed(paper, **changes), tmp_path / "bad.toml")
+        for command in ("check", "run"):
+            outcome = spindamp(command, scene)
+            _refused(outcome, tmp_path, str(scene), f"[plate] mesh = '{name}'", message, files=2)
+        (tmp_path / name).unlink()
+
+
+def test_mesh_that_points_nowhere(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    (tmp_path / "link.msh").symlink_to(tmp_path / "nowhere")
+    changes = {"plate__length": None, "plate__width": None, "plate__mesh": "link.msh"}
+    scene = write(changed(paper, **changes), tmp_path / "bad.toml")
+    _refused(spindamp("check", scene), tmp_path, str(scene), "[plate] mesh = 'link.msh'", "no such file", files=2)
+
+
+def _refused(outcome: Outcome, folder: Path, file: str, key: str, message: str, files: int = 1) -> None:
+    """Exit 2, one line on standard error with file, key and message, and nothing written."""
+    assert outcome.status == 2, outcome
+    assert outcome.out == ""
+    assert len(outcome.err.splitlines()) == 1
+    assert outcome.err.startswith(f"spindamp: {file}: {key}")
+    assert message in outcome.err
+    assert "Traceback" not in outcome.err
+    assert len(list(folder.iterdir())) == files

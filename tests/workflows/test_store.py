@@ -1,0 +1,167 @@
+"""A folder of results is replaced whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome
+from workflows import store
+from workflows.errors import BadInput
+
+
+def _fill(folder: Path, text: str, *names: str) -> None:
+    for name in names:
+        (folder / name).write_text(text)
+
+
+def _publish(folder: Path, text: str, *names: str) -> None:
+    with store.replacing(folder) as scratch:
+        _fill(scratch, text, *names)
+
+
+def _publish_and_raise(folder: Path, error: Exception) -> None:
+    with store.replacing(folder) as scratch:
+        _fill(scratch, "half", "results.json")
+        raise error
+
+
+def _content(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir() if path.name != store.MANIFEST}
+
+
+def test_new_results_replace_old_ones(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "out"
+    _publish(out, "old", "results.json", "old.csv")
+    _publish(out, "new", "results.json", "new.csv")
+    assert _content(out) == {"results.json": "new", "new.csv": "new"}
+    assert list(out.parent.iterdir()) == [out]
+
+
+def test_a_failure_leaves_the_old_results(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    with pytest.raises(RuntimeError, match="broke"):
+        _publish_and_raise(out, RuntimeError("broke"))
+    assert _content(out) == {"results.json": "old"}
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_files_of_the_user_stay(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json", "sdc.csv")
+    _fill(out, "mine", "notes.md", "measured.csv")
+    (out / "photos").mkdir()
+    _fill(out / "photos", "mine", "one.jpg")
+    (out / "link").symlink_to("notes.md")
+    _publish(out, "new", "results.json")
+    assert (out / "photos" / "one.jpg").read_text() == "mine"
+    assert (out / "link").readlink() == Path("notes.md")
+    assert (out / "notes.md").read_text() == "mine"
+    assert (out / "measured.csv").read_text() == "mine"
+    assert (out / "results.json").read_text() == "new"
+    assert not (out / "sdc.csv").exists()
+
+
+def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "_exchange", lambda one, other: False)
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    _publish(out, "new", "results.json")
+    assert _content(out) == {"results.json": "new"}
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_two_runs_in_one_folder(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with store.replacing(out) as first:
+        _fill(first, "first", "results.json")
+        _publish(out, "second", "results.json")
+    assert _content(out) == {"results.json": "first"}
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_places_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    for place in (tmp_path / "file", tmp_path / "file" / "below", Path(), Path(".."), Path("/")):
+        with pytest.raises(BadInput, match="--out"):
+            store.check(place)
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    _publish(tmp_path / "link", "new", "results.json")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real" / "results.json").read_text() == "new"
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    try:
+        with pytest.raises(BadInput, match="cannot be written"):
+            store.check(tmp_path / "out")
+    finally:
+        tmp_path.chmod(0o755)
+
+
+def test_a_full_disk(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    with pytest.raises(BadInput, match="No space left"):
+        _publish_and_raise(out, OSError(28, "No space left on device"))
+    assert _content(out) == {"results.json": "old"}
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from workflows import store
+with store.replacing(Path(sys.argv[1])) as scratch:
+    (scratch / "results.json").write_text("half")
+    print("writing", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("with_what", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(out)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"writing\n"
+        process.send_signal(with_what)
+        process.wait(10)
+    assert _content(out) == {"results.json": "old"}
+    _publish(out, "new", "results.json")
+    assert _content(out) == {"results.json": "new"}
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("delay", [0.2, 0.7, 1.2])
+def test_killed_run(tmp_path: Path, spindamp: Callable[..., Outcome], delay: float) -> None:
+    assert spindamp("run", "structure", "--out", "out").status == 0
+    before = (tmp_path / "out" / "results.json").read_bytes()
+    command = [sys.executable, "-m", "workflows.cli", "run", "structure", "--out", str(tmp_path / "out")]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        time.sleep(delay)
+        process.kill()
+    after = (tmp_path / "out" / "results.json").read_bytes()
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    manifest = (tmp_path / "out" / store.MANIFEST).read_text().split("\n")
+    assert after == before or process.returncode == 0
+    assert names == sorted({*filter(None, manifest), store.MANIFEST})

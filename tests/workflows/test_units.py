@@ -1,0 +1,91 @@
+"""Units at the boundary: everything arrives in SI or not at all."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workflows import units
+from workflows.units import Kind, UnitError, to_si
+
+RIGHT = [
+    ("20 cm", units.LENGTH, 0.2),
+    ("2.5mm", units.LENGTH, 0.0025),
+    ("1e-3 m", units.LENGTH, 1e-3),
+    ("3 µm", units.LENGTH, 3e-6),
+    ("1 in", units.LENGTH, 0.0254),
+    ("184.35 GPa", units.PRESSURE, 184.35e9),
+    ("210000 N/mm^2", units.PRESSURE, 210e9),
+    ("7850 kg/m^3", units.DENSITY, 7850),
+    ("7.85 g/cm^3", units.DENSITY, 7850),
+    ("7.85 g/cm**3", units.DENSITY, 7850),
+    ("3500 rpm", units.ROTATION, 3500 * math.pi / 30),
+    ("3500 RPM", units.ROTATION, 3500 * math.pi / 30),
+    ("50 rev/s", units.ROTATION, 100 * math.pi),
+    ("100 rad/s", units.ROTATION, 100),
+    ("45 deg", units.ANGLE, math.pi / 4),
+    ("45°", units.ANGLE, math.pi / 4),
+    ("269.5 Hz", units.FREQUENCY, 269.5),
+    ("1.2 kHz", units.FREQUENCY, 1200),
+    ("2 g", units.MASS, 0.002),
+    ("10 m/s^2", units.ACCELERATION, 10),
+    (0.2, units.LENGTH, 0.2),
+    (7850, units.DENSITY, 7850),
+]
+
+
+@pytest.mark.parametrize(("value", "kind", "expected"), RIGHT)
+def test_reads(value: object, kind: Kind, expected: float) -> None:
+    assert to_si(value, kind) == pytest.approx(expected, rel=1e-15)
+
+
+def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
+    assert to_si("6000 g", units.LOAD, gravity=10.0) == 60_000
+    assert to_si("6000 g", units.MASS) == 6
+    with pytest.raises(UnitError):
+        to_si("1 g", units.ACCELERATION)
+
+
+WRONG = [
+    ("5 kg", units.LENGTH, "expected a length such as '20 cm'"),
+    ("50 Hz", units.ROTATION, "expected a rotation speed such as '3500 rpm'"),
+    ("3500 rpm", units.FREQUENCY, "expected a frequency"),
+    ("3 furlongs", units.LENGTH, "unknown unit 'furlongs'"),
+    ("0.2", units.LENGTH, "a string carries its unit"),
+    ("", units.LENGTH, "expected a length"),
+    ("cm", units.LENGTH, "expected a length"),
+    ("1 m; import os", units.LENGTH, "cannot read the unit"),
+    ("9**9**9**9 m", units.LENGTH, "cannot read the unit"),
+    ("1 m^99999999", units.LENGTH, "cannot read the unit"),
+    ("1 __class__", units.LENGTH, "cannot read the unit"),
+    ("1e999 m", units.LENGTH, "finite"),
+    (math.inf, units.LENGTH, "finite"),
+    (math.nan, units.LENGTH, "finite"),
+    (10**400, units.LENGTH, "finite"),
+    (True, units.LENGTH, "expected a length"),
+    (None, units.LENGTH, "expected a length"),
+    (["1 m"], units.LENGTH, "expected a length"),
+]
+
+
+@pytest.mark.parametrize(("value", "kind", "message"), WRONG)
+def test_refuses(value: object, kind: Kind, message: str) -> None:
+    with pytest.raises(UnitError, match="^" if message == "" else message.replace("(", "\\(")):
+        to_si(value, kind)
+
+
+@given(st.floats(-1e9, 1e9, allow_subnormal=False))
+def test_a_unit_is_a_factor(number: float) -> None:
+    assert to_si(f"{number!r} mm", units.LENGTH) == pytest.approx(1e-3 * number, rel=1e-15)
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    try:
+        value = to_si(text, units.LENGTH)
+    except UnitError:
+        return
+    assert math.isfinite(value)

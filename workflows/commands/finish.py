@@ -1,0 +1,32 @@
+"""What run, campbell and ringdown have in common: solve, write, say what was found."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import typer
+
+from workflows import pipeline, results_json, store, summary
+from workflows.mode_shape import Artist
+from workflows.scene_file import SceneFile
+from workflows.stages import Stages
+
+
+def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
+    """Run a scene, write it to `out` if there is one, and print the result."""
+    if out is not None:
+        store.check(out)
+    with ExitStack() as stack:
+        stages = stack.enter_context(Stages())
+        drawn = out is not None and source.scene.plate is not None
+        artist = stack.enter_context(Artist()) if drawn else None
+        found = pipeline.structure(source, stages, shapes=drawn)
+        if artist is not None and found.plate is not None and found.plate.surface is not None:
+            artist.draw(found.plate.surface, pipeline.shown(found.points))
+        results = pipeline.results(pipeline.damped(found, stages), stages)
+        if out is not None:
+            from workflows.publish import publish
+
+            results = publish(results, out, stages, artist)
+    typer.echo(results_json.dumps(results) if as_json else summary.text(results, out))

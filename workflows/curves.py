@@ -1,0 +1,79 @@
+"""The curves that the report draws and the CSV files hold: made once, used by both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workflows import wording
+from workflows.records import Floats, Results, SpeedPoint
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve: `name` is its file, `label` what a legend says; columns carry name and unit."""
+
+    name: str
+    label: str
+    x_column: str
+    y_column: str
+    x: Floats
+    y: Floats
+
+
+def campbell(results: Results) -> list[Curve]:
+    """Frequency over speed, one curve for each mode of each family, which stays itself where modes cross."""
+    points = sorted(results.speeds, key=lambda point: point.rpm)
+    tracks: dict[tuple[str, int], list[tuple[float, float]]] = {}
+    for point in points:
+        seen: dict[str, int] = {}
+        for mode in point.modes:
+            seen[mode.family] = seen.get(mode.family, 0) + 1
+            tracks.setdefault((mode.family, seen[mode.family]), []).append((point.rpm, mode.frequency_hz))
+    curves = []
+    for (family, number), track in tracks.items():
+        rpm, frequency = np.array(track).T
+        name = f"campbell_{_slug(family)}_{number}"
+        curves.append(Curve(name, f"{family} {number}", "speed_rpm", "frequency_hz", rpm, frequency))
+    return curves
+
+
+def velocity(point: SpeedPoint) -> list[Curve]:
+    """The structure's velocity over time along x, and along y if it moves that way (the paper's Fig. 2)."""
+    damping = point.damping
+    if damping is None or damping.history is None:
+        return []
+    tag, found = speed_tag(point), []
+    for axis, along in zip("xy", damping.history.velocity.T, strict=True):
+        if along.any():
+            name = f"velocity_{axis}_{tag}"
+            found.append(Curve(name, f"along {axis}", "time_s", "velocity_m_s", damping.history.t, along))
+    return found
+
+
+def capacity(results: Results) -> list[Curve]:
+    """Specific damping capacity over the amplitude of the acceleration, a curve per load (Fig. 3)."""
+    curves = []
+    for point in results.speeds:
+        if point.damping is not None and len(point.damping.sdc):
+            damping = point.damping
+            label = f"{wording.fixed(point.load_g)} g"
+            name = f"sdc_{speed_tag(point)}"
+            curves.append(Curve(name, label, "amplitude_g", "sdc", damping.amplitude_g, damping.sdc))
+    return curves
+
+
+def every(results: Results) -> list[Curve]:
+    """All curves of a run."""
+    history = [curve for point in results.speeds for curve in velocity(point)]
+    return campbell(results) + history + capacity(results)
+
+
+def speed_tag(point: SpeedPoint) -> str:
+    """A rotation speed as part of a file name: 10000rpm, 12.5rpm."""
+    return f"{point.rpm:.6g}rpm" if abs(point.rpm - round(point.rpm)) > 1e-6 else f"{round(point.rpm)}rpm"
+
+
+def _slug(text: str) -> str:
+    return "".join(c if c.isalnum() else "_" for c in text)

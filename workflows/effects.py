@@ -1,0 +1,173 @@
+"""Which effects a scene calls for: one written rule each, and the reason in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from workflows.errors import BadInput, NotAvailable
+from workflows.scene import Scene
+
+NOT_YET = ("coriolis", "large_deflection")
+"""Effects that a scene can name and this version cannot simulate."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Whether an effect is simulated, and why (not)."""
+
+    on: bool
+    why: str
+
+
+@dataclass(frozen=True)
+class Theory:
+    """The plate theory used, and why."""
+
+    name: str
+    why: str
+
+
+def theory(scene: Scene, file: str | None = None) -> Theory | None:
+    """The plate theory of a scene; None without a plate.
+
+    Raises:
+        NotAvailable: the scene insists on a theory that this version does not have.
+    """
+    from fem.theories import THEORIES
+
+    if scene.plate is None:
+        return None
+    asked = scene.plate.theory
+    if asked not in ("auto", *THEORIES):
+        raise NotAvailable("not available yet", file=file, key="[plate] theory", value=asked)
+    if asked == "auto":
+        return Theory("mindlin", "right for thin and for moderately thick plates alike")
+    return Theory(asked, "asked for by the scene")
+
+
+def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
+    """Every effect of the scene, decided.
+
+    Raises:
+        NotAvailable: the scene insists on an effect that this version does not have.
+        BadInput: it insists on one that its own values rule out.
+    """
+    decided = {}
+    for name, rule in RULES.items():
+        asked = getattr(scene.effects, name)
+        called, why = rule(scene)
+        if asked is True and name in NOT_YET:
+            raise NotAvailable("not available yet", file=file, key=f"[effects] {name}", value=True)
+        if asked is True and name == "ball_slip":
+            _check_slip(scene, file)
+        if asked == "auto":
+            decided[name] = Effect(called and name not in NOT_YET, why)
+        elif asked is True:
+            decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
+        else:
+            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""))
+    return decided
+
+
+def _check_slip(scene: Scene, file: str | None) -> None:
+    """Slip on the floor needs a friction to slip against, and equations that know it."""
+    damper = scene.damper
+    if damper is None:
+        return
+    if damper.formulation == "printed":
+        raise BadInput("the printed equations know no slip", file=file, key="[effects] ball_slip", value=True)
+    if damper.friction == 0:
+        raise BadInput("ball_slip needs a friction above 0", file=file, key="[damper] friction", value=0)
+
+
+def _spins(scene: Scene) -> bool:
+    return any(speed > 0 for speed in scene.rotor.speeds)
+
+
+def bends(scene: Scene) -> bool:
+    """Whether the centrifugal load has a part across the plate: any stagger but 0 and 90 degrees."""
+    return _spins(scene) and abs(math.sin(2 * scene.rotor.stagger)) > 1e-9
+
+
+def _stress_stiffening(scene: Scene) -> tuple[bool, str]:
+    if scene.plate is None:
+        return False, "the structure's frequency is given"
+    if not _spins(scene):
+        return False, "nothing spins"
+    return True, "the plate spins, and the centrifugal pull stiffens it"
+
+
+def _spin_softening(scene: Scene) -> tuple[bool, str]:
+    if scene.plate is None:
+        return False, "the structure's frequency is given"
+    if not _spins(scene):
+        return False, "nothing spins"
+    if abs(math.sin(scene.rotor.stagger)) > 1e-9:
+        return True, "the plate is staggered: its bending moves across the spin axis"
+    if scene.rotor.modes > 1:
+        return True, "in-plane modes move across the spin axis (bending, along the axis, is not touched)"
+    return False, "the one mode asked for moves along the spin axis"
+
+
+def _coriolis(scene: Scene) -> tuple[bool, str]:
+    if scene.plate is None or not _spins(scene):
+        return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
+    if abs(math.sin(scene.rotor.stagger)) > 1e-9:
+        return True, "not available yet; with stagger it couples bending to stretching, weakly for a thin plate"
+    return False, "at stagger 0 it couples in-plane modes only (and it is not available yet)"
+
+
+def _large_deflection(scene: Scene) -> tuple[bool, str]:
+    if scene.plate is None:
+        return False, "the structure's frequency is given"
+    if not bends(scene):
+        return False, "the centrifugal load lies in the plate's own plane and does not bend it"
+    degrees = math.degrees(scene.rotor.stagger)
+    return True, (
+        f"called for, and not available yet: at a stagger of {degrees:g} degrees the load twists the plate;"
+        " the modes are those about the flat plate"
+    )
+
+
+def _rotary_inertia(scene: Scene) -> tuple[bool, str]:
+    if scene.plate is None:
+        return False, "the structure's mass is given"
+    return True, "the cross-sections of a thick plate turn as they bend"
+
+
+def _rolling_resistance(scene: Scene) -> tuple[bool, str]:
+    if scene.damper is None:
+        return False, "no damper in the scene"
+    if scene.damper.rolling_friction == 0:
+        return False, "rolling_friction is 0"
+    if not _spins(scene):
+        return False, "nothing spins: no load presses the ball on the floor"
+    return True, "rolling_friction is above 0 and the load presses the ball on the floor"
+
+
+def _impact_friction(scene: Scene) -> tuple[bool, str]:
+    if scene.damper is None:
+        return False, "no damper in the scene"
+    if scene.damper.friction == 0:
+        return False, "friction is 0"
+    return True, "friction is above 0 and wall hits are oblique"
+
+
+def _ball_slip(scene: Scene) -> tuple[bool, str]:
+    if scene.damper is None:
+        return False, "no damper in the scene"
+    return False, "the paper's model: the ball rolls again at once after a wall hit"
+
+
+RULES = {
+    "stress_stiffening": _stress_stiffening,
+    "spin_softening": _spin_softening,
+    "coriolis": _coriolis,
+    "large_deflection": _large_deflection,
+    "rotary_inertia": _rotary_inertia,
+    "rolling_resistance": _rolling_resistance,
+    "impact_friction": _impact_friction,
+    "ball_slip": _ball_slip,
+}
+"""One rule per effect: whether the scene calls for it, and why (not)."""

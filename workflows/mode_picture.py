@@ -1,0 +1,58 @@
+"""A mode shape in 3-D, drawn by VTK in a process of its own: without a working OpenGL, VTK may abort the process.
+
+Run as ``python -m workflows.mode_picture OUT.png`` with a NumPy archive on standard input: points (n, 3),
+connectivity (m, 3 or 4), and the displacement (n, 3) to draw.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from typing import Any
+
+_SIZE = (1500, 900)
+_THICKNESS = 0.02
+"""Drawn thickness, in lengths of the plate: enough to catch the light."""
+
+
+def main(out: str) -> None:
+    """Read the archive, draw, write the picture."""
+    import numpy as np
+    import pyvista as pv
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+    from PIL import Image
+
+    pv.OFF_SCREEN = True
+    # Imported first and fed afterwards: the caller computes the modes while this process loads VTK.
+    with np.load(io.BytesIO(sys.stdin.buffer.read())) as archive:
+        points, cells, shape = archive["points"], archive["cells"], archive["shape"]
+    faces = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+    flat = pv.PolyData(points, faces)
+    moved = pv.PolyData(points + shape, faces)
+    moved["lift"] = np.linalg.norm(shape, axis=1)
+    solid = moved.extrude((0.0, 0.0, -_THICKNESS), capping=True)
+
+    colours = ListedColormap(colormaps["plasma"](np.linspace(0.12, 0.95, 256)))
+    plotter: Any = pv.Plotter(off_screen=True, window_size=list(_SIZE))
+    plotter.enable_anti_aliasing("ssaa")
+    plotter.add_mesh(
+        solid,
+        scalars="lift",
+        cmap=colours,
+        ambient=0.25,
+        smooth_shading=True,
+        split_sharp_edges=True,
+        show_scalar_bar=False,
+    )
+    plotter.add_mesh(moved.extract_all_edges(), color="white", opacity=0.35, line_width=1, lighting=False)
+    plotter.add_mesh(flat.extract_feature_edges(), color="#8a8a8a", line_width=3, lighting=False)
+    plotter.camera_position = [(1.6, -2.4, 1.1), (0.5, 0.0, 0.1), (0.0, 0.0, 1.0)]
+    plotter.reset_camera()
+    plotter.camera.zoom(1.6)
+    picture = Image.fromarray(plotter.screenshot(None, transparent_background=True, return_img=True))
+    picture.crop(picture.getbbox()).save(out)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,176 @@
+"""What a careful engineer would remark about a run: one function a remark, None where there is nothing to say.
+
+Remarks on the damper are here, those on the plate in :mod:`workflows.notes_plate`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from workflows import notes_plate
+from workflows.effects import NOT_YET
+from workflows.records import Damping, Reduced, Results, SpeedPoint
+from workflows.wording import significant
+
+OSMIUM, STEEL = 22_600.0, 7_850.0
+"""kg/m³; osmium is the densest element."""
+
+EXPLAINED = 1e-9
+"""Share of the initial energy that the books may leave unexplained without a word."""
+
+
+def remarks(results: Results) -> tuple[str, ...]:
+    """The remarks that the run calls for, those that bear most on the answer first."""
+    found = (remark(results) for remark in REMARKS)
+    return tuple(text for text in found if text)
+
+
+def _rung(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
+    """The speeds at which the damper was simulated."""
+    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+
+
+def _capped(results: Results) -> str | None:
+    for point, _, damping in _rung(results):
+        if "cap" in damping.outcome:
+            return f"At {point.rpm:.0f} rpm {damping.outcome}."
+    return None
+
+
+def _not_yet(results: Results) -> str | None:
+    texts = [
+        f"{name.replace('_', ' ')}: {results.effects[name].why}".capitalize()
+        for name in NOT_YET
+        if "called for" in results.effects[name].why
+    ]
+    return "; ".join(texts) + "." if texts else None
+
+
+def _floor_tilt(results: Results) -> str | None:
+    tilts = [(r.floor_tilt, p.rpm) for p, r, _ in _rung(results) if r.floor_tilt is not None]
+    tilt, rpm = max(tilts, default=(0.0, 0.0))
+    if tilt < 0.01:
+        return None
+    cause = (
+        "The cavity's floor tilts as the plate bends, and the load then pulls the ball back down the slope. The model,"
+        f" like the paper's, leaves this out; at {rpm:.0f} rpm"
+    )
+    if tilt >= 1:
+        return f"{cause} this pull would exceed what drives the ball, {significant(tilt)} times: it would never move."
+    times = significant(1 / (1 - tilt), 2)
+    return f"{cause} it would take {100 * tilt:.0f} % off what drives the ball, and raise the cut-off {times} times."
+
+
+def _books(results: Results) -> str | None:
+    shares = [d.energy.residual / d.energy.initial for _, _, d in _rung(results) if d.energy.initial > 0]
+    worst = max(shares, key=abs, default=0.0)
+    if abs(worst) <= EXPLAINED:
+        return None
+    what = "appears from nowhere" if worst < 0 else "is lost without a cause"
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    why = ": the printed equations do not conserve energy" if printed else ""
+    return f"Up to {significant(100 * abs(worst), 2)} % of the initial energy {what}{why}."
+
+
+def _work_bound(results: Results) -> str | None:
+    damper = results.scene.damper
+    if damper is None or damper.formulation == "printed":
+        return None  # the bound rests on conservation of energy
+    clearance = math.hypot(*(side - 2 * damper.radius for side in damper.cavity))
+    bounds = []
+    for point, reduced, damping in _rung(results):
+        if damping.cutoff_g:
+            amplitude = damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * reduced.f1_hz) ** 2
+            bound = 4 * damping.ball_mass / reduced.M2 * clearance / amplitude
+            bounds.append(f"{significant(100 * bound, 2)} % at {point.load_g:.0f} g")
+    if not bounds:
+        return None
+    ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
+    return (
+        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, to"
+        f" leading order in m_p/M2; this is largest at the cut-off: {', '.join(ends)}. Any damping beyond that is the"
+        " structure's own."
+    )
+
+
+def _assumed_damping(results: Results) -> str | None:
+    damper, rung = results.scene.damper, _rung(results)
+    if damper is None or damper.damping_ratio == 0 or not rung:
+        return None
+    share = significant(100 * rung[0][2].intrinsic_sdc)
+    return (
+        f"The structure's own damping, ζ = {damper.damping_ratio:g}, is an input and alone loses {share} % in a cycle;"
+        " the specific damping capacity includes it, as the paper's definition does."
+    )
+
+
+def _impossible_ball(results: Results) -> str | None:
+    damper, rung = results.scene.damper, _rung(results)
+    if damper is None or not rung:
+        return None
+    heaviest = max(damping.ball_mass for _, _, damping in rung)
+    volume = 4 / 3 * math.pi * damper.radius**3
+    density = heaviest / damper.count / volume
+    if density <= OSMIUM:
+        return None
+    grams = significant(1e3 * heaviest / damper.count)
+    return (
+        f"A ball of radius {1e3 * damper.radius:g} mm and {grams} g would have {significant(density, 2)} kg/m³,"
+        f" {significant(density / OSMIUM, 2)} times osmium: read the mass as an effective one, such as"
+        f" {math.ceil(heaviest / (STEEL * volume))} steel balls, each in a cavity of its own, moving in step."
+    )
+
+
+def _rolling(results: Results) -> str | None:
+    damper = results.scene.damper
+    demands = [(d.largest_rolling_demand, p.rpm) for p, _, d in _rung(results) if d.largest_rolling_demand is not None]
+    demand, rpm = max(demands, default=(0.0, 0.0))
+    if damper is None or demand <= damper.friction:
+        return None
+    return (
+        f"Rolling without slip needs a friction of {significant(demand, 2)} at {rpm:.0f} rpm, more than the"
+        f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
+    )
+
+
+def _release_stress(results: Results) -> str | None:
+    plate, material, rung = results.scene.plate, results.scene.material, _rung(results)
+    if plate is None or material is None or plate.length is None or not rung:
+        return None
+    lift = max(abs(damping.release[0]) for _, _, damping in rung)
+    # Root curvature of a uniform cantilever in its first mode: 3.516 w/L².
+    stress = material.youngs_modulus * plate.thickness / 2 * 3.516 * lift / plate.length**2
+    if stress < 1e8 and lift < plate.thickness:
+        return None
+    large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
+    return (
+        f"A release of {significant(1e3 * lift)} mm is {significant(lift / plate.thickness, 2)} plate thicknesses and"
+        f" bends the root to about {significant(stress / 1e6, 2)} MPa{large}."
+    )
+
+
+def _two_axes(results: Results) -> str | None:
+    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in _rung(results)):
+        return None
+    lags = [mode.frequency_hz for point in results.speeds for mode in point.modes if mode.family == "lag"]
+    known = f"; this plate's first lag mode is at about {significant(min(lags))} Hz" if lags else ""
+    return f"As in the paper, both axes have the frequency of the first bending mode{known}."
+
+
+REMARKS: tuple[Callable[[Results], str | None], ...] = (
+    _capped,
+    _not_yet,
+    _floor_tilt,
+    _books,
+    _work_bound,
+    _assumed_damping,
+    _impossible_ball,
+    _rolling,
+    _release_stress,
+    notes_plate.root_stress,
+    _two_axes,
+    notes_plate.stiffness_with_ball,
+    notes_plate.mesh_error,
+)
+"""In the order in which they are reported."""

@@ -1,0 +1,73 @@
+"""From a scene to results, in one direction: plate → reduced structure → damper → results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from workflows import effects as rules
+from workflows import plate, ringdowns
+from workflows.effects import Effect
+from workflows.notes import remarks
+from workflows.plate import PlateAnswer
+from workflows.records import Results, SpeedPoint
+from workflows.scene_file import SceneFile
+from workflows.stages import Stages
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """The first half of a run: the structure at every speed, before the damper."""
+
+    source: SceneFile
+    effects: dict[str, Effect]
+    points: tuple[SpeedPoint, ...]
+    plate: PlateAnswer | None
+
+
+def structure(source: SceneFile, stages: Stages, *, shapes: bool = True) -> Structure:
+    """Solve the scene's plate, or take its structure as given; with `shapes` the mode shapes are kept.
+
+    Raises:
+        BadInput, NoAnswer: see :func:`workflows.plate.solve`.
+    """
+    effects = rules.resolve(source.scene, source.name)
+    if source.scene.plate is None:
+        points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
+        return Structure(source, effects, points, None)
+    answer = plate.solve(source, effects, stages, shapes=shapes)
+    return Structure(source, effects, answer.points, answer)
+
+
+def damped(found: Structure, stages: Stages) -> Structure:
+    """Ring the damper down on a structure at every speed; a scene without a damper stays as it is."""
+    scene = found.source.scene
+    if scene.damper is None:
+        return found
+    points = ringdowns.simulate(scene, found.effects, found.points, stages, shown(found.points))
+    return replace(found, points=points)
+
+
+def results(found: Structure, stages: Stages) -> Results:
+    """Gather what a run found, with the remarks it calls for."""
+    answer = found.plate
+    gathered = Results(
+        scene=found.source.scene,
+        effects=found.effects,
+        speeds=found.points,
+        surface=None if answer is None else answer.surface,
+        theory=None if answer is None else answer.theory,
+        mesh=None if answer is None else answer.mesh,
+        timings=stages.timings(),
+    )
+    return replace(gathered, notes=remarks(gathered))
+
+
+def run(source: SceneFile, stages: Stages | None = None) -> Results:
+    """The whole of a run, nothing written."""
+    stages = stages or Stages()
+    return results(damped(structure(source, stages), stages), stages)
+
+
+def shown(points: tuple[SpeedPoint, ...]) -> int:
+    """Which speed the pictures show: the middle one."""
+    return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]

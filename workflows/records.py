@@ -1,0 +1,141 @@
+"""What a run hands on: frozen records, SI inside, from the stages to the writers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from workflows.effects import Effect, Theory
+from workflows.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of the plate at one speed; the error is the relative one of the mesh, None where unknown."""
+
+    frequency_hz: float
+    family: str
+    error_estimate: float | None = None
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """The structure as the damper feels it, at its place.
+
+    Attributes:
+        f1_hz, M1, K1: frequency, mass and stiffness with the ball stuck.
+        f2_hz, M2, K2: the same without the ball.
+        floor_tilt: share of the drive that the tilting floor of the cavity would take away; None if unknown.
+    """
+
+    f1_hz: float
+    M1: float
+    K1: float
+    f2_hz: float
+    M2: float
+    K2: float
+    floor_tilt: float | None = None
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Where the energy went [J]; `residual` is what the books do not explain."""
+
+    initial: float
+    final: float
+    structure: float
+    rolling: float
+    impact: float
+    slip: float
+    residual: float
+
+    @property
+    def ball_share(self) -> float:
+        """Share of the energy lost that the ball took, by rolling, impact and slip."""
+        ball = self.rolling + self.impact + self.slip
+        lost = ball + self.structure
+        return ball / lost if lost > 0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The structure's motion, sampled: t (n,) [s], velocity (n, 2) [m/s]."""
+
+    t: Floats
+    velocity: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Damping:
+    """One ring-down. `amplitude_g`, `sdc` and `peak_velocity` hold a value per vibration cycle.
+
+    `stopped` is when the ball came to rest for good [s], None where it did not (yet); the cut-off is the amplitude
+    of the last cycle in which it moved.
+    """
+
+    outcome: str
+    impacts: int
+    events: int
+    duration: float
+    stopped: float | None
+    ball_mass: float
+    release: tuple[float, float]
+    intrinsic_sdc: float
+    peak_sdc: float | None
+    peak_sdc_at_g: float | None
+    cutoff_g: float | None
+    cutoff_ratio: float | None
+    largest_rolling_demand: float | None
+    amplitude_g: Floats
+    sdc: Floats
+    peak_velocity: Floats
+    energy: Energy
+    history: History | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedPoint:
+    """Everything found at one speed. `radius` is the damper's (or the tip's) distance from the axis."""
+
+    omega: float
+    rpm: float
+    radius: float
+    load_g: float
+    modes: tuple[Mode, ...] = ()
+    reduced: Reduced | None = None
+    damping: Damping | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The plate's mid-surface with its mode shapes.
+
+    Attributes:
+        points: (n, 3) [m].
+        cells: kind of cell as meshio calls it, and connectivity (m, 3 or 4).
+        shapes: (speeds, modes, n, 3), mass-normalised.
+        at: which of the run's speeds the first axis of `shapes` holds.
+    """
+
+    points: Floats
+    cells: tuple[str, npt.NDArray[np.int64]]
+    shapes: Floats
+    at: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """A finished run, before anything is written."""
+
+    scene: Scene
+    effects: dict[str, Effect]
+    speeds: tuple[SpeedPoint, ...]
+    surface: Surface | None = None
+    theory: Theory | None = None
+    mesh: str | None = None
+    notes: tuple[str, ...] = ()
+    timings: dict[str, float] = field(default_factory=dict)

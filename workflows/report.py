@@ -1,0 +1,117 @@
+"""The report: one self-contained HTML page for a person."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from workflows import answer, drawing, figures, paper, resolved, wording
+from workflows.assumptions import assumptions
+from workflows.mode_shape import Picture
+from workflows.records import Results, SpeedPoint
+from workflows.results_json import versions
+
+_TEMPLATES = Path(__file__).with_name("templates")
+_MODES_AT_MOST = 7
+"""Columns of the table of a plate without a damper."""
+
+
+@dataclass(frozen=True)
+class Drawings:
+    """The pictures of a report: SVG elements (empty where there is nothing to draw) and the mode shape."""
+
+    campbell: str
+    velocity: str
+    capacity: str
+    css: str
+    shape: Picture | None
+
+
+def draw(results: Results, shape: Picture | None = None) -> Drawings:
+    """Make the figures; the slow part of a report."""
+    with drawing.style():
+        return Drawings(
+            campbell=figures.campbell(results),
+            velocity=figures.velocity(results),
+            capacity=figures.capacity(results),
+            css=drawing.shades_css(len(results.speeds)),
+            shape=shape,
+        )
+
+
+def render(results: Results, drawings: Drawings) -> str:
+    """The page. Everything that comes from a scene is escaped."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    words = (wording.fixed, wording.significant, wording.percent, wording.curly)
+    environment.filters |= {word.__name__: word for word in words}
+    shape = drawings.shape
+    return environment.get_template("report.html.j2").render(
+        results=results,
+        scene=results.scene,
+        css=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8") + drawings.css),
+        answer=answer.answer(results),
+        rows=[_row(results, point) for point in results.speeds],
+        mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
+        campbell=Markup(drawings.campbell),
+        velocity=Markup(drawings.velocity),
+        capacity=Markup(drawings.capacity),
+        shown=next((p for p in results.speeds if p.damping and p.damping.history), None),
+        shape=None if shape is None else base64.b64encode(shape.png).decode(),
+        shape_remark="" if shape is None else shape.remark,
+        shape_point=_shape_point(results),
+        assumptions=assumptions(results),
+        versions=versions(),
+        settings=_settings(resolved.scene(results.scene, results.effects, results.theory)),
+    )
+
+
+def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
+    """A line of the tables."""
+    return {
+        "point": point,
+        "frequency": answer.first_frequency(point),
+        "paper": paper.row(results.scene, point.load_g),
+        "ball": answer.ball_capacity(point),
+        "damping": point.damping,
+    }
+
+
+def _shape_point(results: Results) -> SpeedPoint | None:
+    from workflows.pipeline import shown
+
+    return results.speeds[shown(results.speeds)] if results.surface is not None else None
+
+
+def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The resolved scene as tables of text, in SI."""
+    top = [(key, _text(value)) for key, value in scene.items() if not isinstance(value, dict)]
+    tables = [("", top)]
+    tables += [
+        (f"[{name}]", [(key, _text(value)) for key, value in table.items()])
+        for name, table in scene.items()
+        if isinstance(table, dict)
+    ]
+    return tables
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        items = [_text(item) for item in value]
+        return f"[{', '.join(items[:12])}{', …' if len(items) > 12 else ''}]"
+    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -1,0 +1,146 @@
+"""The kinds of value a scene holds: what is accepted, what it becomes, what its JSON Schema says."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from workflows import units
+from workflows.units import Kind, UnitError
+
+MOST_SPEEDS = 100_000
+
+
+def wrong(expectation: str) -> PydanticCustomError:
+    """The error of a value that is not what it should be; the text says what would be right."""
+    return PydanticCustomError("wrong", "{expectation}", {"expectation": expectation})
+
+
+def _si(value: object, kind: Kind, info: ValidationInfo) -> float:
+    gravity = (info.context or {}).get("gravity", units.STANDARD_GRAVITY) if kind is units.LOAD else None
+    try:
+        return units.to_si(value, kind, gravity)
+    except UnitError as error:
+        raise wrong(str(error)) from error
+
+
+def _json(kind: Kind) -> dict[str, Any]:
+    return {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": [kind.example], "x-si": kind.si}
+
+
+def _quantity(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    def validate(value: object, info: ValidationInfo) -> float:
+        return _si(value, kind, info)
+
+    return BeforeValidator(validate), WithJsonSchema(_json(kind))
+
+
+def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise wrong(f"expected a list of two, such as ['{kind.example}', '{kind.example}']")
+        return _si(value[0], kind, info), _si(value[1], kind, info)
+
+    schema = {"type": "array", "items": _json(kind), "minItems": 2, "maxItems": 2}
+    return BeforeValidator(validate), WithJsonSchema(schema)
+
+
+def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
+    if isinstance(value, dict):
+        speeds = _ladder(value, info)
+    elif isinstance(value, list | tuple) and value:
+        speeds = [_si(item, units.ROTATION, info) for item in value]
+    else:
+        raise wrong("expected a list such as ['3500 rpm'] or { start = '0 rpm', stop = '9000 rpm', count = 10 }")
+    if any(speed < 0 for speed in speeds):
+        raise wrong("a rotation speed must not be negative")
+    if len(speeds) > MOST_SPEEDS:
+        raise wrong(f"expected at most {MOST_SPEEDS} speeds")
+    if len(set(speeds)) < len(speeds):
+        raise wrong("expected every speed once")
+    return tuple(speeds)
+
+
+def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
+    names = ("start", "stop", "count")
+    for name in value:
+        if name not in names:
+            raise wrong(f"unknown key '{name}': expected start, stop and count")
+    for name in names:
+        if name not in value:
+            raise wrong(f"'{name}' is missing: expected start, stop and count")
+    start, stop = _si(value["start"], units.ROTATION, info), _si(value["stop"], units.ROTATION, info)
+    count = value["count"]
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SPEEDS:
+        raise wrong(f"count: expected a whole number from 1 to {MOST_SPEEDS}")
+    if count > 1 and not stop > start:
+        raise wrong("stop: expected a speed above start")
+    return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise wrong("expected a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise wrong("expected a finite number")
+    return number
+
+
+def _cycles(value: object) -> float | str:
+    if value == "auto":
+        return "auto"
+    if isinstance(value, str):
+        raise wrong("expected 'auto' or a number of vibration cycles")
+    number = _number(value)
+    if not 0 < number <= 1e9:
+        raise wrong("expected 'auto' or a number of vibration cycles above 0 and at most 1e9")
+    return number
+
+
+def _switch(value: object) -> bool | str:
+    if isinstance(value, bool) or value == "auto":
+        return value
+    raise wrong("expected 'auto', true or false")
+
+
+_SPEEDS_SCHEMA = {
+    "anyOf": [
+        {"type": "array", "items": _json(units.ROTATION), "minItems": 1},
+        {
+            "type": "object",
+            "properties": {
+                "start": _json(units.ROTATION),
+                "stop": _json(units.ROTATION),
+                "count": {"type": "integer", "minimum": 1},
+            },
+            "required": ["start", "stop", "count"],
+            "additionalProperties": False,
+        },
+    ]
+}
+_CYCLES_SCHEMA = {"anyOf": [{"const": "auto"}, {"type": "number", "exclusiveMinimum": 0}]}
+
+Number = Annotated[float, BeforeValidator(_number)]
+Length = Annotated[float, *_quantity(units.LENGTH)]
+Mass = Annotated[float, *_quantity(units.MASS)]
+Angle = Annotated[float, *_quantity(units.ANGLE)]
+Frequency = Annotated[float, *_quantity(units.FREQUENCY)]
+Pressure = Annotated[float, *_quantity(units.PRESSURE)]
+Density = Annotated[float, *_quantity(units.DENSITY)]
+Acceleration = Annotated[float, *_quantity(units.ACCELERATION)]
+LengthPair = Annotated[tuple[float, float], *_pair(units.LENGTH)]
+LoadPair = Annotated[tuple[float, float], *_pair(units.LOAD)]
+Speeds = Annotated[tuple[float, ...], BeforeValidator(_speeds), WithJsonSchema(_SPEEDS_SCHEMA)]
+Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]
+Switch = Annotated[
+    bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})
+]
+Positive = Field(gt=0)
+NotNegative = Field(ge=0)

@@ -1,0 +1,224 @@
+"""From a TOML file, or the name of a shipped scene, to a validated scene, with errors a person can act on."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from workflows import units
+from workflows.errors import BadInput
+from workflows.scene import Scene, Table
+
+SHIPPED = Path(__file__).with_name("scenes")
+DEFAULT = "paper"
+_LARGEST = 1_000_000
+"""Bytes; no scene written by hand comes near."""
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A scene and where it came from: `name` for messages, `folder` for the files it names."""
+
+    scene: Scene
+    name: str
+    folder: Path
+
+    @property
+    def mesh(self) -> Path | None:
+        """The mesh file the plate names, relative to the scene's folder."""
+        plate = self.scene.plate
+        return None if plate is None or plate.mesh is None else self.folder / plate.mesh
+
+    def changed(self, **tables: Table | None) -> SceneFile:
+        """The same scene with some of its tables replaced."""
+        return replace(self, scene=self.scene.model_copy(update=tables))
+
+
+def shipped() -> list[str]:
+    """Names of the scenes that come with the package."""
+    return sorted(path.stem for path in SHIPPED.glob("*.toml"))
+
+
+def load(where: str | Path = DEFAULT) -> SceneFile:
+    """Read and validate a scene.
+
+    Args:
+        where: a TOML file, or the name of a shipped scene.
+
+    Raises:
+        BadInput: no such file, not TOML, or a scene that is wrong; names file, key and value.
+    """
+    path = Path(where)
+    if str(where) in shipped() and not path.is_file():
+        path, name = SHIPPED / f"{where}.toml", f"{where}.toml"
+    else:
+        name = str(where)
+    text = _read(path, name)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"not valid TOML: {error}", file=name) from error
+    except RecursionError as error:
+        raise BadInput("not a scene: nested too deeply", file=name) from error
+    found = SceneFile(parse(data, name), name, path.resolve().parent)
+    if found.mesh is not None:
+        _check_mesh(found)
+    return found
+
+
+def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
+    """Validate a scene that is already a mapping, such as one from a notebook.
+
+    Raises:
+        BadInput: the scene is wrong; the message names `name`, the key and the value.
+    """
+    try:
+        return Scene.model_validate(data, context={"gravity": _gravity(data)})
+    except ValidationError as error:
+        raise _explained(error, data, name) from None
+
+
+def _read(path: Path, name: str) -> str:
+    try:
+        if path.is_dir():
+            raise BadInput("expected a scene file, found a folder", file=name)
+        with path.open("rb") as file:
+            raw = file.read(_LARGEST + 1)
+    except FileNotFoundError:
+        names = [*shipped(), *(p.name for p in path.parent.glob("*.toml"))] if path.parent.is_dir() else shipped()
+        raise BadInput(f"no such scene{did_you_mean(path.name, names)}", file=name) from None
+    except (OSError, ValueError) as error:
+        raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
+    if len(raw) > _LARGEST:
+        raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        raise BadInput("not a scene: not UTF-8 text", file=name) from None
+
+
+def _gravity(data: Mapping[str, Any]) -> float:
+    """[rotor] gravity, needed to read accelerations in g; a wrong one is reported by its own field."""
+    rotor = data.get("rotor")
+    try:
+        return units.to_si(rotor["gravity"], units.ACCELERATION) if isinstance(rotor, dict) else units.STANDARD_GRAVITY
+    except (KeyError, units.UnitError):
+        return units.STANDARD_GRAVITY
+
+
+def _check_mesh(found: SceneFile) -> None:
+    mesh, key = found.mesh, "[plate] mesh"
+    value = found.scene.plate.mesh if found.scene.plate else None
+    try:
+        if mesh is None or not mesh.is_file():
+            raise BadInput("no such file beside the scene", file=found.name, key=key, value=value)
+        if mesh.stat().st_size == 0:
+            raise BadInput("the mesh file is empty", file=found.name, key=key, value=value)
+    except OSError as error:
+        raise BadInput(f"cannot be read: {error.strerror}", file=found.name, key=key, value=value) from None
+
+
+def _explained(error: ValidationError, data: Mapping[str, Any], name: str) -> BadInput:
+    """The most telling of pydantic's errors, in our words."""
+    # A misspelt key makes the right one missing as well: the misspelling is the cause.
+    order = {"extra_forbidden": 0, "missing": 2}
+    errors = sorted(error.errors(include_url=False), key=lambda e: order.get(e["type"], 1))
+    first = errors[0]
+    loc = [str(part) for part in first["loc"]]
+    context = first.get("ctx", {})
+    if first["type"] == "together":
+        loc += str(context["key"]).split(".")
+    problem, value = _problem(first, loc), _lookup(data, loc)
+    if len(errors) > 1:
+        problem += f" (and {len(errors) - 1} more)"
+    return BadInput(problem, file=name, key=key_name(loc), value=value)
+
+
+def _problem(error: Any, loc: list[str]) -> str:
+    context = error.get("ctx", {})
+    match error["type"]:
+        case "extra_forbidden":
+            known = _fields(loc[:-1])
+            what = "key" if len(loc) > 1 else "table"
+            return f"unknown {what}{did_you_mean(loc[-1], known) or _belongs(loc[-1])}"
+        case "missing":
+            return "missing"
+        case "greater_than":
+            return f"expected a value above {context['gt']:g}"
+        case "greater_than_equal":
+            return f"expected at least {context['ge']:g}"
+        case "less_than":
+            return f"expected a value below {context['lt']:g}"
+        case "less_than_equal":
+            return f"expected at most {context['le']:g}"
+        case "literal_error":
+            return f"expected {context['expected']}{did_you_mean(str(error['input']), _quoted(context['expected']))}"
+        case "int_type" | "int_from_float" | "int_parsing":
+            return "expected a whole number"
+        case "string_type":
+            return "expected text in quotes"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return "expected a table"
+        case _:
+            text = str(error["msg"])
+            return text[:1].lower() + text[1:]
+
+
+def key_name(loc: list[str]) -> str:
+    """``[plate] length`` from ("plate", "length")."""
+    if len(loc) == 1 and loc[0] in Scene.model_fields and loc[0] != "title":
+        return f"[{loc[0]}]"
+    return loc[0] if len(loc) == 1 else f"[{loc[0]}] {'.'.join(loc[1:])}"
+
+
+def _quoted(text: str) -> list[str]:
+    return text.split("'")[1::2]
+
+
+def _lookup(data: Any, loc: list[str]) -> object:
+    for part in loc:
+        if not isinstance(data, Mapping) or part not in data:
+            return None
+        data = data[part]
+    return None if isinstance(data, Mapping) and len(loc) == 1 else data
+
+
+def _tables() -> dict[str, type[BaseModel]]:
+    tables = {}
+    for name, field in Scene.model_fields.items():
+        for kind in (field.annotation, *getattr(field.annotation, "__args__", ())):
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                tables[name] = kind
+    return tables
+
+
+def _fields(loc: list[str]) -> list[str]:
+    if not loc:
+        return list(Scene.model_fields)
+    table = _tables().get(loc[0])
+    return list(table.model_fields) if table else []
+
+
+def _belongs(key: str) -> str:
+    homes = [f"[{name}]" for name, table in _tables().items() if key in table.model_fields]
+    return f": it belongs in {' or '.join(homes)}" if homes else ""
+
+
+def slug(title: str) -> str:
+    """A title as part of a folder's name."""
+    plain = unicodedata.normalize("NFKD", title).replace("'", "").encode("ascii", "ignore").decode().lower()
+    return "-".join(re.findall(r"[a-z0-9]+", plain))[:60].rstrip("-") or "run"
+
+
+def did_you_mean(word: str, known: list[str]) -> str:
+    """A hint for a misspelling, or nothing."""
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    return f": did you mean '{close[0]}'?" if close and close[0] != word else ""

@@ -1,0 +1,31 @@
+"""The JSON Schema of a scene, for editors and other programs: ``python -m workflows.scene_schema`` publishes it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from workflows.scene import Scene
+
+
+def schema() -> dict[str, Any]:
+    """The schema, from the same model that validates scenes."""
+    found = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    return dict(_tidied(found)) | {"title": "spindamp scene"}
+
+
+_BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+
+
+def _tidied(node: Any) -> Any:
+    """Bounds under their standard names, and no titles: pydantic titles every key after itself."""
+    if isinstance(node, dict):
+        kept = {key: value for key, value in node.items() if key != "title" or isinstance(value, dict)}
+        return {_BOUNDS.get(key, key): _tidied(value) for key, value in kept.items()}
+    return [_tidied(item) for item in node] if isinstance(node, list) else node
+
+
+if __name__ == "__main__":
+    text = json.dumps(schema(), indent=1, ensure_ascii=False)
+    Path(__file__).with_name("scene.schema.json").write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,77 @@
+"""The stages of a run: their times, and progress for a person who waits."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+NAMES = ("mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total")
+
+
+class Stages:
+    """Clock of a run. Progress goes to standard error, and only where that is a terminal."""
+
+    def __init__(self, *, visible: bool | None = None) -> None:
+        self._began = time.perf_counter()
+        self._spent: dict[str, float] = {}
+        self._visible = sys.stderr.isatty() if visible is None else visible
+        self._progress: Progress | None = None
+
+    def __enter__(self) -> Self:
+        if self._visible:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+            self._progress = Progress(
+                TextColumn("{task.description:<10}"),
+                BarColumn(bar_width=30),
+                TextColumn("{task.fields[detail]}"),
+                TimeElapsedColumn(),
+                console=Console(stderr=True),
+                transient=True,
+            )
+            self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+    @contextmanager
+    def __call__(self, name: str, steps: int | None = None) -> Iterator[Step]:
+        """Time a stage; times of the same name add up. `steps` is how many times it will be advanced."""
+        began = time.perf_counter()
+        task = self._progress.add_task(name, total=steps, detail="") if self._progress is not None else None
+        try:
+            yield Step(self._progress, task)
+        finally:
+            self._spent[name] = self._spent.get(name, 0.0) + time.perf_counter() - began
+            if self._progress is not None and task is not None:
+                self._progress.remove_task(task)
+
+    def timings(self) -> dict[str, float]:
+        """Seconds per stage that ran, in the order of a run, and the total so far."""
+        spent = {name: self._spent[name] for name in NAMES if name in self._spent}
+        return spent | {"total": time.perf_counter() - self._began}
+
+
+class Step:
+    """Handle on a running stage."""
+
+    def __init__(self, progress: Progress | None, task: TaskID | None) -> None:
+        self._progress = progress
+        self._task = task
+
+    def advance(self, detail: str = "") -> None:
+        """One step is done."""
+        if self._progress is not None and self._task is not None:
+            self._progress.update(self._task, advance=1, detail=detail)

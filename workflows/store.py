@@ -1,0 +1,191 @@
+"""A folder of results that is replaced whole or not at all.
+
+New results are written into a hidden sibling and take the folder's place in one step, so that whoever looks,
+whenever, sees the old results or the new ones. Files in the folder that are not ours stay.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import errno
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from workflows.errors import BadInput
+
+MANIFEST = ".spindamp"
+"""Lists what a run wrote, so that the next one can tell its own files from a user's."""
+
+ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", MANIFEST}
+_CARRIED_AT_MOST = 1000
+
+
+def check(folder: Path) -> Path:
+    """Where results can go, resolved; looked at before any work is done, and nothing is written.
+
+    Raises:
+        BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
+    """
+    target = Path(os.path.realpath(folder))
+    if target.exists() and not target.is_dir():
+        raise BadInput("is a file: expected a folder", key="--out", value=str(folder))
+    here = Path.cwd().resolve()
+    if target == here or target in here.parents:
+        raise BadInput(
+            "expected a folder of its own, below the current one or elsewhere", key="--out", value=str(folder)
+        )
+    parent = next((p for p in target.parents if p.exists()), target.anchor)
+    if not os.path.isdir(parent) or not os.access(parent, os.W_OK | os.X_OK):
+        raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
+    if target.is_dir():
+        foreign = _foreign(target)
+        if len(foreign) > _CARRIED_AT_MOST:
+            raise BadInput(
+                "holds too many files that are not results: expected a new folder or one with results",
+                key="--out",
+                value=str(folder),
+            )
+    return target
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """A scratch folder that becomes `folder` when the block ends well, and vanishes when it does not.
+
+    Raises:
+        BadInput: see :func:`check`, and whenever the file system refuses (no space left, say).
+    """
+    target = check(folder)
+    scratch: Path | None = None
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _clear(target)
+        prefix = f"{_prefix(target)}{os.getpid()}-"
+        scratch = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
+        scratch.chmod(0o777 & ~_umask())
+        yield scratch
+        (scratch / MANIFEST).write_text("".join(f"{path.name}\n" for path in sorted(scratch.iterdir())))
+        _carry_over(target, scratch)
+        _sync(scratch)
+        _swap(scratch, target)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
+    finally:
+        # After the swap the scratch name holds what was there before.
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _prefix(target: Path) -> str:
+    return f".{target.name}.{platform.node()}-"
+
+
+def _clear(target: Path) -> None:
+    """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone."""
+    prefix = _prefix(target)
+    for path in target.parent.iterdir():
+        number = path.name.removeprefix(prefix).partition("-")[0]
+        if path.name.startswith(prefix) and number.isdecimal() and not _alive(int(number)):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
+
+
+def _foreign(target: Path) -> list[Path]:
+    """What is in a folder besides results of ours."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        ours = ALWAYS_OURS | set((target / MANIFEST).read_text().splitlines())
+        return [path for path in sorted(target.iterdir()) if path.name not in ours]
+    return [path for path in sorted(target.iterdir()) if path.name not in ALWAYS_OURS]
+
+
+def _carry_over(target: Path, scratch: Path) -> None:
+    if not target.is_dir():
+        return
+    for path in _foreign(target):
+        new = scratch / path.name
+        if os.path.lexists(new):
+            continue
+        if path.is_symlink():
+            new.symlink_to(os.readlink(path))
+        elif path.is_dir():
+            shutil.copytree(path, new, symlinks=True, copy_function=_link_or_copy)
+        else:
+            _link_or_copy(str(path), str(new))
+
+
+def _link_or_copy(old: str, new: str) -> str:
+    try:
+        os.link(old, new)
+    except OSError:
+        shutil.copy2(old, new)
+    return new
+
+
+def _sync(folder: Path) -> None:
+    for path in folder.iterdir():
+        if path.is_file() and not path.is_symlink():
+            with path.open("rb") as file:
+                os.fsync(file.fileno())
+    _sync_folder(folder)
+
+
+def _sync_folder(folder: Path) -> None:
+    with contextlib.suppress(OSError):  # not every system can sync a folder
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _swap(scratch: Path, target: Path) -> None:
+    if not target.exists():
+        try:
+            os.rename(scratch, target)
+        except OSError as error:
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                raise  # otherwise another run came first: replace its results
+        else:
+            _sync_folder(target.parent)
+            return
+    if not _exchange(scratch, target):
+        aside = scratch.with_suffix(".old")
+        os.rename(target, aside)
+        try:
+            os.rename(scratch, target)
+        except OSError:
+            os.rename(aside, target)
+            raise
+        shutil.rmtree(aside, ignore_errors=True)
+    _sync_folder(target.parent)
+
+
+def _exchange(one: Path, other: Path) -> bool:
+    """Exchange two folders in one step (Linux); False where the system cannot."""
+    at_cwd, exchange = -100, 2
+    try:
+        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
+    except (OSError, AttributeError, TypeError):
+        return False
+    return bool(renameat2(at_cwd, os.fsencode(one), at_cwd, os.fsencode(other), exchange) == 0)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,71 @@
+"""What a run prints for a person: the answer, a table, and where the rest is."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from pathlib import Path
+
+from workflows import answer
+from workflows.errors import one_line
+from workflows.records import Results, SpeedPoint
+from workflows.wording import fixed, percent
+
+_MODES_AT_MOST = 8
+
+
+def text(results: Results, out: Path | None) -> str:
+    """The summary, ready to print."""
+    found = answer.answer(results)
+    parts = [one_line(results.scene.title), ""]
+    parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
+    parts += ["", *_table(results)]
+    if results.notes and out is None:
+        parts.append("")
+        parts += [line for note in results.notes for line in _wrapped(note, "- ")]
+    seconds = f"{results.timings['total']:.1f} s"
+    if out is None:
+        parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]
+    else:
+        remarks = f", {len(results.notes)} remarks" if results.notes else ""
+        parts += ["", f"{seconds}{remarks}; open {out / 'report.html'}"]
+    return "\n".join(parts)
+
+
+def _wrapped(paragraph: str, mark: str = "") -> list[str]:
+    width = min(shutil.get_terminal_size((100, 24)).columns, 100)
+    return textwrap.wrap(paragraph, width, initial_indent=mark, subsequent_indent=" " * len(mark))
+
+
+def _table(results: Results) -> list[str]:
+    if any(point.damping is not None for point in results.speeds):
+        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %", "by ball %", "hits")
+        return _aligned([heads, *(_damped(point) for point in results.speeds)])
+    count = min(max(len(point.modes) for point in results.speeds), _MODES_AT_MOST)
+    heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
+    rows = [
+        (fixed(p.rpm), fixed(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+        for p in results.speeds
+    ]
+    return _aligned([heads, *rows])
+
+
+def _damped(point: SpeedPoint) -> tuple[str, ...]:
+    damping, reduced = point.damping, point.reduced
+    if damping is None or reduced is None:
+        return (fixed(point.rpm), fixed(point.load_g))
+    return (
+        fixed(point.rpm),
+        fixed(point.load_g),
+        fixed(answer.first_frequency(point), 2),
+        fixed(damping.cutoff_g),
+        fixed(damping.cutoff_ratio, 3),
+        percent(damping.peak_sdc, 3),
+        percent(answer.ball_capacity(point), 3),
+        fixed(damping.impacts),
+    )
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(len(rows[0]))]
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=False)) for row in rows]

@@ -1,0 +1,120 @@
+"""Units at the boundary: text with a unit comes in, SI numbers go on; nothing else here uses pint."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pint
+
+STANDARD_GRAVITY = 9.80665
+"""m/s², CGPM 1901; what the unit "g" means unless a scene says otherwise."""
+
+_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.{0,30})?", re.ASCII)
+# Only products, quotients and one-digit powers of names: nothing in a scene is ever evaluated.
+_UNIT = re.compile(r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d)?(?:\s*[*/· ]\s*[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d)?)*")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: its name with article, an example, and the SI unit it is stored in."""
+
+    name: str
+    example: str
+    si: str
+
+    @property
+    def expectation(self) -> str:
+        """What an error message asks for."""
+        return f"expected {self.name} such as '{self.example}'"
+
+
+LENGTH = Kind("a length", "20 cm", "m")
+MASS = Kind("a mass", "1 kg", "kg")
+ANGLE = Kind("an angle", "45 deg", "rad")
+ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s")
+FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz")
+PRESSURE = Kind("a modulus", "200 GPa", "Pa")
+DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3")
+ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2")
+LOAD = Kind("an acceleration", "6000 g", "m/s^2")
+
+
+class UnitError(ValueError):
+    """A value that is not a quantity of the kind expected; the message says what would be right."""
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    from pint import UnitRegistry
+
+    return UnitRegistry(str(Path(__file__).with_name("units.txt")), on_redefinition="raise")
+
+
+@cache
+def _factor(unit: str, si: str) -> float | None:
+    """The number that takes `unit` to `si`; None where the dimensions differ."""
+    registry = _registry()
+    target = registry.parse_units(si)
+    try:
+        quantity = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*")))
+    except Exception as error:  # pint raises AttributeError, ValueError and its parser's own kinds
+        raise UnitError(f"unknown unit '{unit}'") from error
+    if quantity.dimensionality != target.dimensionality:
+        return None
+    factor = float(quantity.to(target).magnitude)
+    rounded = float(f"{factor:.12g}")  # g/cm^3 is 1000, not 999.9999999999999
+    return rounded if abs(rounded - factor) <= 4 * math.ulp(factor) else factor
+
+
+def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
+    """A number, taken as SI, or text with a unit, as a finite SI number.
+
+    Args:
+        value: what the scene holds.
+        kind: what it should be.
+        gravity: m/s²; what the lone unit "g" means here. None reads it as gram.
+
+    Raises:
+        UnitError: not a number, not finite, an unknown unit, or a unit of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise UnitError(kind.expectation)
+    if isinstance(value, str):
+        return _from_text(value, kind, gravity)
+    return _finite(value, kind)
+
+
+def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        raise UnitError(kind.expectation)
+    number, unit = match[1], (match[2] or "").rstrip()
+    if not unit:
+        raise UnitError(f"a string carries its unit, and a bare number is SI: {kind.expectation}")
+    if unit == "g" and gravity is not None:
+        return _finite(float(number) * gravity, kind)
+    if _UNIT.fullmatch(unit) is None:
+        raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
+    try:
+        factor = _factor(unit, kind.si)
+    except UnitError as error:
+        raise UnitError(f"{error}: {kind.expectation}") from error
+    if factor is None:
+        raise UnitError(kind.expectation)
+    return _finite(float(number) * factor, kind)
+
+
+def _finite(value: float, kind: Kind) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(f"must be finite: {kind.expectation}")
+    return number

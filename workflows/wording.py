@@ -1,0 +1,47 @@
+"""Numbers in sentences: as many digits as they deserve, and no powers of ten where a plain number reads well."""
+
+from __future__ import annotations
+
+import math
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+DASH = "–"
+"""Stands for a number that is not there."""
+
+
+def significant(value: float | None, digits: int = 3) -> str:
+    """A number in so many significant digits: 0.00021, 12, 470000, 3.2·10⁻⁹."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    if value == 0:
+        return "0"
+    power = math.floor(math.log10(abs(value)))
+    if -5 <= power <= 6:
+        rounded = float(f"{value:.{digits - 1}e}")
+        text = f"{rounded:.{max(digits - 1 - power, 0)}f}"
+        return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "\u2212")
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}".replace("-", "\u2212")
+
+
+def span(low: float, high: float, digits: int = 2) -> str:
+    """A range, or one number where both ends read the same."""
+    one, other = significant(low, digits), significant(high, digits)
+    return one if one == other else f"{one} to {other}"
+
+
+def fixed(value: float | None, places: int = 0) -> str:
+    """A number for a column: so many decimals, a thin space between thousands, a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    return f"{value:,.{places}f}".replace(",", "\u2009").replace("-", "\u2212")
+
+
+def percent(value: float | None, places: int = 2) -> str:
+    """A share as a percentage for a column."""
+    return DASH if value is None else fixed(100 * value, places)
+
+
+def curly(text: str) -> str:
+    """Typographic apostrophes."""
+    return text.replace("'", "\u2019")
