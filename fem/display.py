@@ -14,19 +14,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def displacement(operators: Operators, shape: Array) -> Array:
-    """Displacement (nvertices, 3) of the mid-surface at the mesh's vertices, for unknowns (n,).
+def displacement(operators: Operators, shapes: Array) -> Array:
+    """Displacements of the mid-surface at the mesh's vertices, columns u, v, w.
 
-    Columns u, v, w; in m if the shape is a static displacement, per unit of the shape otherwise.
+    shapes: unknowns (n,), giving (nvertices, 3), or of several shapes (n, count), giving (count, nvertices, 3). In m if
+    a shape is a static displacement, per unit of the shape otherwise.
     """
     mesh = operators.model.mesh
-    padded = np.append(shape, 0.0)
+    padded = np.concatenate([shapes, np.zeros((1, *shapes.shape[1:]))])
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]] if mesh.t.shape[0] == 4 else [[0, 0], [1, 0], [0, 1]])
     cells = np.arange(mesh.t.shape[1])
-    moved = np.zeros((mesh.p.shape[1], 3), dtype=padded.dtype)
+    moved = np.zeros((mesh.p.shape[1], 3, *shapes.shape[1:]), dtype=padded.dtype)
     for k, space in enumerate(operators.model.spaces):
         for j, corner in enumerate(corners):
             at = np.repeat(corner[:, None].astype(float), cells.size, axis=1)
             weights, dofs = space.probe(cells, at)
-            moved[mesh.t[j], k] = (weights * padded[dofs]).sum(axis=1)
-    return moved
+            moved[mesh.t[j], k] = np.einsum("cd,cd...->c...", weights, padded[dofs])
+    return moved if shapes.ndim == 1 else np.moveaxis(moved, -1, 0)

@@ -58,6 +58,8 @@ def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shap
         reduced = _reduce(source, discrete.operators, every, stages)
     except Divergence as error:
         raise NoAnswer(f"{source.name}: {error}") from error
+    except (RuntimeError, FloatingPointError, np.linalg.LinAlgError) as error:  # SuperLU: "Factor is exactly singular"
+        raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
     with stages("modes"):
         points = _points(source, discrete, every, reduced)
         surface = _surface(discrete.operators, every) if shapes else None
@@ -165,11 +167,11 @@ def _surface(operators: fem.Operators, every: list[fem.Modes]) -> Surface:
     from fem import displacement
 
     kept = _kept(len(every))
-    shapes = [[displacement(operators, shape) for shape in every[number].shapes.T] for number in kept]
+    shapes = displacement(operators, np.hstack([every[number].shapes for number in kept]))
     mesh = operators.plate.mesh
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
-    return Surface(points, (kind, np.asarray(mesh.t.T)), np.array(shapes), kept)
+    return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
 
 
 def _kept(count: int) -> tuple[int, ...]:

@@ -13,7 +13,7 @@ from workflows.scene_file import SceneFile
 if TYPE_CHECKING:
     import fem
 
-CELLS_ALONG = (20, 40, 80)
+CELLS_ALONG = (20, 40)
 """Ladder of grids; the coarsest whose estimated error is below the one asked for is taken."""
 
 _MOST_SLENDER = 16

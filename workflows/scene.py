@@ -99,13 +99,13 @@ class Damper(Table):
     """Equal balls, each in a cavity of its own, moving in step."""
 
     at: LengthPair | None = Field(None, description="place on the plate; default: the middle of the tip")
-    mass_ratio: Annotated[Number, Positive] | None = Field(None, description="all balls over M2")
+    mass_ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(None, description="all balls over M2")
     mass: Annotated[Mass, Positive] | None = Field(None, description="all balls together")
-    count: Annotated[int, Field(ge=1)] = 1
+    count: Annotated[int, Field(ge=1, le=10**9)] = 1
     radius: Annotated[Length, Positive]
     cavity: LengthPair
     restitution: Annotated[Number, Field(ge=0, le=1)] = Field(description="e of a wall hit")
-    friction: Annotated[Number, NotNegative] = Field(description="μ of a wall hit")
+    friction: Annotated[Number, NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit")
     rolling_friction: Annotated[Length, NotNegative] = Field(description="μ_r, a length")
     formulation: Literal["consistent", "printed"] = "consistent"
     damping_ratio: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="ζ of the structure itself")
@@ -122,7 +122,7 @@ class Release(Table):
 
     displacement: LengthPair | None = None
     acceleration: LoadPair | None = Field(None, description="of the structure at release, on each axis")
-    ratio: Annotated[Number, Positive] | None = Field(
+    ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
         None, description="acceleration along x over the centrifugal load"
     )
     cycles: Cycles = "auto"

@@ -22,11 +22,20 @@ _UNIT = re.compile(r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d)?(?:\s*[*/· ]\s*[A-Za-z�
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its name with article, an example, and the SI unit it is stored in."""
+    """A kind of quantity.
+
+    Attributes:
+        name: with its article, for messages.
+        example: for messages and the JSON Schema.
+        si: the unit it is stored in.
+        least, most: bounds on the magnitude of what is not zero; far beyond any use, short of overflow.
+    """
 
     name: str
     example: str
     si: str
+    least: float
+    most: float
 
     @property
     def expectation(self) -> str:
@@ -34,15 +43,15 @@ class Kind:
         return f"expected {self.name} such as '{self.example}'"
 
 
-LENGTH = Kind("a length", "20 cm", "m")
-MASS = Kind("a mass", "1 kg", "kg")
-ANGLE = Kind("an angle", "45 deg", "rad")
-ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s")
-FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz")
-PRESSURE = Kind("a modulus", "200 GPa", "Pa")
-DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3")
-ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2")
-LOAD = Kind("an acceleration", "6000 g", "m/s^2")
+LENGTH = Kind("a length", "20 cm", "m", 1e-12, 1e6)
+MASS = Kind("a mass", "1 kg", "kg", 1e-15, 1e12)
+ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
+ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
+FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
+PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
+ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
+LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 
 class UnitError(ValueError):
@@ -87,7 +96,7 @@ def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
         raise UnitError(kind.expectation)
     if isinstance(value, str):
         return _from_text(value, kind, gravity)
-    return _finite(value, kind)
+    return _in_range(value, kind)
 
 
 def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
@@ -98,7 +107,7 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
     if not unit:
         raise UnitError(f"a string carries its unit, and a bare number is SI: {kind.expectation}")
     if unit == "g" and gravity is not None:
-        return _finite(float(number) * gravity, kind)
+        return _in_range(float(number) * gravity, kind)
     if _UNIT.fullmatch(unit) is None:
         raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
     try:
@@ -107,14 +116,16 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
         raise UnitError(f"{error}: {kind.expectation}") from error
     if factor is None:
         raise UnitError(kind.expectation)
-    return _finite(float(number) * factor, kind)
+    return _in_range(float(number) * factor, kind)
 
 
-def _finite(value: float, kind: Kind) -> float:
+def _in_range(value: float, kind: Kind) -> float:
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
         raise UnitError(f"must be finite: {kind.expectation}")
+    if number and not kind.least <= abs(number) <= kind.most:
+        raise UnitError(f"out of range: expected {kind.name} from {kind.least:g} to {kind.most:g} {kind.si}")
     return number
