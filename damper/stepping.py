@@ -52,7 +52,12 @@ class SteppedRingDown:
 
 
 def stepped_ringdown(
-    damper: ParticleDamper, release: tuple[float, float], cycles: int, steps_per_cycle: int = 40
+    damper: ParticleDamper,
+    release: tuple[float, float],
+    cycles: int,
+    steps_per_cycle: int = 40,
+    *,
+    friction_opposes_structure: bool = False,
 ) -> SteppedRingDown:
     """Release from rest, the ball at the cavity's centre, and step through whole cycles of 2 pi / omega_1.
 
@@ -61,6 +66,8 @@ def stepped_ringdown(
         release: the structure's displacements along x and y at time 0 [m].
         cycles: how many.
         steps_per_cycle: 40 in the paper.
+        friction_opposes_structure: take the sign of rolling friction from the structure's velocity, not from the
+            relative one: not what the paper prints, but what a slip in its program would do.
 
     Raises:
         ValueError: no step or cycle, a release that is not finite, or a damper with slip.
@@ -76,7 +83,7 @@ def stepped_ringdown(
     one = prepare(rows, np.array([[release, rest, rest, rest, rest]]), float(cycles), math.inf)
     step = 2 * math.pi / damper.stuck_frequency / steps_per_cycle
     velocity = np.zeros((cycles * steps_per_cycle + 1, 2))
-    impacts = march(one.axes[0], one.laws[0], one.balls[0], one.books[0], step, velocity)
+    impacts = march(one.axes[0], one.laws[0], one.balls[0], one.books[0], step, friction_opposes_structure, velocity)
     speed = np.hypot(velocity[1:, 0], velocity[1:, 1])
     return SteppedRingDown(
         time=np.arange(len(velocity), dtype=np.float64) * step,

@@ -14,14 +14,23 @@ if TYPE_CHECKING:
 
 
 @kernel
-def march(axes: Records, laws: Records, ball: Record, books: Record, step: float, velocity: Floats) -> int:
-    """Fill `velocity`, shape (n + 1, 2), step by step; returns the number of wall hits."""
+def march(
+    axes: Records, laws: Records, ball: Record, books: Record, step: float, opposing: bool, velocity: Floats
+) -> int:
+    """Fill `velocity`, shape (n + 1, 2), step by step; returns the number of wall hits.
+
+    `opposing`: friction takes its sign from the structure's velocity instead of the relative one.
+    """
     impacts = 0
     for k in range(len(velocity) - 1):
         for i in range(2):
-            if axes[i].regime == STUCK:
-                settle(axes[i], laws[i], ball)
-            _step(axes[i], laws[i], ball, step)
+            axis = axes[i]
+            if axis.regime == STUCK:
+                settle(axis, laws[i], ball)
+            axis.heading = axis.direction
+            if opposing and axis.regime != STUCK:
+                axis.direction = -1 if axis.v > 0.0 else 1
+            _step(axis, laws[i], ball, step)
         for i in range(2):
             axis, other = axes[i], axes[1 - i]
             side = 1 if axis.w > 0.0 else -1
@@ -31,8 +40,10 @@ def march(axes: Records, laws: Records, ball: Record, books: Record, step: float
                 impacts += 1
                 if ball.friction > 0.0 and other.regime != STUCK:
                     rub(other, impulse, laws[1 - i], ball, books)
-            elif axis.regime != STUCK and axis.w * axis.direction <= 0.0:
-                _turn(axis, laws[i], ball)
+            elif axis.regime != STUCK:
+                axis.direction = axis.heading
+                if axis.w * axis.direction <= 0.0:
+                    _turn(axis, laws[i], ball)
         velocity[k + 1, 0], velocity[k + 1, 1] = axes[0].v, axes[1].v
     return impacts
 
