@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 SAFETY = 2.0
 """Factor on the largest stiffening outside the basis, which is an estimate from within."""
 
-ROUNDING = 64.0 * float(np.finfo(float).eps)
+ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Error of a quadratic form relative to the root of its terms' sum of squares: rounding is random."""
 
 

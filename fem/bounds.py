@@ -45,7 +45,8 @@ class ReducedModes:
     omega: (k,) speeds in rad/s. rates: (k, q) circular frequencies in rad/s, ascending. vectors: (k, r, q),
     mass-normalised, complex with Coriolis; the wanted ones come first. residuals: (k, q), rho.
     bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
-    stable: (k,), whether the stiffness is positive in the basis.
+    diverged: (k,), whether the stiffness has a negative eigenvalue. floor: (k,), least ratio of
+    the stiffness to that at the reference speed.
     """
 
     omega: Array
@@ -53,18 +54,18 @@ class ReducedModes:
     vectors: NDArray[Any]
     residuals: Array
     bounds: Array
-    stable: NDArray[np.bool_]
+    diverged: NDArray[np.bool_]
+    floor: Array
 
 
 def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
     rates, vectors = _galerkin(basis, omega)
-    stable = rates[:, 0] > 0.0
-    spare = basis.known.size - 1 - wanted
-    q = min(wanted + spare, rates.shape[1] - 1)
+    diverged, floor = rates[:, 0] <= 0.0, _floor(basis, omega)
+    q = min(basis.known.size, rates.shape[1]) - 1
+    above = np.minimum(rates[:, wanted : q + 1], np.sqrt(basis.known[wanted : q + 1]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = rates[:, wanted : q + 1] / rates[:, wanted - 1 : q]
-    last = wanted + ratio.argmax(axis=1)
+        last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
     gap = _gap(basis, omega, rates, last)
     rates, vectors = rates[:, :q], vectors[:, :, :q]
     residuals = _residuals(basis, omega, rates, vectors)
@@ -75,13 +76,14 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
         error = last[:, None] * residuals**2 / (1.0 - top[:, None] * rates)
         good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
     bounds = np.where(good, error + basis.rounding, np.inf)[:, :wanted]
-    return ReducedModes(omega, rates, vectors, residuals, bounds, stable)
+    return ReducedModes(omega, rates, vectors, residuals, bounds, diverged, floor)
 
 
 def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:
     """Frequencies (k,) below which the full model has no more than `last` (k,) ones; 0 where none is found."""
     k = np.arange(omega.size)
-    below, above = rates[k, last - 1], rates[k, last]
+    below = rates[k, last - 1]
+    above = np.minimum(rates[k, last], np.sqrt(basis.known[last]))
     raised = _floor(basis, omega) * basis.known[last]
     drag = omega if basis.coriolis is not None else np.zeros_like(omega)
     coarse = np.sqrt(drag**2 + np.maximum(raised, 0.0)) - drag

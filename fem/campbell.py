@@ -46,8 +46,11 @@ ROUGH = 1e-4
 AIM = 0.3
 """Part of the tolerance that is aimed at in training, so that the other speeds meet it too."""
 
-MOST_SPARE = 4
-"""Modes beyond the wanted ones with which a gap is sought before a range is halved."""
+MOST_KNOWN = 100
+"""Modes at the reference speed that are tried to find a gap above the wanted ones."""
+
+NEAR = 0.3
+"""Least ratio of stiffness to that at the reference for which more modes, not a nearer reference, are tried."""
 
 NARROW = 1e-6
 """Relative width of a range of speeds that is not halved any more."""
@@ -158,15 +161,15 @@ def _reduced(
                 return [_answer(operators, basis, found, count, damping_ratio)]
             training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
             trial = bounds.solve(basis, training, count)
-        if not trial.stable.all():
-            worst = float(training[~trial.stable][0])
+        if trial.diverged.any():
+            worst = float(training[trial.diverged][0])
             solve_real(operators, worst, operators.at(worst), count)
         more = bounds.representatives(basis, trial, count, AIM * tolerance / (2 * count))
-        if more.shape[1] == 0 or basis.size + more.shape[1] > LARGEST:
+        if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
             break
         basis = enrich(operators, modes, basis, more)
-    if spare < MOST_SPARE:
-        # Most often two modes cross just above the wanted ones; with more of them a gap is found.
+    gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
+    if gapless.any() and modes.eigenvalues.size == known < MOST_KNOWN:
         return _reduced(operators, omega, count, tolerance, damping_ratio, 4 * spare)
     if omega[-1] - omega[0] <= NARROW * omega[-1]:
         return [_answer(operators, basis, bounds.solve(basis, omega, count), count, damping_ratio)]

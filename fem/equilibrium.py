@@ -32,6 +32,9 @@ ITERATIONS = 25
 CONVERGED = 1e-20
 """Energy of the last Newton step relative to that of the load."""
 
+STALLED = 1e-12
+"""Energy from which a step that gains nothing on the one before counts as rounding."""
+
 SMALLEST_PART = 1e-3
 """Smallest part of the load that is tried before giving up."""
 
@@ -74,6 +77,7 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
 
 
 def _newton(operators: Operators, load: float, state: Array) -> Array | None:
+    before = np.inf
     for _ in range(ITERATIONS):
         residual, stiffness = _respond(operators, load, state)
         step = factorise(stiffness).solve(residual)
@@ -81,8 +85,10 @@ def _newton(operators: Operators, load: float, state: Array) -> Array | None:
             return None
         state = state + step
         work = abs(load * operators.load @ state)
-        if abs(step @ residual) <= CONVERGED * work or not work:
+        energy = abs(step @ residual)
+        if energy <= CONVERGED * work or (0.1 * before <= energy <= STALLED * work):
             return state
+        before = energy
     return None
 
 

@@ -95,7 +95,10 @@ def solve_real(
     tolerance: float = CONVERGED,
 ) -> Modes:
     """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence."""
-    factor = factorise(stiffness)
+    try:
+        factor = factorise(stiffness)
+    except RuntimeError:  # exactly singular
+        raise Divergence(omega, 0.0) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
     if factor.negative:
         raise Divergence(omega, _lowest(stiffness, operators.mass, values), factor.negative)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.family import families
-from fem.modes import Divergence, Modes, solve_modes
+from fem.modes import Divergence, Modes, linearise, solve_real
 from fem.operators import point_rows, with_point_mass
 from fem.solver import refine
 
@@ -57,7 +57,8 @@ def reduce_at(
 ) -> Reduced:
     """Reduced parameters at = (x, y) in m and a speed omega (rad/s), for a ball_mass in kg or as m_p / M2.
 
-    modes: the plate's modes at this speed when they are known already. Raises ValueError unless exactly one
+    modes: the plate's modes at this speed when they are known already. phi is real: Coriolis forces are left
+    out of the reduction. Raises ValueError unless exactly one
     of ball_mass and mass_ratio is given and not negative, when no flap mode is among the modes, when it does
     not move at the place, or off the plate; Divergence past the critical speed.
     """
@@ -66,9 +67,11 @@ def reduce_at(
         raise ValueError(
             f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}"
         )
-    modes = modes or solve_modes(operators, omega, SEARCHED)
-    if modes.omega != omega:
+    if modes is not None and modes.omega != omega:
         raise ValueError(f"the modes belong to {modes.omega!r} rad/s, not to {omega!r}")
+    if modes is None or np.iscomplexobj(modes.shapes):
+        still, state = linearise(operators, omega, None if modes is None else modes.state)
+        modes = solve_real(operators, omega, still, SEARCHED, state)
     index = flap_index(operators, modes)
     rows = point_rows(operators.model, at)
     lift = (rows @ modes.shapes)[2]
@@ -106,7 +109,8 @@ def _stuck(operators: Operators, modes: Modes, index: int, at: tuple[float, floa
     heavy = with_point_mass(operators, at, mass)
     pull = modes.factor.solve(point_rows(operators.model, at).toarray().T)
     start = np.hstack([modes.shapes, pull])
-    value, _ = refine(heavy.at(modes.omega), heavy.mass, start, index, modes.factor)
+    stiffness, _ = linearise(heavy, modes.omega, modes.state)
+    value, _ = refine(stiffness, heavy.mass, start, index, modes.factor)
     if value <= 0.0:
         raise Divergence(modes.omega, value)
     return value

@@ -53,10 +53,17 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Effects:
-    """What is counted. An effect that is off is neither assembled nor solved for."""
+    """What is counted. An effect that is off is neither assembled nor solved for.
+
+    Raises ValueError for large deflection without stress stiffening, which is part of it.
+    """
 
     stress_stiffening: bool = True
     spin_softening: bool = True
     coriolis: bool = False
     large_deflection: bool = False
     rotary_inertia: bool = True
+
+    def __post_init__(self) -> None:
+        if self.large_deflection and not self.stress_stiffening:
+            raise ValueError("large_deflection needs stress_stiffening, which is part of it")

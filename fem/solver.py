@@ -31,6 +31,9 @@ NULL = 1e-24
 REFINED = 1e-13
 """Relative energy of a refined mode's error, which is the relative error of its eigenvalue."""
 
+STEPS = 30
+"""Steps after which a refined mode is taken to be as good as rounding allows."""
+
 
 @dataclass(frozen=True)
 class Factor:
@@ -159,17 +162,16 @@ def refine(
     wanted = mass @ start[:, target]
     empty = np.empty((start.shape[0], 0))
     basis, image, _, _ = orthonormal(start, empty, empty, mass)
-    while True:
+    for _ in range(STEPS):
         reduced = basis.T @ (stiffness @ basis)
         values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
         pick = int(np.argmax(np.abs(wanted @ basis @ vectors)))
-        shape = basis @ vectors[:, pick]
-        residual = stiffness @ shape - values[pick] * (mass @ shape)
+        value, shape = float(values[pick]), basis @ vectors[:, pick]
+        residual = stiffness @ shape - value * (mass @ shape)
         step = nearby.solve(residual)
         # The step is the shape's error to first order; its energy is that of the eigenvalue.
-        if abs(residual @ step) <= REFINED * abs(values[pick]) or basis.shape[1] >= start.shape[0]:
-            return float(values[pick]), shape
+        if abs(residual @ step) <= REFINED * abs(value):
+            break
         block, heavy, _, _ = orthonormal(step[:, None], basis, image, mass)
-        if block.shape[1] == 0:
-            return float(values[pick]), shape
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
+    return value, shape
