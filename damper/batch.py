@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from damper.arrays import Floats, Integers
 from damper.parameters import energy, ensemble, stuck_frequency
 from damper.prepare import Prepared, prepare
-from damper.records import EVENT, Floats, Integers
+from damper.records import EVENT
 from damper.ringdown import outcome_of
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def ringdowns(
         raise ValueError(f"release must have shape (n, 2), got {displacement.shape}")
     start = np.zeros((len(displacement), 5, 2))
     start[:, 0] = displacement
-    rows = ensemble(damper, len(displacement), varied)
+    rows = ensemble(damper.parameters, len(displacement), varied)
     prepared = prepare(rows, start, cycles, max_cycles)
     status = _run(prepared, threads or os.cpu_count() or 1, max_events, progress)
     return _summary(rows, prepared, status, asked=cycles is not None)

@@ -53,10 +53,9 @@ def capacity(ringdown: RingDown) -> Capacity:
 
 def intrinsic_sdc(damper: ParticleDamper) -> float:
     """1 - exp(-4 pi decay / frequency) of the structure with the ball stuck [-]."""
-    from damper.parameters import parameters_of
     from damper.records import STUCK, laws_of
 
-    law = laws_of(parameters_of(damper))[0, 0, STUCK]
+    law = laws_of(damper.parameters)[0, 0, STUCK]
     return -math.expm1(-4 * math.pi * float(law["decay"]) / float(law["frequency"]))
 
 

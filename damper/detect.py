@@ -24,7 +24,7 @@ from damper.slip import end_of_pressing, end_of_slip
 from damper.threshold import drive, first_exceed
 
 if TYPE_CHECKING:
-    from damper.records import Record, Records
+    from damper.arrays import Record, Records
 
 Motion: TypeAlias = tuple[float, float, float, float]
 

@@ -16,7 +16,7 @@ from damper.resolve import hit, roll, rub, settle, slip
 from damper.slip import sliding_distance, spin_after
 
 if TYPE_CHECKING:
-    from damper.records import Floats, Integers, Record, Records
+    from damper.arrays import Floats, Integers, Record, Records
 
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""

@@ -10,7 +10,7 @@ from damper.records import ROLLING, SLIPPING, STUCK
 from damper.slip import spin_after
 
 if TYPE_CHECKING:
-    from damper.records import Floats, Record, Records
+    from damper.arrays import Floats, Record, Records
 
 
 @kernel

@@ -16,7 +16,7 @@ from damper.compiled import kernel
 from damper.records import ROLLING, SLIPPING
 
 if TYPE_CHECKING:
-    from damper.records import Record, Records
+    from damper.arrays import Record, Records
 
 _SHORT = 0.1
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""

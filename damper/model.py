@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from damper import parameters
-from damper.parameters import parameters_of, validate
+import numpy as np
+
+from damper import parameters as derived
+from damper.parameters import PARAMETERS, Parameters, validate
 
 
 class Formulation(StrEnum):
@@ -65,7 +67,17 @@ class ParticleDamper:
         Formulation(self.formulation)
         if self.floor_friction is not None and not self.floor_friction > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
-        validate(parameters_of(self))
+        validate(self.parameters)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The fields as one row, shape (1,), for what works on many dampers alike."""
+        rows = np.zeros(1, PARAMETERS)
+        for name in PARAMETERS.names or ():
+            if name != "printed":
+                rows[name] = getattr(self, name) or 0.0
+        rows["printed"] = self.formulation == Formulation.PRINTED
+        return rows
 
     @property
     def stuck_mass(self) -> float:
@@ -75,18 +87,18 @@ class ParticleDamper:
     @property
     def stuck_frequency(self) -> float:
         """omega_1 along x, the ball stuck [rad/s]."""
-        return float(parameters.stuck_frequency(parameters_of(self))[0])
+        return float(derived.stuck_frequency(self.parameters)[0])
 
     @property
     def half_gap(self) -> tuple[float, float]:
         """How far the ball's centre can go from the cavity's centre along x and y [m]."""
-        x, y = parameters.half_gap(parameters_of(self))[0]
+        x, y = derived.half_gap(self.parameters)[0]
         return float(x), float(y)
 
     @property
     def rolling_threshold(self) -> float:
         """a_r = mu_r N / (r m_p): the structure's acceleration above which a stuck ball rolls [m/s^2]."""
-        return float(parameters.rolling_threshold(parameters_of(self))[0])
+        return float(derived.rolling_threshold(self.parameters)[0])
 
     @property
     def inertia_ratio(self) -> float:
@@ -96,9 +108,9 @@ class ParticleDamper:
         inertia about the centre in an equation of moments about the contact); 1 for a ball that nothing presses
         onto the floor, which floats.
         """
-        return float(parameters.inertia_ratio(parameters_of(self))[0])
+        return float(derived.inertia_ratio(self.parameters)[0])
 
     @property
     def spin_mass(self) -> float:
         """Mass-equivalent of the rolling ball's spin, 2/5 m_p [kg]; none in the printed equations or afloat."""
-        return float(parameters.spin_mass(parameters_of(self))[0])
+        return float(derived.spin_mass(self.parameters)[0])

@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from damper.model import ParticleDamper
-    from damper.records import Floats
+    from damper.arrays import Floats
 
 PARAMETERS = np.dtype(
     [
@@ -33,23 +32,13 @@ PARAMETERS = np.dtype(
 Parameters = npt.NDArray[np.void]
 
 
-def parameters_of(damper: ParticleDamper) -> Parameters:
-    """One row, shape (1,)."""
-    rows = np.zeros(1, PARAMETERS)
-    for name in PARAMETERS.names or ():
-        if name != "printed":
-            rows[name] = getattr(damper, name) or 0.0
-    rows["printed"] = damper.formulation == "printed"
-    return rows
-
-
-def ensemble(base: ParticleDamper, size: int, varied: dict[str, Any]) -> Parameters:
-    """`size` rows that differ from `base` in the varied fields, each of shape (size,) or, in x and y, (size, 2).
+def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
+    """`size` rows that differ from the one row `base` in the varied fields, of shape (size,) or, in x and y, (size, 2).
 
     Raises:
         ValueError: an unknown field, a wrong shape, or a value without physical sense.
     """
-    rows = np.repeat(parameters_of(base), size)
+    rows = np.repeat(base, size)
     for name, values in varied.items():
         if name not in (PARAMETERS.names or ()) or name == "printed":
             raise ValueError(f"{name} is no field of ParticleDamper that can be varied")

@@ -15,7 +15,7 @@ from damper.compiled import kernel
 from damper.flight import velocity
 
 if TYPE_CHECKING:
-    from damper.records import Record, Records
+    from damper.arrays import Record, Records
 
 
 @kernel

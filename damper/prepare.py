@@ -12,8 +12,8 @@ from damper.parameters import energy, half_gap, stuck_frequency
 from damper.records import AXIS, BOOKS, CLOCK, CYCLE, balls_of, laws_of
 
 if TYPE_CHECKING:
+    from damper.arrays import Floats, Records
     from damper.parameters import Parameters
-    from damper.records import Floats, Records
 
 _CYCLES_AFTER_REST = 3
 

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from damper.parameters import inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
+    from damper.arrays import Floats, Records
     from damper.parameters import Parameters
-
-Record: TypeAlias = np.record
-Records: TypeAlias = npt.NDArray[np.record]
-Floats: TypeAlias = npt.NDArray[np.float64]
-Integers: TypeAlias = npt.NDArray[np.int64]
 
 
 def _record(*fields: tuple[str, str]) -> np.dtype[np.record]:

@@ -9,7 +9,7 @@ from damper.detect import departure
 from damper.records import ROLLING, SLIPPING, STUCK
 
 if TYPE_CHECKING:
-    from damper.records import Record, Records
+    from damper.arrays import Record, Records
 
 
 @kernel

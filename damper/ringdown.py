@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from damper.parameters import energy, parameters_of
+from damper.arrays import Floats, Records
+from damper.parameters import energy
 from damper.prepare import prepare
-from damper.records import EVENT, Floats, Records
+from damper.records import EVENT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -127,7 +128,7 @@ def ringdown(
     from damper import engine
 
     start = np.array([[release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity]], dtype=np.float64)
-    parameters = parameters_of(damper)
+    parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)
     clock, axes, laws, ball = one.clocks[0], one.axes[0], one.laws[0], one.balls[0]
     peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from damper.parameters import parameters_of
 from damper.records import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
     time = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
-    rows = parameters_of(ringdown.damper)
+    rows = ringdown.damper.parameters
     laws, ball = laws_of(rows)[0], balls_of(rows, np.zeros(1))[0]
     out = np.empty((5, time.size, 2))
     regime = np.empty((time.size, 2), np.int64)

@@ -18,7 +18,7 @@ from damper.records import GRIP, HIT, NOTHING, START
 from damper.threshold import drive, first_exceed
 
 if TYPE_CHECKING:
-    from damper.records import Record
+    from damper.arrays import Record
 
 _SPIN_UP = 2.5
 """A force on the rim of a solid sphere changes its surface speed 5/2 times as fast as its velocity."""

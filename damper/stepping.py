@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.parameters import energy, parameters_of
+from damper.parameters import energy
 from damper.prepare import prepare
 
 if TYPE_CHECKING:
+    from damper.arrays import Floats
     from damper.model import ParticleDamper
-    from damper.records import Floats
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def stepped_ringdown(
         raise ValueError("floor_friction: the paper's algorithm knows no slip")
     if cycles < 1 or steps_per_cycle < 1:
         raise ValueError(f"cycles and steps_per_cycle must be at least 1, got {cycles} and {steps_per_cycle}")
-    rows = parameters_of(damper)
+    rows = damper.parameters
     rest = (0.0, 0.0)
     one = prepare(rows, np.array([[release, rest, rest, rest, rest]]), float(cycles), math.inf)
     step = 2 * math.pi / damper.stuck_frequency / steps_per_cycle

@@ -10,7 +10,7 @@ from damper.records import STUCK
 from damper.resolve import hit, roll, rub, settle
 
 if TYPE_CHECKING:
-    from damper.records import Floats, Record, Records
+    from damper.arrays import Floats, Record, Records
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 from damper.compiled import kernel
 
 if TYPE_CHECKING:
-    from damper.records import Record
+    from damper.arrays import Record
 
 _MARGIN = 1.0 + 1e-12
 
