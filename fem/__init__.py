@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fem.accuracy import estimate_error
+    from fem.critical import critical_speed
     from fem.display import displacement
     from fem.family import families
     from fem.meshfile import read_mesh
@@ -23,19 +24,30 @@ if TYPE_CHECKING:
     from fem.plate import Material, Plate
     from fem.reduction import Reduced, reduce_at
     from fem.rotor import Effects, Rotor
+    from fem.statics import NoEquilibrium, equilibrium
+    from fem.sweep import Campbell, campbell
+    from fem.theories import choose_theory
+    from fem.tracking import Veering
 
 _HOMES = {
+    "Campbell": "fem.sweep",
     "Divergence": "fem.modes",
     "Effects": "fem.rotor",
     "Material": "fem.plate",
     "MeshError": "fem.planform",
     "Modes": "fem.modes",
+    "NoEquilibrium": "fem.statics",
     "Operators": "fem.operators",
     "Plate": "fem.plate",
     "Reduced": "fem.reduction",
     "Rotor": "fem.rotor",
+    "Veering": "fem.tracking",
     "assemble": "fem.operators",
+    "campbell": "fem.sweep",
+    "choose_theory": "fem.theories",
+    "critical_speed": "fem.critical",
     "displacement": "fem.display",
+    "equilibrium": "fem.statics",
     "estimate_error": "fem.accuracy",
     "families": "fem.family",
     "read_mesh": "fem.meshfile",
@@ -46,17 +58,24 @@ _HOMES = {
 }
 
 __all__ = [
+    "Campbell",
     "Divergence",
     "Effects",
     "Material",
     "MeshError",
     "Modes",
+    "NoEquilibrium",
     "Operators",
     "Plate",
     "Reduced",
     "Rotor",
+    "Veering",
     "assemble",
+    "campbell",
+    "choose_theory",
+    "critical_speed",
     "displacement",
+    "equilibrium",
     "estimate_error",
     "families",
     "read_mesh",

@@ -47,9 +47,7 @@ def estimate_error(operators: Operators, modes: Modes) -> NDArray[np.float64]:
     finer = mesh is None
     other = replace(plate, mesh=plate.mesh.refined() if finer else mesh)
     rotor, effects = operators.rotor, operators.effects
-    again = solve_modes(
-        assemble(other, rotor, effects, operators.model.theory), modes.omega, modes.eigenvalues.size
-    )
+    again = solve_modes(assemble(other, rotor, effects, operators.model.theory), modes.omega, modes.eigenvalues.size)
     difference = np.abs(again.frequencies_hz / modes.frequencies_hz - 1.0)
     ratio = np.sqrt(cell_ratio(mesh, plate.mesh)) if mesh is not None else 2.0
     factor = ratio**ORDER

@@ -38,8 +38,8 @@ class ReducedBasis:
     K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V. elastic, stiffening, coriolis: V'K_0 V, V'K_1 V, V'G V.
     gram: (b r, b r), of V and the representers in K_r. outside: of the representers' parts outside V.
     known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V. stretch: extreme
-    eigenvalues of (K_1, K_r). stretch_outside: the largest outside V in magnitude, doubled. rounding: what double precision leaves
-    uncertain of a frequency, relatively.
+    eigenvalues of (K_1, K_r). stretch_outside: the largest outside V in magnitude, doubled. rounding: what
+    double precision leaves uncertain of a frequency, relatively.
     """
 
     reference: float
@@ -124,8 +124,7 @@ def _project(
         outside=outside,
         known=modes.eigenvalues,
         stretch=_extremes(gram[:r, r : 2 * r], gram[:r, :r]),
-        stretch_outside=SAFETY
-        * max(map(abs, _extremes(left.T @ (operators.spinning @ left), outside[:r, :r]))),
+        stretch_outside=SAFETY * max(map(abs, _extremes(left.T @ (operators.spinning @ left), outside[:r, :r]))),
         rounding=rounding,
     )
 

@@ -3,12 +3,13 @@
 A Galerkin frequency is never below the true one of the same number (min-max). That it is hardly above it is
 shown in two steps, at each speed and for reduced modes x_j with residuals r_j:
 
-1. Counting. K(Omega) is at least s K_r with s = 1 + d stretch, so no frequency of number p + 1 lies below
-   sqrt(s) times the one at the reference speed. Where that is too coarse: outside the basis the form K(Omega) - w² M +- Coriolis exceeds g K_r, where
-   g = 1 - |d| stretch_outside - (w² + 2 w Omega) / ceiling and d = Omega² - Omega_r²; so by the Schur complement
-   the full model has no more frequencies below w than the small matrix Q(w) - F'F / g has negative
-   eigenvalues, F being what couples the basis to the outside. With w in a gap after p frequencies this
-   number is p: none was missed.
+1. Counting, with d = Omega² - Omega_r². K(Omega) is at least s K_r, s = 1 + d stretch, so that frequency number
+   p + 1 is no lower than sqrt(s) times the one at the reference speed. Where that is too coarse: outside the
+   basis the form K(Omega) - w² M, Coriolis included, exceeds g K_r with
+   g = 1 - |d| stretch_outside - (w² + 2 w Omega) / (the least omega_n² outside); so by the Schur complement the
+   full model has no more frequencies below w than the small matrix Q(w) - F'F / g has negative eigenvalues, F
+   being what couples the basis to the outside. With w in a gap after p frequencies this number is p, and
+   none was missed.
 2. Error. In the inverse form T z = z / w of the problem (see `fem.gyroscopic`), self-adjoint in the energy, the p
    modes couple to the rest by rho_j = |r_j| / |z_j|, in K^-1 and energy norms. Outside them T does not exceed
    u = 1/w_gap + sum_j rho_j² / (w_j² (1/w_j - 1/w_gap)), and so no 1/w_i is larger than its reduced value by more
@@ -165,7 +166,7 @@ def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.
     """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
     r = basis.size
     shift = omega**2 - basis.reference**2
-    weights = [shift, -(rates**2)]
+    weights: list[NDArray[Any]] = [shift, -(rates**2)]
     form = basis.elastic + (omega**2)[:, None, None] * basis.stiffening
     form = form - (rates**2)[:, None, None] * np.eye(r)
     drag = rates**2

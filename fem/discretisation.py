@@ -55,9 +55,7 @@ class Space:
     def block(self, derivatives: tuple[tuple[int, ...], ...]) -> Block:
         """Tabulate derivatives as one block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
         functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
-        table = np.stack(
-            [np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1
-        )
+        table = np.stack([np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1)
         if self.signs is not None:
             table = table * self.signs[:, None, None, :]
         return Block(np.ascontiguousarray(table), self.dofs)
@@ -69,9 +67,7 @@ class Space:
         if self.height is not None:
             reference = np.vstack([reference, np.full(reference.shape[1], self.height)])
         at, mapping = reference[:, :, None], self.basis.mapping
-        functions = [
-            self.basis.elem.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)
-        ]
+        functions = [self.basis.elem.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
         weights = np.stack([self._component(f, derivative)[:, 0] for f in functions], axis=-1)
         return weights if self.signs is None else weights * self.signs[cells], self.dofs[cells]
 

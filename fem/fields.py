@@ -116,7 +116,7 @@ def _cell_matrices(
         else np.matmul(c, right)
     ) * dx[:, :, None, None]
     flat = left.reshape(ncell, npoint * nleft, ndof)
-    return np.matmul(flat.transpose(0, 2, 1), weighted.reshape(ncell, npoint * nleft, right.shape[3]))
+    return np.asarray(np.matmul(flat.transpose(0, 2, 1), weighted.reshape(ncell, npoint * nleft, right.shape[3])))
 
 
 def _at_points(table: NDArray[np.float64], unknowns: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -63,9 +63,7 @@ def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Arr
 def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
     """Stress (nstrain, ncell, npoint) in Pa at each elastic layer, to first order in the displacement."""
     gradients = model.gradient.evaluate(unknowns)
-    return [
-        np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic
-    ]
+    return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
 
 
 def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:

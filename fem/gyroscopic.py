@@ -85,9 +85,7 @@ def _project(
     felt = image.T @ shapes
     damping = basis.T @ (coriolis @ basis) + 2.0 * (felt * rates) @ felt.T
     m = basis.shape[1]
-    companion = np.block(
-        [[np.zeros((m, m)), np.eye(m)], [-(basis.T @ (stiffness @ basis)), -damping]]
-    )
+    companion = np.block([[np.zeros((m, m)), np.eye(m)], [-(basis.T @ (stiffness @ basis)), -damping]])
     values, vectors = np.linalg.eig(companion)
     up = values.imag > 0.0
     small = vectors[:m, up]

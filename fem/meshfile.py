@@ -76,11 +76,7 @@ def _surface(raw: Any) -> Any:
 
 
 def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    if (
-        points.shape[1] == 3
-        and points.size
-        and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max()
-    ):
+    if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
         raise MeshError(
             f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}"
         )

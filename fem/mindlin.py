@@ -82,9 +82,7 @@ def _layer(z: float, weight: float) -> Layer:
     displacement[:, :3] = np.eye(3)
     displacement[0, 3] = displacement[1, 4] = -z
     products = np.diag([1.0, 1.0, 1.0, -z, -z])
-    gradient, quadratic = (
-        np.einsum("kf,ab->kafb", m, np.eye(2)).reshape(-1, 2, 10) for m in (displacement, products)
-    )
+    gradient, quadratic = (np.einsum("kf,ab->kafb", m, np.eye(2)).reshape(-1, 2, 10) for m in (displacement, products))
     return Layer(z, weight, displacement, gradient, quadratic)
 
 

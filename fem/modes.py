@@ -107,11 +107,9 @@ def solve_real(
     return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
 
 
-def linearise(
-    operators: Operators, omega: float, start: Array | None = None
-) -> tuple[csc_array, Array | None]:
+def linearise(operators: Operators, omega: float, start: Array | None = None) -> tuple[csc_array, Array | None]:
     """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large."""
-    from fem.equilibrium import equilibrium, tangent
+    from fem.statics import equilibrium, tangent
 
     if not operators.effects.large_deflection:
         return operators.at(omega), None

@@ -51,13 +51,14 @@ class Operators:
         from scipy.sparse import csc_array as sparse
 
         total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
-        return total if self.softening is None else (total - self.softening).tocsc()
+        return total if self.softening is None else sparse(total - self.softening)
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n)."""
         if self.geometric is None and self.softening is None:
             return self.stiffness
-        return (self.stiffness + omega**2 * self.spinning).tocsc()
+        total: csc_array = (self.stiffness + omega**2 * self.spinning).tocsc()
+        return total
 
 
 def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
@@ -138,7 +139,7 @@ def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple
 def _through(rows: csc_array, matrix: Array) -> csc_array:
     from scipy.sparse import csc_array as sparse
 
-    return (rows.T @ sparse(matrix) @ rows).tocsc()
+    return sparse(rows.T @ sparse(matrix) @ rows)
 
 
 def _stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:

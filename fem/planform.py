@@ -22,9 +22,7 @@ def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
         raise ValueError(f"length and width must be positive, got {length!r} and {width!r}")
     if nx < 1 or ny < 1:
         raise ValueError(f"a rectangle needs at least one cell each way, got {nx} x {ny}")
-    return MeshQuad.init_tensor(
-        np.linspace(0.0, length, nx + 1), np.linspace(-0.5 * width, 0.5 * width, ny + 1)
-    )
+    return MeshQuad.init_tensor(np.linspace(0.0, length, nx + 1), np.linspace(-0.5 * width, 0.5 * width, ny + 1))
 
 
 def root_facets(mesh: Any) -> NDArray[np.int64]:

@@ -64,9 +64,7 @@ def reduce_at(
     """
     given = [value for value in (ball_mass, mass_ratio) if value is not None]
     if len(given) != 1 or not given[0] >= 0.0:
-        raise ValueError(
-            f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}"
-        )
+        raise ValueError(f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}")
     if modes is not None and modes.omega != omega:
         raise ValueError(f"the modes belong to {modes.omega!r} rad/s, not to {omega!r}")
     if modes is None or np.iscomplexobj(modes.shapes):

@@ -59,18 +59,14 @@ def factorise(matrix: csc_array) -> Factor:
     return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
 
 
-def lanczos(
-    factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED
-) -> tuple[Array, Array]:
+def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED) -> tuple[Array, Array]:
     """Find the eigenvalues nearest zero of K x = lambda M x and their vectors, K given by its factor.
 
     Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors,
     whose residuals in 1/lambda are within a relative tolerance.
     """
     start = factor.solve(mass @ random_block(mass.shape[0]))
-    inverse, vectors = krylov(
-        lambda _, heavy: factor.solve(heavy), mass, start, count, np.abs, tolerance=tolerance
-    )
+    inverse, vectors = krylov(lambda _, heavy: factor.solve(heavy), mass, start, count, np.abs, tolerance=tolerance)
     return 1.0 / inverse, vectors
 
 
@@ -119,9 +115,7 @@ def _append(columns: Array, more: Array) -> Array:
     return np.concatenate([columns.T, more.T]).T
 
 
-def orthonormal(
-    block: Array, basis: Array, image: Array, weight: csc_array
-) -> tuple[Array, Array, Array, Array]:
+def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> tuple[Array, Array, Array, Array]:
     """Orthonormalise a block (n, b) in a weight against a basis (n, m) with weighted image.
 
     Directions without weight are dropped. Returns vectors (n, k), their image, and column (m, b) and coupling
@@ -150,9 +144,7 @@ def orthonormal(
     return vectors, heavy, column, coupling
 
 
-def refine(
-    stiffness: csc_array, mass: csc_array, start: Array, target: int, nearby: Factor
-) -> tuple[float, Array]:
+def refine(stiffness: csc_array, mass: csc_array, start: Array, target: int, nearby: Factor) -> tuple[float, Array]:
     """Find the eigenpair of (stiffness, mass) most like one column of start, by Davidson's method.
 
     start: (n, k) vectors to begin with. nearby: a factor of some matrix close to the stiffness, so that a

@@ -33,9 +33,7 @@ class Veering:
     likeness: tuple[float, ...]
 
 
-def follow(
-    alike: NDArray[np.float64], wanted: int
-) -> tuple[NDArray[np.int64], tuple[Veering, ...]]:
+def follow(alike: NDArray[np.float64], wanted: int) -> tuple[NDArray[np.int64], tuple[Veering, ...]]:
     """Follow modes by their likeness (k - 1, q, q) from each of k speeds to the next.
 
     Returns branches (k, wanted): which branch, numbered by frequency at the first speed, each mode is on.

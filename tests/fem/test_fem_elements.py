@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, distorted
 
-from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
-from fem import mindlin
+from fem import Effects, Plate, Rotor, assemble, mindlin, rectangle, solve_modes
 from fem.forms import elastic_stiffness
 
 MESHES = {
@@ -50,8 +49,11 @@ def test_patch(free_plate, kind):
         np.testing.assert_allclose(found, np.broadcast_to(value, x.shape), atol=1e-11)
     ((shear, _),) = model.extra
     np.testing.assert_allclose(shear.evaluate(w + tx + ty), 0.0, atol=1e-11)
-    np.testing.assert_allclose(shear.evaluate(_interpolate(model, lambda x, y: (0, 0, 3 * x - y, 0, 0))[2]).T,
-                               np.broadcast_to([3.0, -1.0], (*x.T.shape, 2)), atol=1e-11)
+    np.testing.assert_allclose(
+        shear.evaluate(_interpolate(model, lambda x, y: (0, 0, 3 * x - y, 0, 0))[2]).T,
+        np.broadcast_to([3.0, -1.0], (*x.T.shape, 2)),
+        atol=1e-11,
+    )
 
 
 def _interpolate(model, function):

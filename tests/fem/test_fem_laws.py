@@ -30,9 +30,7 @@ def test_no_effects_no_speed_dependence():
 
 
 def test_softening_alone_lowers_flap_by_n_squared_at_right_angles():
-    flat, turned = (
-        assemble(paper_plate(10, 4), Rotor(stagger=angle), Effects()) for angle in (0.0, np.pi / 2)
-    )
+    flat, turned = (assemble(paper_plate(10, 4), Rotor(stagger=angle), Effects()) for angle in (0.0, np.pi / 2))
     for speed in (3500, 10000, 17500):
         f, g = (solve_modes(o, rpm(speed), 1).frequencies_hz[0] for o in (flat, turned))
         assert f**2 - g**2 == pytest.approx((speed / 60.0) ** 2, rel=1e-3)

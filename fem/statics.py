@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.discretisation import Discretisation, Layer
+    from fem.discretisation import Layer
     from fem.operators import Operators
 
     Array = NDArray[np.float64]
@@ -50,7 +50,8 @@ class NoEquilibrium(ArithmeticError):
 def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
-    start: the state at a neighbouring speed, if known. Raises NoEquilibrium.
+    start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up
+    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium.
     """
     target = omega**2
     if start is not None and (found := _newton(operators, target, start)) is not None:
@@ -65,7 +66,10 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
         if found is None:
             part *= 0.25
             if part < SMALLEST_PART:
-                raise NoEquilibrium(omega)
+                found = _newton(operators, target, state, unstable=True)
+                if found is None:
+                    raise NoEquilibrium(omega)
+                return found
         else:
             state, reached, part = found, attempt, 2.0 * part
     return state
@@ -76,18 +80,20 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
     return _respond(operators, omega**2, state)[1]
 
 
-def _newton(operators: Operators, load: float, state: Array) -> Array | None:
+def _newton(operators: Operators, load: float, state: Array, unstable: bool = False) -> Array | None:
     before = np.inf
     for _ in range(ITERATIONS):
         residual, stiffness = _respond(operators, load, state)
-        step = factorise(stiffness).solve(residual)
+        factor = factorise(stiffness)
+        step = factor.solve(residual)
         if not np.isfinite(step).all():
             return None
         state = state + step
-        work = abs(load * operators.load @ state)
-        energy = abs(step @ residual)
+        work = float(abs(load * operators.load @ state))
+        energy = float(abs(step @ residual))
         if energy <= CONVERGED * work or (0.1 * before <= energy <= STALLED * work):
-            return state
+            # Off the stable branch Newton's method is as content as on it; smaller parts of the load are not.
+            return None if factor.negative and not unstable else state
         before = energy
     return None
 
@@ -121,9 +127,7 @@ def _strain(layer: Layer, gradients: Array) -> tuple[Array, Array]:
     """Strain (nstrain, ncell, npoint) and its variation with the gradients (nstrain, ngradient, ...)."""
     products = np.einsum("mag,gcp->macp", layer.quadratic, gradients)
     strain = np.einsum("sg,gcp->scp", strain_matrix(layer), gradients)
-    variation = np.broadcast_to(
-        strain_matrix(layer)[:, :, None, None], (len(strain), *gradients.shape)
-    ).copy()
+    variation = np.broadcast_to(strain_matrix(layer)[:, :, None, None], (len(strain), *gradients.shape)).copy()
     for k, (a, b) in enumerate(VOIGT[layer.quadratic.shape[1]]):
         half = 0.5 if a == b else 1.0
         strain[k] += half * (products[:, a] * products[:, b]).sum(axis=0)

@@ -1,0 +1,143 @@
+"""Growing a reduced basis until it answers every speed of a range within a tolerance.
+
+The basis is trained at a few speeds: it takes in the representers of the residuals there until the bounds
+(`fem.bounds`) meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted modes,
+more modes are known at the reference speed; where the basis would grow too large, the range is halved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem import bounds
+from fem.basis import ReducedBasis, begin, enrich
+from fem.family import FAMILIES, share_matrices
+from fem.modes import solve_real
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+LARGEST = 60
+"""Vectors at which a basis counts as too large for its range of speeds."""
+
+TRAINING = 7
+"""Speeds at which a basis is trained before all are tried."""
+
+ROUNDS = 6
+"""Times a basis is enriched before its range is halved."""
+
+REFERENCE = 0.65
+"""Where in a range of speeds its reference lies: midway for Omega², nearly."""
+
+ROUGH = 1e-4
+"""Residual of the modes a basis begins with; the bounds see what they lack."""
+
+AIM = 0.3
+"""Part of the tolerance that is aimed at in training, so that the other speeds meet it too."""
+
+MOST_KNOWN = 100
+"""Modes at the reference speed that are tried to find a gap above the wanted ones."""
+
+NEAR = 0.3
+"""Least ratio of stiffness to that at the reference for which more modes, not a nearer reference, are tried."""
+
+NARROW = 1e-6
+"""Relative width of a range of speeds that is not halved any more."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Modes at k speeds.
+
+    rates: circular frequencies (k, count) in rad/s. bounds: on their relative error. damping: ratios (k, count).
+    shares: (k, 5, count), see `fem.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
+    reduced: whether from a reduced basis.
+    """
+
+    rates: Array
+    bounds: Array
+    damping: Array
+    shares: Array
+    vectors: NDArray[Any]
+    basis: Array
+    reduced: bool
+
+
+def answer(
+    operators: Operators,
+    omega: Array,
+    count: int,
+    tolerance: float,
+    damping_ratio: float,
+    spare: int = bounds.SPARE,
+) -> list[Answer]:
+    """Answer speeds (k,) from one reduced basis, or from one for each half."""
+    reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
+    known = count + spare + 1
+    modes = solve_real(operators, reference, operators.at(reference), known, tolerance=ROUGH)
+    basis = begin(operators, modes)
+    tolerance = max(tolerance, 4.0 * basis.rounding)
+    training = np.linspace(omega[0], omega[-1], TRAINING)
+    for _ in range(ROUNDS):
+        trial = bounds.solve(basis, training, count)
+        if (trial.bounds <= AIM * tolerance).all():
+            found = bounds.solve(basis, omega, count)
+            if (found.bounds <= tolerance).all():
+                return [_collect(operators, basis, found, count, damping_ratio)]
+            training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
+            trial = bounds.solve(basis, training, count)
+        if trial.diverged.any():
+            worst = float(training[trial.diverged][0])
+            solve_real(operators, worst, operators.at(worst), count)
+        more = bounds.representatives(basis, trial, count, AIM * tolerance / (2 * count))
+        if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
+            break
+        basis = enrich(operators, modes, basis, more)
+    gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
+    if gapless.any() and modes.eigenvalues.size == known < MOST_KNOWN:
+        return answer(operators, omega, count, tolerance, damping_ratio, 4 * spare)
+    if omega[-1] - omega[0] <= NARROW * omega[-1]:
+        return [_collect(operators, basis, bounds.solve(basis, omega, count), count, damping_ratio)]
+    half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
+    return [
+        part
+        for piece in (omega[:half], omega[half:])
+        for part in answer(operators, piece, count, tolerance, damping_ratio)
+    ]
+
+
+def _collect(
+    operators: Operators,
+    basis: ReducedBasis,
+    found: bounds.ReducedModes,
+    count: int,
+    damping_ratio: float,
+) -> Answer:
+    rates, vectors = found.rates[:, :count], found.vectors[:, :, :count]
+    columns = vectors.transpose(1, 0, 2).reshape(basis.size, -1)
+    moved = share_matrices(operators, basis.vectors) @ columns
+    shares = (columns.conj() * moved).sum(axis=1).real.reshape(len(FAMILIES), -1, count).swapaxes(0, 1)
+    damping = np.full(rates.shape, damping_ratio)
+    if basis.coriolis is not None and damping_ratio > 0.0:
+        damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
+    return Answer(
+        rates, found.bounds, damping, shares / shares.sum(axis=1, keepdims=True), found.vectors, basis.vectors, True
+    )
+
+
+def _shared_damping(
+    basis: ReducedBasis, coriolis: Array, omega: Array, rates: Array, vectors: NDArray[Any], ratio: float
+) -> Array:
+    """Damping ratios (k, count) to first order: x' C x / (2 w x' M x - i Omega x' G x) for C = 2 ratio K^(1/2)."""
+    values, own = np.linalg.eigh(basis.elastic + omega[:, None, None] ** 2 * basis.stiffening)
+    along = np.abs(own.transpose(0, 2, 1) @ vectors) ** 2
+    lost = 2.0 * ratio * np.einsum("kr,krc->kc", np.sqrt(np.maximum(values, 0.0)), along)
+    turning = np.einsum("krc,rs,ksc->kc", vectors.conj(), coriolis, vectors, optimize=True)
+    return np.asarray(lost / (2.0 * rates + (omega[:, None] * turning).imag))

@@ -1,0 +1,138 @@
+"""The Campbell diagram: frequencies over speed, for about the price of one modal analysis.
+
+With a linear prestress every speed is answered by a reduced basis (`fem.adaptive`) with a bound on the error
+of every frequency. With large deflection the modes are solved speed by speed, each from the state before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.adaptive import Answer, answer
+from fem.critical import critical_speed
+from fem.family import FAMILIES, energy_shares
+from fem.modes import Divergence, solve_modes
+from fem.solver import CONVERGED
+from fem.statics import NoEquilibrium
+from fem.tracking import Veering, follow
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Campbell:
+    """Modes over speed.
+
+    omega: (k,) speeds in rad/s, ascending, below the critical one. frequencies_hz: (k, count), ascending at
+    each speed. bounds: (k, count), on their relative error against the full model. damping_ratios: (k, count).
+    branches: (k, count), which mode of the first speed each one continues. shares: (k, 5, count), see
+    `fem.family`. veerings: where this is ambiguous. diverged: the speeds asked for that lie at or beyond the
+    critical one. sizes: vectors in each reduced basis used.
+    """
+
+    omega: Array
+    frequencies_hz: Array
+    bounds: Array
+    damping_ratios: Array
+    branches: NDArray[np.int64]
+    shares: Array
+    veerings: tuple[Veering, ...]
+    diverged: Array
+    sizes: tuple[int, ...]
+
+    @property
+    def families(self) -> list[list[str]]:
+        """The family of every mode at every speed."""
+        return [[FAMILIES[k] for k in row] for row in self.shares.argmax(axis=1)]
+
+
+def campbell(
+    operators: Operators,
+    omega: Array,
+    count: int = 6,
+    *,
+    tolerance: float = 1e-6,
+    damping_ratio: float = 0.0,
+) -> Campbell:
+    """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
+
+    damping_ratio: as in `solve_modes`, to first order. Raises ValueError for no speeds or a count or
+    tolerance out of range, Divergence when every speed is at or beyond the critical one, and NoEquilibrium.
+    """
+    asked = np.unique(np.asarray(omega, dtype=float))
+    if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
+        raise ValueError("campbell needs at least one speed, finite and not negative")
+    if count < 1 or not 0.0 < tolerance < 1.0:
+        raise ValueError(f"count must be at least 1 and tolerance between 0 and 1, got {count!r} and {tolerance!r}")
+    if operators.effects.large_deflection:
+        parts = _speed_by_speed(operators, asked, count, damping_ratio)
+    else:
+        parts = _below_critical(operators, asked, count, tolerance, damping_ratio)
+    below = asked[: sum(part.rates.shape[0] for part in parts)]
+    branches, veerings = follow(_likeness(operators, parts), count)
+    return Campbell(
+        omega=below,
+        frequencies_hz=np.vstack([part.rates for part in parts]) / (2.0 * np.pi),
+        bounds=np.vstack([part.bounds for part in parts]),
+        damping_ratios=np.vstack([part.damping for part in parts]),
+        branches=branches,
+        shares=np.concatenate([part.shares for part in parts]),
+        veerings=veerings,
+        diverged=asked[below.size :],
+        sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
+    )
+
+
+def _below_critical(
+    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float
+) -> list[Answer]:
+    """Answer the speeds (k,) below the critical one. Raises Divergence when there are none."""
+    try:
+        return answer(operators, omega, count, tolerance, damping_ratio)
+    except Divergence:
+        below = omega[omega < critical_speed(operators)]
+        if below.size in (0, omega.size):
+            raise
+        return answer(operators, below, count, tolerance, damping_ratio)
+
+
+def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_ratio: float) -> list[Answer]:
+    """Solve each speed (k,) in full, its static state starting from the one before, until one diverges."""
+    parts: list[Answer] = []
+    state = None
+    for speed in map(float, omega):
+        try:
+            modes = solve_modes(operators, speed, count + 1, start=state, damping_ratio=damping_ratio)
+        except (Divergence, NoEquilibrium):
+            if not parts:
+                raise
+            break
+        state = modes.state
+        rates = np.sqrt(modes.eigenvalues)[None, :count]
+        shares = energy_shares(operators, modes.shapes[:, :count])[None]
+        error = np.full_like(rates, CONVERGED)
+        damping = modes.damping_ratios[None, :count]
+        one = np.eye(modes.shapes.shape[1])[None]
+        parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False))
+    return parts
+
+
+def _likeness(operators: Operators, parts: list[Answer]) -> Array:
+    """MAC (k - 1, q, q) between the modes at each speed and those at the next."""
+    q = min(part.vectors.shape[2] for part in parts)
+    steps = []
+    for here, following in zip(parts, [*parts[1:], None], strict=True):
+        vectors = here.vectors[:, :, :q]
+        steps.append(np.swapaxes(vectors[:-1].conj(), 1, 2) @ vectors[1:])
+        if following is not None:
+            cross = here.basis.conj().T @ (operators.mass @ following.basis)
+            steps.append((vectors[-1].conj().T @ cross @ following.vectors[0, :, :q])[None])
+    return np.asarray(np.abs(np.concatenate(steps)) ** 2)
