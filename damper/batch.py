@@ -140,7 +140,8 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, *, asked: b
 
     clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
     omega, load = stuck_frequency(rows), rows["centrifugal_acceleration"]
-    rested = np.isfinite(clocks["rest"]) & np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
+    rested = np.isfinite(clocks["rest"]) & (clocks["trembles"] != 2)
+    rested &= np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
     demand = prepared.axes["demand"].max(axis=1)
     losses: dict[str, Any] = {name: books[name].copy() for name in ("structure", "rolling", "impact", "slip")}
     outcomes = [outcome_of(s == engine.DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]

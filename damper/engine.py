@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
 
+_DIED_OUT = 1e-6
+"""Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
+
+_NEAR = 1.01
+"""Acceleration over the rolling threshold at which a ball that rolls next to nothing is taken to tremble there."""
+
 _TREMOR = 1e-7
 """Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
 
@@ -207,7 +213,7 @@ def _observe(
             peaks[clock.peaks, 0], peaks[clock.peaks, 1] = cycle.time, cycle.speed
         clock.peaks += 1
         clock.watched = cycle.closes
-        _tremor(clock, ball, books, cycle.speed)
+        _tremor(clock, axes, laws, ball, books, cycle)
         close(cycle, clock.last_motion)
     clock.watched = time
     if axes[0].regime != STUCK or axes[1].regime != STUCK:
@@ -216,18 +222,30 @@ def _observe(
 
 
 @kernel
-def _tremor(clock: Record, ball: Record, books: Record, speed: float) -> None:
-    """End a run soon in which the ball, a cycle long, hit no wall and rolled away next to nothing.
+def _tremor(clock: Record, axes: Records, laws: Records, ball: Record, books: Record, cycle: Record) -> None:
+    """End a run soon in which nothing more will happen that counts.
 
-    Without damping of its own the structure nears the rolling threshold for ever, each excursion shorter than the
-    one before.
+    Either the ball, a cycle long, hit no wall and rolled away next to nothing, on a structure whose acceleration is at
+    the threshold: without damping of its own it nears the threshold for ever. Or the vibration has died out.
     """
-    energy = 0.5 * ball.host_mass * speed * speed
+    energy = 0.5 * ball.host_mass * cycle.speed * cycle.speed
     still = clock.impacts == clock.last_impacts and books.rolling - clock.last_rolling <= _TREMOR * energy
-    if still and ball.threshold > 0.0 and clock.rest == np.inf and clock.tail < np.inf:
+    if clock.peaks == 1:
+        clock.first_speed = cycle.speed
+    clock.last_impacts, clock.last_rolling = clock.impacts, books.rolling
+    if clock.rest < np.inf or clock.tail == np.inf:
+        return
+    if cycle.speed <= _DIED_OUT * clock.first_speed:
+        clock.trembles = 2
+        _settle_down(clock)
+    elif still and ball.threshold > 0.0:
+        for i in range(2):
+            law = laws[i, STUCK]
+            square = law.stiffness / law.mass
+            if math.sqrt((square * axes[i].u) ** 2 + square * axes[i].v ** 2) > _NEAR * ball.threshold:
+                return
         clock.trembles = 1
         _settle_down(clock)
-    clock.last_impacts, clock.last_rolling = clock.impacts, books.rolling
 
 
 @kernel

@@ -91,7 +91,8 @@ CLOCK = _record(
     ("rest", "f8"),  # when the ball came to rest for good, inf until then
     ("tail", "f8"),  # how long to go on after that
     ("last_motion", "f8"),  # last time at which the ball moved relative to the structure
-    ("trembles", "i8"),  # whether that rest is a tremor at the threshold
+    ("trembles", "i8"),  # 1: that rest is a tremor at the threshold; 2: the vibration died out
+    ("first_speed", "f8"),  # first velocity maximum
     ("last_rolling", "f8"),  # rolling loss booked at the last velocity maximum
     ("last_impacts", "i8"),  # and hits counted
     ("impacts", "i8"),

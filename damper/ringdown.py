@@ -32,6 +32,7 @@ class Outcome(StrEnum):
 
     AT_REST = "the ball came to rest for good"
     TREMBLES = "the ball no longer hits and only trembles at the rolling threshold"
+    DIED_OUT = "the vibration died out while the ball still moved"
     CYCLES_DONE = "the asked number of cycles was done"
     CYCLE_CAP = "the cap on cycles was reached while the ball still moved"
     EVENT_CAP = "the cap on events was reached while the ball still moved"
@@ -153,7 +154,7 @@ def ringdown(
         peak_times=peaks[: clock["peaks"], 0].copy(),
         peak_velocities=peaks[: clock["peaks"], 1].copy(),
         last_motion=float(clock["last_motion"]) if moved else None,
-        rested=math.isfinite(clock["rest"]),
+        rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
         energy=EnergyBooks(
             initial=float(one.initial[0]),
             final=float(energy(parameters, one.axes)[0]),
@@ -181,4 +182,4 @@ def outcome_of(done: bool, asked: bool, clock: np.void) -> Outcome:
         return Outcome.CYCLES_DONE
     if not math.isfinite(clock["rest"]):
         return Outcome.CYCLE_CAP
-    return Outcome.TREMBLES if clock["trembles"] else Outcome.AT_REST
+    return (Outcome.AT_REST, Outcome.TREMBLES, Outcome.DIED_OUT)[int(clock["trembles"])]

@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem.accuracy import estimate_error
+    from fem.accuracy import companion, estimate_error
     from fem.critical import critical_speed
     from fem.display import displacement
     from fem.family import families
@@ -45,6 +45,7 @@ _HOMES = {
     "assemble": "fem.operators",
     "campbell": "fem.sweep",
     "choose_theory": "fem.theories",
+    "companion": "fem.accuracy",
     "critical_speed": "fem.critical",
     "displacement": "fem.display",
     "equilibrium": "fem.statics",
@@ -73,6 +74,7 @@ __all__ = [
     "assemble",
     "campbell",
     "choose_theory",
+    "companion",
     "critical_speed",
     "displacement",
     "equilibrium",

@@ -30,4 +30,5 @@ def displacement(operators: Operators, shapes: Array) -> Array:
             at = np.repeat(corner[:, None].astype(float), cells.size, axis=1)
             weights, dofs = space.probe(cells, at)
             moved[mesh.t[j], k] = np.einsum("cd,cd...->c...", weights, padded[dofs])
+    moved = moved[: operators.plate.mesh.p.shape[1]]  # a model may split cells; it adds vertices at the end
     return moved if shapes.ndim == 1 else np.moveaxis(moved, -1, 0)

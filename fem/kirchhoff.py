@@ -92,7 +92,8 @@ def _bending(mesh: Any, element: str, quadrature: Any) -> tuple[Any, NDArray[np.
     size = float(np.sqrt(np.abs(basis.dx.sum(axis=1)).mean()))
     local = (corners - corners.mean(axis=1, keepdims=True)) / size
     count, ncell = mesh.t.shape
-    apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.arange(count * ncell).reshape(ncell, count).T)
+    numbers = np.arange(count * ncell).reshape(ncell, count).T
+    apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
     signs = np.ones((ncell, basis.Nbfun))
     if element != "bfs":
         # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.

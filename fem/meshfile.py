@@ -60,17 +60,17 @@ def _surface(raw: Any) -> Any:
     others = ", ".join(sorted(kinds - set(TRIANGLES + QUADS + IGNORED)))
     if others:
         raise MeshError(f"a plate needs a mesh of its mid-surface, but the file holds {others}")
-    points = _flat(np.asarray(raw.points, dtype=float))
     triangles = _cells(raw, TRIANGLES, 3)
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
         raise MeshError("the file holds no triangles and no quadrilaterals")
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
-    cells = _oriented(points, cells)
     used, renumbered = np.unique(cells, return_inverse=True)
+    points = _flat(np.asarray(raw.points, dtype=float)[used])
+    cells = _oriented(points, renumbered.reshape(cells.shape))
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
-    mesh = kind(np.ascontiguousarray(points[used].T), np.ascontiguousarray(renumbered.reshape(cells.shape).T))
+    mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
     check_mesh(mesh)
     return mesh
 
@@ -89,15 +89,20 @@ def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
 
 
 def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells counter-clockwise; a mesh seen from below is turned over, a mixed one is an error."""
+    """Cells counter-clockwise; a mesh seen from below is turned over, a mixed one is an error.
+
+    Where each triangle's vertices are in ascending order the writer has sorted them (scikit-fem does), and
+    their sense says nothing; `check_mesh` still sees cells that overlap.
+    """
     x, y = points[cells].transpose(2, 0, 1)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    if (area < 0.0).all():
-        return cells[:, ::-1]
-    if (area <= 0.0).any():
-        first = int(np.flatnonzero(area <= 0.0)[0])
+    senseless = cells.shape[1] == 3 and bool((np.diff(cells, axis=1) > 0).all())
+    usual = 1.0 if np.count_nonzero(area > 0.0) >= np.count_nonzero(area < 0.0) else -1.0
+    bad = area == 0.0 if senseless else usual * area <= 0.0
+    if bad.any():
+        first = int(np.flatnonzero(bad)[0])
         raise MeshError(
-            f"{np.count_nonzero(area <= 0.0)} of {area.size} cells are inverted or flat, the first one near "
+            f"{np.count_nonzero(bad)} of {area.size} cells are inverted or flat, the first one near "
             f"({x[first].mean():.6g}, {y[first].mean():.6g})"
         )
-    return cells
+    return np.where(area[:, None] > 0.0, cells, cells[:, ::-1])

@@ -139,7 +139,7 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
         column = column + again @ coupling
         coupling = (root[:, None] * rotation[:, keep].T) @ coupling
         vectors, heavy = vectors @ (rotation[:, keep] / root), heavy @ (rotation[:, keep] / root)
-        if values[0] > 0.1:
+        if not keep.any() or values[0] > 0.1:
             break
     return vectors, heavy, column, coupling
 

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+SHY = 1e-9
+"""Relative distance from the critical speed within which a speed counts as critical."""
+
+
 @dataclass(frozen=True)
 class Campbell:
     """Modes over speed.
@@ -98,7 +102,7 @@ def _below_critical(
     try:
         return answer(operators, omega, count, tolerance, damping_ratio)
     except Divergence:
-        below = omega[omega < critical_speed(operators)]
+        below = omega[omega < (1.0 - SHY) * critical_speed(operators)]
         if below.size in (0, omega.size):
             raise
         return answer(operators, below, count, tolerance, damping_ratio)

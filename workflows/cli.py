@@ -53,6 +53,9 @@ def main(arguments: list[str] | None = None) -> int:
         # Whoever read us has gone: keep the interpreter from flushing into the closed pipe.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PIPE_CLOSED
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
         usage = getattr(error, "format_message", None)
         if usage is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT:

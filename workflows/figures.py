@@ -99,7 +99,7 @@ def capacity(results: Results) -> str:
         return ""
     # Without damping of its own the structure's part is nothing, and the two pictures would be one.
     columns = 2 if any(damping.intrinsic_sdc for damping in dampings) else 1
-    figure, panels = drawing.canvas(3.1, columns, left=0.085, right=0.87, top=0.90, bottom=0.145, wspace=0.26)
+    figure, panels = drawing.canvas(3.1, columns, left=0.085, right=0.85, top=0.90, bottom=0.145, wspace=0.26)
     whole, part = panels[0], panels[-1]
     for line, damping, colour in zip(lines, dampings, drawing.shades(len(lines)), strict=True):
         size = 2.4 if len(line.x) <= 80 else 0

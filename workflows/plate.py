@@ -11,7 +11,7 @@ from workflows import effects as rules
 from workflows import plate_mesh
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
-from workflows.records import Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.records import Mode, Reduced, SpeedPoint, Surface
 from workflows.ringdowns import rpm
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -35,10 +35,10 @@ class PlateAnswer:
 
 @dataclass(frozen=True, eq=False)
 class _Discrete:
-    """Matrices on the mesh chosen, and each mode's error: the larger of those at the slowest and fastest speed."""
+    """Matrices on the mesh chosen, and those on another by which errors are estimated."""
 
     operators: fem.Operators
-    errors: Floats
+    other: fem.Operators
     theory: Theory
     mesh: str
 
@@ -68,14 +68,14 @@ def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shap
 
 def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -> _Discrete:
     """Matrices on the cheapest mesh whose estimated error meets the accuracy asked for, or on the finest."""
-    from fem import Effects, MeshError, Rotor, assemble
+    from fem import Effects, MeshError, Rotor, assemble, companion
 
     scene, theory = source.scene, rules.theory(source.scene, source.name)
     if theory is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
+    rotor, speeds = Rotor(scene.rotor.hub_radius, scene.rotor.stagger), scene.rotor.speeds
     for cells in plate_mesh.ladder(source):
         try:
             with stages("mesh"):
@@ -87,20 +87,17 @@ def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -
         except ValueError as error:
             raise plate_mesh.off_the_plate(source, error) from error
         with stages("modes"):
-            errors = _errors(source, operators)
-        if errors[0] <= scene.accuracy.frequency:
+            other = companion(operators)
+            estimate = max(_first_error(operators, other, omega) for omega in {min(speeds), max(speeds)})
+        if estimate <= scene.accuracy.frequency:
             break
-    return _Discrete(operators, errors, theory, described)
+    return _Discrete(operators, other, theory, described)
 
 
-def _errors(source: SceneFile, operators: fem.Operators) -> Floats:
+def _first_error(operators: fem.Operators, other: fem.Operators, omega: float) -> float:
     from fem import estimate_error, solve_modes
 
-    speeds, count = source.scene.rotor.speeds, source.scene.rotor.modes
-    estimates = [
-        estimate_error(operators, solve_modes(operators, omega, count)) for omega in {min(speeds), max(speeds)}
-    ]
-    return np.asarray(np.max(estimates, axis=0))
+    return float(estimate_error(operators, solve_modes(operators, omega, 2), other)[0])
 
 
 def _modes(source: SceneFile, operators: fem.Operators, stages: Stages) -> list[fem.Modes]:
@@ -143,13 +140,14 @@ def _reduce(
 def _points(
     source: SceneFile, discrete: _Discrete, every: list[fem.Modes], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
-    from fem import families
+    from fem import estimate_error, families
 
     rotor, operators = source.scene.rotor, discrete.operators
     radius = rotor.hub_radius + plate_mesh.place(source, operators.plate.mesh)[0]
     points = []
     for modes, parameters in zip(every, reduced, strict=True):
-        rows = zip(modes.frequencies_hz, families(operators, modes), discrete.errors, strict=True)
+        errors = estimate_error(operators, modes, discrete.other)
+        rows = zip(modes.frequencies_hz, families(operators, modes), errors, strict=True)
         points.append(
             SpeedPoint(
                 omega=modes.omega,

@@ -48,6 +48,10 @@ def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(validate), WithJsonSchema(schema)
 
 
+FASTEST = 1e5
+"""Largest rotation speed taken [rad/s]: above it no plate holds, and rounding would answer for physics."""
+
+
 def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
@@ -57,6 +61,8 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
         raise wrong("expected a list such as ['3500 rpm'] or { start = '0 rpm', stop = '9000 rpm', count = 10 }")
     if any(speed < 0 for speed in speeds):
         raise wrong("a rotation speed must not be negative")
+    if any(speed > FASTEST for speed in speeds):
+        raise wrong(f"expected speeds up to {FASTEST:g} rad/s, about a million rpm")
     if len(speeds) > MOST_SPEEDS:
         raise wrong(f"expected at most {MOST_SPEEDS} speeds")
     if len(set(speeds)) < len(speeds):

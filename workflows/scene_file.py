@@ -100,7 +100,7 @@ def _read(path: Path, name: str) -> str:
     if len(raw) > _LARGEST:
         raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
     try:
-        return raw.decode()
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput("not a scene: not UTF-8 text", file=name) from None
 

@@ -45,6 +45,11 @@ def check(folder: Path) -> Path:
         raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
     if target.is_dir():
         foreign = _foreign(target)
+        taken = sorted(ALWAYS_OURS & {path.name for path in foreign})
+        if taken:
+            raise BadInput(
+                f"holds a {taken[0]} that no run of ours wrote: expected another folder", key="--out", value=str(folder)
+            )
         if len(foreign) > _CARRIED_AT_MOST:
             raise BadInput(
                 "holds too many files that are not results: expected a new folder or one with results",
@@ -106,11 +111,11 @@ def _alive(process: int) -> bool:
 
 
 def _foreign(target: Path) -> list[Path]:
-    """What is in a folder besides results of ours."""
+    """What is in a folder besides results of ours: whatever the manifest of the last run does not list."""
+    ours = {MANIFEST}
     with contextlib.suppress(OSError, UnicodeDecodeError):
-        ours = ALWAYS_OURS | set((target / MANIFEST).read_text().splitlines())
-        return [path for path in sorted(target.iterdir()) if path.name not in ours]
-    return [path for path in sorted(target.iterdir()) if path.name not in ALWAYS_OURS]
+        ours |= set((target / MANIFEST).read_text().splitlines())
+    return [path for path in sorted(target.iterdir()) if path.name not in ours]
 
 
 def _carry_over(target: Path, scratch: Path) -> None:
@@ -119,7 +124,7 @@ def _carry_over(target: Path, scratch: Path) -> None:
     for path in _foreign(target):
         new = scratch / path.name
         if os.path.lexists(new):
-            continue
+            raise BadInput(f"holds a {path.name} that no run of ours wrote", key="--out", value=str(target))
         if path.is_symlink():
             new.symlink_to(os.readlink(path))
         elif path.is_dir():

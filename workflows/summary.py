@@ -27,7 +27,8 @@ def text(results: Results, out: Path | None) -> str:
     if out is None:
         parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]
     else:
-        remarks = f", {len(results.notes)} remarks" if results.notes else ""
+        count = len(results.notes)
+        remarks = f", {count} remark{'s' if count > 1 else ''}" if count else ""
         parts += ["", f"{seconds}{remarks}; open {out / 'report.html'}"]
     return "\n".join(parts)
 

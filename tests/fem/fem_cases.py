@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem import Material, Plate, rectangle
+from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, solve_modes
 
 DATA = Path(__file__).parent / "data"
 STEEL = Material(2e11, 0.3, 7850.0)
@@ -27,6 +27,30 @@ def distorted(mesh, amount, seed=0):
     inner = np.setdiff1d(np.arange(points.shape[1]), outer)
     points[:, inner] += amount * np.random.default_rng(seed).uniform(-1.0, 1.0, (2, inner.size))
     return type(mesh)(points, mesh.t)
+
+
+def beam_rates(theory, family, gammas, *, stagger=0.0, hub=0.0, width=0.01, height=0.001, nx=40, ny=1, triangles=False):
+    """Frequencies of a narrow plate of length 1 with nu = 0, in units of sqrt(EI / rho A L^4), at speeds gamma."""
+    material = Material(2e11, 0.0, 7850.0)
+    inertia = height**2 / 12.0 if family == "flap" else width**2 / 12.0
+    unit = np.sqrt(material.youngs_modulus * inertia / material.density)
+    mesh = rectangle(1.0, width, nx, ny)
+    plate = Plate(mesh.to_meshtri() if triangles else mesh, height, material)
+    operators = assemble(plate, Rotor(hub, stagger), Effects(), theory)
+    for gamma in gammas:
+        modes = solve_modes(operators, gamma * unit, 8)
+        named = zip(modes.frequencies_hz, families(operators, modes), strict=True)
+        yield np.array([2.0 * np.pi * f / unit for f, name in named if name == family])
+
+
+def calculix_cases():
+    """CalculiX's other plates: name -> (row of the first mode, frequencies)."""
+    rows, found = {}, defaultdict(list)
+    with (DATA / "calculix_cases.csv").open() as lines:
+        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+            rows.setdefault(row["case"], row)
+            found[row["case"]].append(float(row["frequency_hz"]))
+    return {name: (rows[name], np.array(found[name])) for name in rows}
 
 
 def calculix():

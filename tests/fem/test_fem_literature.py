@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, calculix, paper_plate, rpm
+from fem_cases import STEEL, beam_rates, calculix, calculix_cases, paper_plate, rpm
+from scipy.optimize import minimize_scalar
 
-from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, solve_modes
+from fem import Effects, Material, Plate, Rotor, assemble, rectangle, solve_modes
 
 # Wright, Smith, Thresher and Wang, J. Appl. Mech. 49 (1982) 197, uniform beam, hub radius 0: first flap.
 WRIGHT = np.array(
@@ -22,34 +23,21 @@ WRIGHT_MORE = {
 TABLE_II = {3500: 208.9, 5000: 218.8, 7500: 241.3, 10000: 269.5, 12500: 301.7, 15000: 336.7, 17500: 373.5}
 
 
-def beam(theory, family, gammas, stagger=0.0, hub=0.0, width=0.01, height=0.001, nx=40):
-    """Frequencies of a narrow plate of length 1 with nu = 0, in units of sqrt(EI / rho A L^4)."""
-    material = Material(2e11, 0.0, 7850.0)
-    inertia = height**2 / 12.0 if family == "flap" else width**2 / 12.0
-    unit = np.sqrt(material.youngs_modulus * inertia / material.density)
-    plate = Plate(rectangle(1.0, width, nx, 1), height, material)
-    operators = assemble(plate, Rotor(hub, stagger), Effects(), theory)
-    for gamma in gammas:
-        modes = solve_modes(operators, gamma * unit, 8)
-        named = zip(modes.frequencies_hz, families(operators, modes), strict=True)
-        yield np.array([2.0 * np.pi * f / unit for f, name in named if name == family])
-
-
-@pytest.mark.parametrize("theory", ["mindlin"])
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
 def test_rotating_beam_flap(theory):
-    found = np.array([f[0] for f in beam(theory, "flap", range(13))])
+    found = np.array([f[0] for f in beam_rates(theory, "flap", range(13))])
     np.testing.assert_allclose(found, WRIGHT, rtol=1e-4)
 
 
-@pytest.mark.parametrize("theory", ["mindlin"])
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
 def test_rotating_beam_lag_by_stagger(theory):
-    found = np.array([f[0] for f in beam(theory, "flap", range(13), stagger=np.pi / 2)])
+    found = np.array([f[0] for f in beam_rates(theory, "flap", range(13), stagger=np.pi / 2)])
     np.testing.assert_allclose(found, np.sqrt(WRIGHT**2 - np.arange(13) ** 2), rtol=1e-4)
 
 
-@pytest.mark.parametrize("theory", ["mindlin"])
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
 def test_rotating_beam_lag_in_the_plane(theory):
-    found = np.array([f[0] for f in beam(theory, "lag", range(13), width=0.005, nx=80)])
+    found = np.array([f[0] for f in beam_rates(theory, "lag", range(13), width=0.005, nx=80)])
     np.testing.assert_allclose(found, np.sqrt(WRIGHT**2 - np.arange(13) ** 2), rtol=2e-4)
 
 
@@ -57,42 +45,73 @@ def test_rotating_beam_lag_in_the_plane(theory):
 def test_rotating_beam_higher_modes_and_hub(case):
     hub, gamma = case
     expected = np.array(WRIGHT_MORE[case])
-    (found,) = beam("mindlin", "flap", [gamma], hub=hub)
+    (found,) = beam_rates("mindlin", "flap", [gamma], hub=hub)
     np.testing.assert_allclose(found[: expected.size], expected, rtol=1e-4)
 
 
-def test_thin_square_cantilever():
-    """Converged thin-plate values of omega a² sqrt(rho h / D), below Barton's upper bounds (1951)."""
+@pytest.mark.parametrize("theory", ["kirchhoff/bfs", "kirchhoff/argyris", "mindlin"])
+def test_thin_square_cantilever(theory):
+    """Converged thin-plate values of omega a² sqrt(rho h / D), below Barton's upper bounds (1951), to 0.1 %."""
     converged = np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
     barton = np.array([3.492, 8.525, 21.43, 27.33, 31.11, 54.44])
-    h = 1e-4
-    operators = assemble(Plate(rectangle(1.0, 1.0, 16, 16), h, STEEL), Rotor(), Effects())
+    h, mesh = 1e-4, rectangle(1.0, 1.0, 8, 8)
+    plate = Plate(mesh.to_meshtri() if theory == "kirchhoff/argyris" else mesh, h, STEEL)
     bending = STEEL.youngs_modulus * h**3 / 12.0 / (1.0 - STEEL.poissons_ratio**2)
-    omega = 2.0 * np.pi * solve_modes(operators, 0.0, 6).frequencies_hz
+    omega = 2.0 * np.pi * solve_modes(assemble(plate, Rotor(), Effects(), theory), 0.0, 6).frequencies_hz
     found = omega * np.sqrt(STEEL.density * h / bending)
-    np.testing.assert_allclose(found, converged, rtol=2e-4)
+    np.testing.assert_allclose(found, converged, rtol=1e-3)
     assert (found < barton).all()
 
 
-def test_paper_plate_at_rest():
-    """First bending and twist by an independent Mindlin code, kappa = 5/6, hard clamp."""
-    operators = assemble(paper_plate(40, 16), Rotor(), Effects())
-    np.testing.assert_allclose(solve_modes(operators, 0.0, 2).frequencies_hz, [207.21, 1033.2], rtol=2e-4)
+@pytest.mark.parametrize(
+    ("theory", "cells", "expected", "tolerance"),
+    [
+        ("mindlin", (40, 16), (207.21, 1033.2), 2e-4),
+        ("kirchhoff", (20, 8), (208.24, 1082.96), 2e-4),
+        ("solid", (20, 10), (207.54, 1034.6), 3e-3),
+    ],
+)
+def test_paper_plate_at_rest(theory, cells, expected, tolerance):
+    """First bending and twist by independent codes: Mindlin (kappa = 5/6, hard clamp), Kirchhoff, CalculiX 80x32x2."""
+    operators = assemble(paper_plate(*cells), Rotor(), Effects(), theory)
+    np.testing.assert_allclose(solve_modes(operators, 0.0, 2).frequencies_hz, expected, rtol=tolerance)
 
 
-def test_table_two_needs_one_number():
-    """One Young's modulus brings all seven rows within 0.1 %, without rotary inertia in the plate.
+@pytest.mark.parametrize(
+    ("theory", "rotary", "modulus", "worst"),
+    [
+        ("kirchhoff", True, 182.42e9, 3.6e-4),
+        ("mindlin", False, 184.35e9, 7.0e-4),
+        ("mindlin", True, 184.73e9, 1.11e-3),
+    ],
+)
+def test_table_two_needs_one_number(theory, rotary, modulus, worst):
+    """One Young's modulus, fitted here so that the largest error of the seven rows is least, brings them together.
 
-    Least-squares in the largest error, by hand: 184.35 GPa leaves 0.069 %. With rotary inertia the best is
-    184.73 GPa and leaves 0.110 %: the table comes from a thin-shell model.
+    The printed table fits thin-plate theory best. With shear and rotary inertia no modulus brings all rows within
+    0.1 %: rotary inertia divides the stiffening, which the modulus cannot scale, by 1.001.
     """
-    for rotary, modulus, bound in ((False, 184.35e9, 0.7e-3), (True, 184.73e9, 1.11e-3)):
-        plate = paper_plate(material=Material(modulus, 0.3, 7850.0))
-        operators = assemble(plate, Rotor(), Effects(rotary_inertia=rotary))
+    mesh = rectangle(0.2, 0.08, 10, 4) if theory == "kirchhoff" else rectangle(0.2, 0.08, 20, 8)
+
+    def error(e):
+        plate = Plate(mesh, 0.01, Material(e, 0.3, 7850.0))
+        operators = assemble(plate, Rotor(), Effects(rotary_inertia=rotary), theory)
         found = [solve_modes(operators, rpm(n), 1).frequencies_hz[0] for n in TABLE_II]
-        error = np.array(found) / np.array(list(TABLE_II.values())) - 1.0
-        assert np.abs(error).max() < bound
-        assert abs(error.max() + error.min()) < 2e-5  # no other modulus does better
+        return np.array(found) / np.array(list(TABLE_II.values())) - 1.0
+
+    best = minimize_scalar(
+        lambda e: np.abs(error(e * 1e9)).max(), bounds=(180, 190), method="bounded", options={"xatol": 0.01}
+    )
+    assert best.x * 1e9 == pytest.approx(modulus, abs=0.02e9)
+    assert np.abs(error(modulus)).max() < worst
+
+
+def test_table_two_with_the_modulus_of_the_default_scene():
+    """182.6 GPa and thin-plate theory: every row within 0.1 %."""
+    plate = Plate(rectangle(0.2, 0.08, 10, 4), 0.01, Material(182.6e9, 0.3, 7850.0))
+    operators = assemble(plate, Rotor(), Effects(), "kirchhoff")
+    found = [solve_modes(operators, rpm(n), 1).frequencies_hz[0] for n in TABLE_II]
+    np.testing.assert_allclose(found, list(TABLE_II.values()), rtol=8e-4)
 
 
 @pytest.mark.parametrize("stagger", [0.0, 90.0])
@@ -108,3 +127,40 @@ def test_calculix(stagger, softening):
             np.testing.assert_allclose(found, expected, rtol=3.5e-3)
             compared += 1
     assert compared == 7 + (not softening and stagger == 0.0)
+
+
+@pytest.mark.parametrize("stagger", [0.0, 90.0])
+def test_calculix_by_bricks(stagger):
+    """The solid model's first three modes within 0.3 % at every speed."""
+    operators = assemble(paper_plate(20, 10), Rotor(stagger=np.deg2rad(stagger)), Effects(), "solid")
+    for (angle, softened, speed), expected in calculix().items():
+        if angle == stagger and softened:
+            found = solve_modes(operators, rpm(speed), 3).frequencies_hz
+            np.testing.assert_allclose(found, expected[:3], rtol=3e-3)
+
+
+@pytest.mark.parametrize("case", calculix_cases())
+def test_calculix_other_plates(case):
+    """A thin plate with a hub, staggered ones that twist, a square one in the plane of rotation, a tip mass.
+
+    Under a point force in its plane a sheet gives way like log(1 / cell): in-plane modes of a tip mass depend on the
+    mesh, here and in CalculiX (2980 and 2960 Hz on two meshes for the fifth).
+    """
+    row, expected = calculix_cases()[case]
+    number = {key: float(row[key]) for key in row if key not in ("case", "cells")}
+    length, width, mass = number["length"], number["width"], number["mass"]
+    plate = Plate(
+        rectangle(length, width, 20, max(8, round(20 * width / length))),
+        number["thickness"],
+        Material(number["youngs_modulus"], number["poissons_ratio"], number["density"]),
+        tip_mass=mass,
+        tip_at=(length, 0.0) if mass else None,
+    )
+    rotor = Rotor(number["hub_radius"], np.deg2rad(number["stagger_deg"]))
+    bent = 0.0 < number["stagger_deg"] < 90.0
+    operators = assemble(plate, rotor, Effects(large_deflection=bent))
+    found = solve_modes(operators, rpm(number["rpm"]), 6).frequencies_hz
+    np.testing.assert_allclose(found, expected, rtol=1e-2 if mass else 4e-3)
+    if bent and row["case"] == "staggered titanium":
+        straight = solve_modes(assemble(plate, rotor, Effects()), rpm(number["rpm"]), 6).frequencies_hz
+        assert np.abs(straight / expected - 1.0).max() > 1e-2  # the static twist counts

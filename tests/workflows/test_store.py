@@ -165,3 +165,13 @@ def test_killed_run(tmp_path: Path, spindamp: Callable[..., Outcome], delay: flo
     manifest = (tmp_path / "out" / store.MANIFEST).read_text().split("\n")
     assert after == before or process.returncode == 0
     assert names == sorted({*filter(None, manifest), store.MANIFEST})
+
+
+def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
+    """A folder that no run wrote is the user's, even where a file has the name of one of ours."""
+    out = tmp_path / "out"
+    out.mkdir()
+    _fill(out, "mine", "report.html")
+    with pytest.raises(BadInput, match=r"report\.html that no run of ours wrote"):
+        _publish(out, "new", "results.json", "report.html")
+    assert _content(out) == {"report.html": "mine"}

@@ -23,6 +23,7 @@ def ringdown(
     from workflows import scene_file
     from workflows.commands.finish import complete
     from workflows.errors import BadInput
+    from workflows.scene_fields import FASTEST
 
     source = scene_file.load(scene)
     if source.scene.damper is None:
@@ -30,8 +31,9 @@ def ringdown(
     speeds = sorted(source.scene.rotor.speeds)
     omega = speeds[(len(speeds) - 1) // 2]
     if rpm is not None:
-        if not (math.isfinite(rpm) and rpm >= 0):
-            raise BadInput("expected a rotation speed of 0 rpm or more", key="--rpm", value=rpm)
         omega = rpm * math.pi / 30
+        if not 0 <= omega <= FASTEST:
+            most = FASTEST * 30 / math.pi
+            raise BadInput(f"expected a rotation speed between 0 and {most:.0f} rpm", key="--rpm", value=rpm)
     rotor = source.scene.rotor.model_copy(update={"speeds": (omega,)})
     complete(source.changed(rotor=rotor), out, json)

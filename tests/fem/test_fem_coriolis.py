@@ -1,0 +1,95 @@
+"""Complex modes: against a dense solver, a closed form, and what a gyroscopic system must obey."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from fem_cases import STEEL, paper_plate, rpm
+
+from fem import Divergence, Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
+from fem.operators import point_rows
+
+CORIOLIS = Effects(coriolis=True)
+
+
+@pytest.mark.parametrize("stagger", [0.0, 0.7, np.pi / 2])
+@pytest.mark.parametrize("rotary", [True, False])
+def test_dense_reference(stagger, rotary):
+    effects = Effects(coriolis=True, rotary_inertia=rotary)
+    operators = assemble(paper_plate(4, 2), Rotor(0.1, stagger), effects)
+    omega = 1800.0
+    found = 2.0 * np.pi * solve_modes(operators, omega, 6).frequencies_hz
+    m, g, k = (a.toarray() for a in (operators.mass, omega * operators.gyroscopic, operators.at(omega)))
+    zero, eye = np.zeros_like(m), np.eye(len(m))
+    values = scipy.linalg.eigvals(np.block([[zero, eye], [-k, -g]]), scipy.linalg.block_diag(eye, m))
+    upper = np.sort(values.imag[np.isfinite(values) & (values.imag > 1.0)])[:6]
+    np.testing.assert_allclose(found, upper, rtol=1e-7)  # the QZ algorithm's own accuracy with a singular mass
+
+
+def test_gyroscopic_matrix_is_skew():
+    operators = assemble(paper_plate(4, 2), Rotor(0.1, 0.4), CORIOLIS)
+    assert abs(operators.gyroscopic + operators.gyroscopic.T).max() < 1e-15
+    assert assemble(paper_plate(4, 2), Rotor(), Effects()).gyroscopic is None
+
+
+def test_heavy_bob_in_the_plane():
+    """A heavy mass on a light plate has two in-plane modes with (k_u - m(w² + O²))(k_v - m(w² + O²)) = (2 m O w)².
+
+    The stiffnesses k_u, k_v come from the plate's static compliance at the mass.
+    """
+    mass, omega = 1e4, 40.0
+    plate = Plate(rectangle(0.1, 0.05, 4, 2), 0.01, Material(2e11, 0.3, 1.0), mass, (0.1, 0.0))
+    operators = assemble(plate, Rotor(), Effects(stress_stiffening=False, coriolis=True))
+    rows = point_rows(operators.model, (0.1, 0.0)).toarray()
+    compliance = rows @ np.linalg.solve(operators.stiffness.toarray(), rows.T)
+    ku, kv = 1.0 / compliance[0, 0], 1.0 / compliance[1, 1]
+    a, b = ku / mass - omega**2, kv / mass - omega**2
+    total = a + b + 4.0 * omega**2
+    expected = np.sqrt((total + np.array([-1.0, 1.0]) * np.sqrt(total**2 - 4.0 * a * b)) / 2.0)
+    modes = solve_modes(operators, omega, 3)
+    moved = np.abs(rows[2] @ modes.shapes) > np.abs(rows[0] @ modes.shapes)
+    found = 2.0 * np.pi * modes.frequencies_hz[~moved]
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def test_no_spin_no_coriolis():
+    with_it, without = (
+        solve_modes(assemble(paper_plate(6, 3), Rotor(), e), 0.0, 5).frequencies_hz for e in (CORIOLIS, Effects())
+    )
+    np.testing.assert_allclose(with_it, without, rtol=1e-12)
+
+
+def test_conservative_modes_keep_their_energy():
+    modes = solve_modes(assemble(paper_plate(6, 3), Rotor(0.1, 0.5), CORIOLIS), rpm(15000), 6)
+    assert np.abs(modes.damping_ratios).max() < 1e-12
+
+
+def test_shapes_are_normalised_and_solve_the_problem():
+    operators = assemble(paper_plate(6, 3), Rotor(0.1, 0.5), CORIOLIS)
+    omega = rpm(15000)
+    modes = solve_modes(operators, omega, 4)
+    x, w = modes.shapes, np.sqrt(modes.eigenvalues)
+    np.testing.assert_allclose(np.einsum("ij,ij->j", x.conj(), operators.mass @ x).real, 1.0, rtol=1e-10)
+    stiff = operators.at(omega) @ x
+    residual = stiff + 1j * omega * w * (operators.gyroscopic @ x) - w**2 * (operators.mass @ x)
+    assert (np.linalg.norm(residual, axis=0) < 1e-7 * np.linalg.norm(stiff, axis=0)).all()
+
+
+def test_damping_is_shared_out():
+    """Coriolis mixes modes of equal ratio, so each keeps about that ratio; the sweep agrees to first order."""
+    operators = assemble(paper_plate(6, 3), Rotor(0.1, 0.5), CORIOLIS)
+    omega = rpm(15000)
+    modes = solve_modes(operators, omega, 5, damping_ratio=0.01)
+    np.testing.assert_allclose(modes.damping_ratios, 0.01, rtol=1e-2)
+    swept = campbell(operators, np.array([0.0, omega]), 5, damping_ratio=0.01)
+    np.testing.assert_allclose(swept.damping_ratios[-1], modes.damping_ratios, rtol=1e-3)
+    np.testing.assert_allclose(swept.damping_ratios[0], 0.01, rtol=1e-12)
+
+
+def test_divergence_is_reported():
+    operators = assemble(
+        Plate(rectangle(0.2, 0.08, 6, 3), 0.002, STEEL),
+        Rotor(stagger=np.pi / 2),
+        Effects(stress_stiffening=False, coriolis=True),
+    )
+    with pytest.raises(Divergence):
+        solve_modes(operators, rpm(30000), 3)

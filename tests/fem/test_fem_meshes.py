@@ -1,0 +1,170 @@
+"""Mesh files, good and bad, and finding places in them."""
+
+import importlib.util
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import skfem
+from fem_cases import STEEL, distorted, rpm
+
+from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, solve_modes
+from fem.locate import locate
+
+MESHES = Path(__file__).parents[2] / "meshes"
+
+
+def cells_of(mesh):
+    return [("quad" if mesh.t.shape[0] == 4 else "triangle", mesh.t.T)]
+
+
+def flat(mesh):
+    return np.round(np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])]), 6)
+
+
+def write(path, points, cells):
+    data = [np.ones(len(c), dtype=np.int32) for _, c in cells]
+    tags = {"gmsh:physical": data, "gmsh:geometrical": data} if path.suffix == ".msh" else {}
+    meshio.write(path, meshio.Mesh(points, cells, cell_data=tags), **({"file_format": "gmsh22"} if tags else {}))
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".msh", ".vtu", ".inp", ".bdf"])
+@pytest.mark.parametrize("kind", ["quads", "triangles"])
+def test_formats(tmp_path, suffix, kind, capfd):
+    mesh = distorted(rectangle(0.2, 0.08, 5, 3), 0.005)
+    mesh = mesh if kind == "quads" else mesh.to_meshtri()
+    again = read_mesh(write(tmp_path / f"plate{suffix}", flat(mesh), cells_of(mesh)))
+    assert type(again).__name__ == type(mesh).__name__
+    first, second = (
+        solve_modes(assemble(Plate(m, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz for m in (mesh, again)
+    )
+    np.testing.assert_allclose(first, second, rtol=1e-5)  # .bdf carries few digits
+    assert capfd.readouterr() == ("", "")
+
+
+def test_second_order_cells_and_helpers(tmp_path):
+    """Corners of 8-node quadrilaterals are used; boundary lines and points that no cell uses are left aside."""
+    p = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [1, 0, 0], [2, 0.5, 0], [1, 1, 0], [0, 0.5, 0], [9, 9, 9]]
+    path = tmp_path / "one.vtu"
+    cells = [("quad8", np.arange(8)[None]), ("line3", np.array([[0, 1, 4]])), ("vertex", np.array([[8]]))]
+    meshio.write(path, meshio.Mesh(np.array(p, dtype=float), cells))
+    mesh = read_mesh(path)
+    assert mesh.p.shape == (2, 4)
+    assert mesh.t.shape == (4, 1)
+
+
+def test_mixed_cells_become_triangles(tmp_path):
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], dtype=float)
+    cells = [("quad", np.array([[0, 1, 2, 3]])), ("triangle", np.array([[1, 4, 2]]))]
+    assert read_mesh(write(tmp_path / "mixed.msh", points, cells)).t.shape == (3, 3)
+
+
+def test_a_mesh_seen_from_below_is_turned_over(tmp_path):
+    mesh = rectangle(0.2, 0.08, 3, 2)
+    path = write(tmp_path / "below.msh", flat(mesh), [("quad", mesh.t.T[:, ::-1])])
+    assert read_mesh(path).t.shape == (4, 6)
+
+
+def bad_meshes():
+    good = rectangle(0.2, 0.08, 3, 2)
+    points, quads = flat(good), good.t.T
+    flipped = quads.copy()
+    flipped[2] = flipped[2, ::-1]
+    bumped = points.copy()
+    bumped[5, 2] = 0.01
+    far = np.vstack([points, points + np.array([1.0, 0.0, 0.0])])
+    tilted = points @ np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    crossed = quads.copy()
+    crossed[0] = crossed[0, [0, 2, 1, 3]]
+    tetra = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    return {
+        "inverted": (points, [("quad", flipped)], "1 of 6 cells are inverted"),
+        "crossed": (points, [("quad", crossed)], "cells are inverted or flat"),
+        "bumped": (bumped, [("quad", quads)], "plane of constant z"),
+        "disconnected": (far, [("quad", np.vstack([quads, quads + len(points)]))], "2 parts"),
+        "no root": (tilted, [("quad", quads)], "nothing to clamp"),
+        "solid": (tetra, [("tetra", np.array([[0, 1, 2, 3]]))], "holds tetra"),
+        "lines": (points, [("line", quads[:, :2])], "no triangles and no quadrilaterals"),
+        "touching": (
+            np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]], dtype=float),
+            [("quad", np.array([[0, 1, 2, 3], [2, 4, 5, 6]]))],
+            "2 parts",
+        ),
+    }
+
+
+@pytest.mark.parametrize("case", bad_meshes())
+def test_bad_meshes(tmp_path, case):
+    points, cells, message = bad_meshes()[case]
+    path = write(tmp_path / "bad.msh", points, cells)
+    with pytest.raises(MeshError, match=message) as caught:
+        read_mesh(path)
+    assert str(path) in str(caught.value)
+
+
+def test_files_that_are_no_meshes(tmp_path):
+    with pytest.raises(MeshError, match="no such mesh file"):
+        read_mesh(tmp_path / "missing.msh")
+    for name in ("junk.msh", "junk.vtu", "junk.inp", "junk.bdf", "junk.toml"):
+        (tmp_path / name).write_text("not a mesh\n")
+        with pytest.raises(MeshError, match=name):
+            read_mesh(tmp_path / name)
+
+
+def test_folded_triangles_are_refused():
+    """scikit-fem forgets the orientation of triangles; two on the same side of their common edge overlap."""
+    points = np.array([[0.0, 0.0, 1.0, 0.9], [0.0, 1.0, 0.4, 0.6]])
+    with pytest.raises(MeshError, match="folded"):
+        Plate(skfem.MeshTri(points, np.array([[0, 0], [1, 1], [2, 3]])), 0.01, STEEL)
+
+
+def test_not_a_surface():
+    with pytest.raises(MeshError, match="triangles or quadrilaterals"):
+        Plate(skfem.MeshTet(), 0.01, STEEL)
+
+
+@pytest.mark.parametrize("path", sorted(MESHES.glob("*.msh")), ids=lambda p: p.stem)
+def test_shipped_meshes(path):
+    """Each is read, and its first modes are good to 1 %, which the estimate says too."""
+    operators = assemble(Plate(read_mesh(path), 0.01, STEEL), Rotor(), Effects())
+    modes = solve_modes(operators, rpm(5000), 3)
+    assert estimate_error(operators, modes).max() < 1e-2
+
+
+def test_shipped_meshes_are_what_the_script_makes(tmp_path, monkeypatch):
+    spec = importlib.util.spec_from_file_location("make_meshes", MESHES / "make.py")
+    make = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(make)
+    monkeypatch.setattr(make, "HERE", tmp_path)
+    make.main()
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in MESHES.glob("*.msh"))
+    for path in tmp_path.iterdir():
+        assert path.read_text() == (MESHES / path.name).read_text()
+
+
+def test_error_estimate_tells_the_true_error():
+    """Against a four times finer mesh: within a factor of three either way."""
+    fine = solve_modes(assemble(Plate(rectangle(0.2, 0.08, 48, 20), 0.01, STEEL), Rotor(), Effects()), 0.0, 6)
+    for mesh in (rectangle(0.2, 0.08, 12, 5), rectangle(0.2, 0.08, 12, 5).to_meshtri()):
+        operators = assemble(Plate(mesh, 0.01, STEEL), Rotor(), Effects())
+        modes = solve_modes(operators, 0.0, 6)
+        true = np.abs(modes.frequencies_hz / fine.frequencies_hz - 1.0)
+        ratio = estimate_error(operators, modes) / true
+        assert (ratio > 1.0 / 3.0).all()
+        assert (ratio < 3.0).all()
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_locate(triangles):
+    mesh = distorted(rectangle(0.2, 0.08, 6, 4), 0.004)
+    mesh = mesh.to_meshtri() if triangles else mesh
+    rng = np.random.default_rng(0)
+    places = [(0.2, 0.0), (0.2, 0.04), (0.0, -0.04), *rng.uniform([0.0, -0.04], [0.2, 0.04], (20, 2))]
+    for place in places:
+        cell, reference = locate(mesh, place)
+        back = mesh.mapping().F(reference[:, None, None], tind=np.array([cell]))[:, 0, 0]
+        np.testing.assert_allclose(back, place, atol=1e-12)
+    with pytest.raises(ValueError, match="does not lie on the plate"):
+        locate(mesh, (0.21, 0.0))

@@ -1,0 +1,83 @@
+"""The plate as one mass and one spring at the damper's place."""
+
+import numpy as np
+import pytest
+from fem_cases import paper_plate, rpm
+
+from fem import Effects, Material, Plate, Rotor, assemble, rectangle, reduce_at, solve_modes, with_point_mass
+
+TIP = (0.2, 0.0)
+
+
+def test_slender_cantilever():
+    """Effective mass at the tip m/4, slope 1.37651/L, as the first mode of an Euler-Bernoulli beam has."""
+    plate = Plate(rectangle(1.0, 0.01, 20, 1), 1e-3, Material(2e11, 0.0, 7850.0))
+    found = reduce_at(assemble(plate, Rotor(), Effects()), 0.0, (1.0, 0.0), mass_ratio=0.01)
+    assert pytest.approx(7850.0 * 1e-5 / 4.0, rel=1e-4) == found.M2
+    assert found.slope == pytest.approx(1.376506, rel=1e-4)
+    assert found.f2_hz == pytest.approx(3.516015 / (2 * np.pi) * np.sqrt(2e11 / 7850.0 / 12.0) * 1e-3, rel=1e-4)
+
+
+def test_stuck_ball_at_rest_is_a_mass_on_a_spring():
+    """To first order in the mass ratio K1 = K2; the second order is what the mode's shape gives."""
+    operators = assemble(paper_plate(10, 4), Rotor(), Effects())
+    small, large = (reduce_at(operators, 0.0, TIP, mass_ratio=r) for r in (0.006, 0.6))
+    assert abs(small.K1 / small.K2 - 1.0) < 1e-5
+    assert abs(large.K1 / large.K2 - 1.0) < 1e-2
+    assert pytest.approx(1.006 * small.M2, rel=1e-12) == small.M1
+
+
+@pytest.mark.parametrize("effects", [Effects(), Effects(coriolis=True), Effects(large_deflection=True)])
+@pytest.mark.parametrize("ratio", [0.006, 1.0, 20.0])
+def test_stuck_ball_is_a_point_mass(effects, ratio):
+    """omega_1 is the frequency of the plate with that mass, solved afresh; heavier than the plate too."""
+    operators = assemble(paper_plate(8, 4), Rotor(0.05, 0.3), effects)
+    omega = rpm(9000)
+    found = reduce_at(operators, omega, TIP, mass_ratio=ratio)
+    still = assemble(paper_plate(8, 4), Rotor(0.05, 0.3), Effects(large_deflection=effects.large_deflection))
+    heavy = solve_modes(with_point_mass(still, TIP, found.ball_mass), omega, 4)
+    assert np.abs(heavy.frequencies_hz / found.f1_hz - 1.0).min() < 1e-8
+    assert pytest.approx((2 * np.pi * found.f1_hz) ** 2 * found.M1, rel=1e-12) == found.K1
+    assert pytest.approx((2 * np.pi * found.f2_hz) ** 2 * found.M2, rel=1e-12) == found.K2
+
+
+def test_mass_and_ratio_are_two_ways_to_say_it():
+    operators = assemble(paper_plate(8, 4), Rotor(), Effects())
+    by_ratio = reduce_at(operators, 500.0, TIP, mass_ratio=0.01)
+    assert reduce_at(operators, 500.0, TIP, ball_mass=by_ratio.ball_mass) == by_ratio
+    assert reduce_at(operators, 500.0, TIP, mass_ratio=0.01, modes=solve_modes(operators, 500.0, 4)).f1_hz == (
+        pytest.approx(by_ratio.f1_hz, rel=1e-10)
+    )
+    none = reduce_at(operators, 500.0, TIP, ball_mass=0.0)
+    assert none.f1_hz == none.f2_hz
+
+
+def test_floor_tilt():
+    """Omega² r phi_x / omega_1²: zero at rest, near one for the paper's plate at its top speed."""
+    operators = assemble(paper_plate(8, 4), Rotor(), Effects())
+    assert reduce_at(operators, 0.0, TIP, mass_ratio=0.006).floor_tilt == 0.0
+    fast = reduce_at(operators, rpm(17500), TIP, mass_ratio=0.006)
+    expected = rpm(17500) ** 2 * 0.2 * fast.slope / (2 * np.pi * fast.f1_hz) ** 2
+    assert fast.floor_tilt == pytest.approx(expected, rel=1e-12)
+    assert 0.7 < fast.floor_tilt < 0.9
+
+
+@pytest.mark.parametrize(
+    ("at", "keys", "message"),
+    [
+        (TIP, {}, "either ball_mass or mass_ratio"),
+        (TIP, {"ball_mass": 1.0, "mass_ratio": 0.1}, "either ball_mass or mass_ratio"),
+        (TIP, {"mass_ratio": -0.1}, "either ball_mass or mass_ratio"),
+        ((0.3, 0.0), {"mass_ratio": 0.1}, "does not lie on the plate"),
+        ((0.0, 0.0), {"mass_ratio": 0.1}, "does not move"),
+    ],
+)
+def test_refusals(at, keys, message):
+    with pytest.raises(ValueError, match=message):
+        reduce_at(assemble(paper_plate(4, 2), Rotor(), Effects()), 0.0, at, **keys)
+
+
+def test_modes_of_another_speed_are_refused():
+    operators = assemble(paper_plate(4, 2), Rotor(), Effects())
+    with pytest.raises(ValueError, match="belong to"):
+        reduce_at(operators, 10.0, TIP, mass_ratio=0.1, modes=solve_modes(operators, 0.0, 3))

@@ -1,0 +1,190 @@
+"""Campbell diagrams: bounds that hold, whatever is swept, and modes that are followed."""
+
+import time
+
+import numpy as np
+import pytest
+import scipy.linalg
+from fem_cases import STEEL, paper_plate, rpm
+
+from fem import (
+    Divergence,
+    Effects,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    critical_speed,
+    families,
+    rectangle,
+    solve_modes,
+)
+from fem.tracking import follow
+
+TOP = rpm(17500)
+
+CASES = {
+    "the paper's plate": (Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL), Rotor(), Effects(), TOP),
+    "in the plane of rotation": (
+        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
+        Rotor(stagger=np.pi / 2),
+        Effects(),
+        TOP,
+    ),
+    "staggered, with a hub": (Plate(rectangle(0.2, 0.08, 12, 5), 0.004, STEEL), Rotor(0.2, 0.6), Effects(), TOP),
+    "square": (Plate(rectangle(0.2, 0.2, 8, 8), 0.002, STEEL), Rotor(), Effects(), rpm(6000)),
+    "far beyond its own stiffness": (Plate(rectangle(0.2, 0.02, 16, 2), 1e-3, STEEL), Rotor(), Effects(), rpm(20000)),
+    "tip mass": (Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL, 1.0, (0.2, 0.0)), Rotor(0.1), Effects(), rpm(9000)),
+    "Coriolis": (Plate(rectangle(0.2, 0.08, 12, 5), 0.004, STEEL), Rotor(0.1, 0.6), Effects(coriolis=True), rpm(12000)),
+    "no rotary inertia": (
+        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
+        Rotor(0.1, 0.2),
+        Effects(rotary_inertia=False),
+        TOP,
+    ),
+    "nothing on": (
+        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
+        Rotor(),
+        Effects(stress_stiffening=False, spin_softening=False),
+        TOP,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_true_error_is_within_the_bound(case):
+    """At 50 random speeds, and no bound above 1e-6."""
+    plate, rotor, effects, top = CASES[case]
+    operators = assemble(plate, rotor, effects)
+    speeds = np.sort(np.random.default_rng(3).uniform(0.0, top, 50))
+    found = campbell(operators, speeds, 6)
+    true = np.array([solve_modes(operators, omega, 6).frequencies_hz for omega in speeds])
+    assert found.bounds.max() <= 1e-6
+    assert (np.abs(found.frequencies_hz / true - 1.0) <= found.bounds).all()
+
+
+def test_bound_follows_the_tolerance():
+    operators = assemble(paper_plate(10, 4), Rotor(), Effects())
+    speeds = np.linspace(0.0, TOP, 20)
+    loose, tight = (campbell(operators, speeds, 6, tolerance=t) for t in (1e-3, 1e-9))
+    assert loose.bounds.max() <= 1e-3
+    assert tight.bounds.max() <= 1e-9
+    assert loose.sizes < tight.sizes
+
+
+@pytest.mark.parametrize("count", [1, 4, 9])
+def test_count_asked_for_does_not_matter(count):
+    operators = assemble(paper_plate(10, 4), Rotor(0.1, 0.4), Effects())
+    speeds = np.linspace(0.0, TOP, 7)
+    few, many = campbell(operators, speeds, count), campbell(operators, speeds, 12)
+    np.testing.assert_allclose(few.frequencies_hz, many.frequencies_hz[:, :count], rtol=2e-6)
+    one, all_ = (solve_modes(operators, TOP, k).frequencies_hz for k in (count, 12))
+    np.testing.assert_allclose(one, all_[:count], rtol=1e-9)
+
+
+def test_sparse_and_dense_agree():
+    operators = assemble(paper_plate(6, 3), Rotor(0.1, 0.4), Effects())
+    values = scipy.linalg.eigh(operators.at(TOP).toarray(), operators.mass.toarray(), eigvals_only=True)
+    expected = np.sqrt(values[:20]) / (2.0 * np.pi)
+    np.testing.assert_allclose(solve_modes(operators, TOP, 20).frequencies_hz, expected, rtol=1e-9)
+
+
+def test_double_modes_are_found_whole():
+    """A square-section beam has flap and lag at the same frequency; both must come, and no third."""
+    plate = Plate(rectangle(1.0, 0.02, 20, 1), 0.02, Material(2e11, 0.0, 7850.0))
+    operators = assemble(plate, Rotor(), Effects(), "solid")
+    values = scipy.linalg.eigh(operators.stiffness.toarray(), operators.mass.toarray(), eigvals_only=True)[:6]
+    found = solve_modes(operators, 0.0, 6).eigenvalues
+    np.testing.assert_allclose(found, values, rtol=1e-6)  # the dense solver rounds at 1e-7 here
+    np.testing.assert_allclose(found[[0, 2]], found[[1, 3]], rtol=1e-2)
+
+
+def test_a_thousand_speeds_for_the_price_of_one():
+    """In processor time, on a mesh whose six frequencies are good to 1e-3."""
+    plate, speeds = paper_plate(28, 11), np.linspace(0.0, TOP, 1000)
+
+    def one():
+        solve_modes(assemble(plate, Rotor(), Effects()), TOP, 6)
+
+    def thousand():
+        campbell(operators, speeds, 6)
+
+    operators = assemble(plate, Rotor(), Effects())
+    times = {one: [], thousand: []}
+    for _ in range(5):
+        for work, taken in times.items():
+            start = time.process_time()
+            work()
+            taken.append(time.process_time() - start)
+    assert min(times[thousand]) <= 1.5 * min(times[one])
+
+
+def test_families_and_branches_through_a_crossing():
+    """The paper's plate: lag falls through the second flap mode near 17000 rpm; each keeps its name and branch."""
+    operators = assemble(paper_plate(), Rotor(), Effects())
+    found = campbell(operators, np.linspace(0.0, rpm(20000), 60), 4)
+    assert found.families[0] == ["flap", "twist", "flap", "lag"]
+    assert found.families[-1] == ["flap", "twist", "lag", "flap"]
+    assert found.branches[-1].tolist() == [0, 1, 3, 2]
+    assert found.veerings == ()
+    names = np.array(found.families)
+    for branch in range(4):
+        assert len(set(names[found.branches == branch])) == 1
+
+
+def test_follow_crossing_and_veering():
+    """Two modes that exchange places pair off by likeness; two that mix half and half are flagged."""
+    eye, swap = np.eye(3), np.eye(3)[[1, 0, 2]]
+    half = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
+    branches, veerings = follow(np.stack([eye, swap, eye]), 2)
+    assert branches.tolist() == [[0, 1], [0, 1], [1, 0], [1, 0]]
+    assert veerings == ()
+    _, veerings = follow(np.stack([eye, half]), 3)
+    assert [(v.step, v.modes) for v in veerings] == [(1, (0, 1))]
+    assert veerings[0].likeness == (0.5, 0.5)
+
+
+def test_veering_is_flagged():
+    """Under stagger flap and lag couple and veer; a step across the veering cannot tell who is who."""
+    plate = Plate(rectangle(0.2, 0.02, 16, 2), 0.018, STEEL)
+    operators = assemble(plate, Rotor(0.0, 0.6), Effects())
+    coarse = campbell(operators, np.array([0.0, rpm(22000)]), 2)
+    fine = campbell(operators, np.linspace(0.0, rpm(40000), 400), 2)
+    assert coarse.veerings
+    assert not fine.veerings
+
+
+def test_critical_speed():
+    """Softening without stiffening at right angles: divergence where Omega is the flap frequency at rest."""
+    operators = assemble(paper_plate(8, 4), Rotor(stagger=np.pi / 2), Effects(stress_stiffening=False))
+    rest = np.sqrt(solve_modes(operators, 0.0, 1).eigenvalues[0])
+    critical = critical_speed(operators)
+    assert critical == pytest.approx(rest, rel=1e-4)  # not all mass moves across the axis
+    found = campbell(operators, np.linspace(0.0, 1.5 * critical, 31), 3)
+    assert (found.omega < critical).all()
+    assert (found.diverged >= critical).all()
+    assert found.omega.size + found.diverged.size == 31
+    with pytest.raises(Divergence) as caught:
+        campbell(operators, np.linspace(1.1, 2.0, 3) * critical, 3)
+    assert caught.value.eigenvalue < 0.0
+    assert critical_speed(assemble(paper_plate(8, 4), Rotor(), Effects())) == np.inf
+
+
+def test_large_deflection_sweep():
+    plate = Plate(rectangle(0.2, 0.08, 8, 4), 0.004, STEEL)
+    operators = assemble(plate, Rotor(0.1, 0.7), Effects(large_deflection=True))
+    speeds = np.linspace(0.0, rpm(12000), 5)
+    found = campbell(operators, speeds, 4)
+    alone = solve_modes(operators, speeds[-1], 4)
+    np.testing.assert_allclose(found.frequencies_hz[-1], alone.frequencies_hz, rtol=1e-8)
+    assert found.families[-1] == families(operators, alone)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "keys"),
+    [([], {}), ([-1.0], {}), ([np.nan], {}), ([1.0], {"count": 0}), ([1.0], {"tolerance": 0.0})],
+)
+def test_bad_sweeps(speeds, keys):
+    with pytest.raises(ValueError, match=r"campbell needs|count must be"):
+        campbell(assemble(paper_plate(4, 2), Rotor(), Effects()), np.array(speeds), **keys)

@@ -1,0 +1,124 @@
+"""The theories against each other, their rates, and the choice among them."""
+
+import numpy as np
+import pytest
+from fem_cases import STEEL, beam_rates, distorted, paper_plate, rpm
+
+from fem import Effects, Material, Plate, Rotor, assemble, choose_theory, families, rectangle, solve_modes
+
+# Euler-Bernoulli and longitudinal vibration of a bar, the smooth problems: nu = 0 has no corner singularities.
+CANTILEVER = np.array([3.516015269, 22.034491565, 61.697214418])
+
+
+def slope(sizes, errors):
+    return -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+@pytest.mark.parametrize(
+    ("theory", "triangles", "sizes", "order"),
+    [
+        ("kirchhoff/bfs", False, (4, 6, 8), 4.0),
+        ("kirchhoff/argyris", True, (3, 4), 8.0),
+        ("kirchhoff/morley", True, (10, 20, 40), 2.0),
+        ("mindlin", False, (4, 6, 8, 12), 4.0),
+        ("mindlin", True, (6, 8, 12, 16), 4.0),
+    ],
+)
+def test_bending_rates(theory, triangles, sizes, order):
+    """Squared frequencies converge as h^2(p + 1 - m), p the degree of what is complete, m the order of energy."""
+    errors = []
+    for n in sizes:
+        shape = {"width": 0.5, "height": 1e-4, "nx": n, "ny": max(1, n // 2), "triangles": triangles}
+        (found,) = beam_rates(theory, "flap", [0.0], **shape)
+        errors.append(abs(found[1] / CANTILEVER[1] - 1.0))
+    assert slope(sizes, errors) > order - 0.4
+    assert errors[-1] < {8.0: 1e-6, 4.0: 2e-4, 2.0: 3e-3}[order]
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+@pytest.mark.parametrize("triangles", [False, True])
+def test_membrane_rates(theory, triangles):
+    """Longitudinal vibration, omega = pi/2L sqrt(E/rho) at nu = 0: quadratic elements converge as h^4."""
+    sizes, errors = (2, 3, 4), []
+    for n in sizes:
+        mesh = rectangle(1.0, 0.5, n, max(1, n // 2))
+        plate = Plate(mesh.to_meshtri() if triangles else mesh, 0.3, Material(2e11, 0.0, 7850.0))
+        operators = assemble(plate, Rotor(), Effects(rotary_inertia=False), theory)
+        modes = solve_modes(operators, 0.0, 8)
+        axial = modes.frequencies_hz[families(operators, modes).index("axial")]
+        errors.append(abs(axial / (0.25 * np.sqrt(2e11 / 7850.0)) - 1.0))
+    assert slope(sizes, errors) > 3.6
+    assert errors[-1] < 1e-4
+
+
+@pytest.mark.parametrize("kind", ["quads", "triangles"])
+def test_thin_mindlin_tends_to_kirchhoff(kind):
+    mesh = distorted(rectangle(0.2, 0.1, 12, 6), 0.004)
+    plate = Plate(mesh if kind == "quads" else mesh.to_meshtri(), 1e-4, STEEL)
+    thin, thick = (
+        solve_modes(assemble(plate, Rotor(0.1), Effects(), theory), 30.0, 5).frequencies_hz
+        for theory in ("kirchhoff", "mindlin")
+    )
+    np.testing.assert_allclose(thick, thin, rtol=2e-3)
+
+
+def test_morley_comes_from_below():
+    square = Plate(rectangle(1.0, 1.0, 8, 8).to_meshtri(), 1e-3, STEEL)
+    low, high = (
+        solve_modes(assemble(square, Rotor(), Effects(), f"kirchhoff/{e}"), 0.0, 4).frequencies_hz
+        for e in ("morley", "argyris")
+    )
+    assert (low < high).all()
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+def test_quads_and_triangles_agree(theory):
+    """One plate, two kinds of mesh, at speed and under stagger: within the meshes' errors."""
+    mesh = rectangle(0.2, 0.08, 10, 4)
+    found = [
+        solve_modes(assemble(Plate(m, 0.004, STEEL), Rotor(0.1, 0.6), Effects()), rpm(6000), 4).frequencies_hz
+        for m in (mesh, mesh.to_meshtri())
+    ]
+    np.testing.assert_allclose(found[0], found[1], rtol=4e-3)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+def test_turned_over_is_the_same_plate(theory):
+    """Mirroring the stagger mirrors the plate: the frequencies stay."""
+    left, right = (
+        solve_modes(
+            assemble(paper_plate(8, 4), Rotor(0.1, angle), Effects(large_deflection=True), theory), rpm(9000), 4
+        ).frequencies_hz
+        for angle in (0.5, -0.5)
+    )
+    np.testing.assert_allclose(left, right, rtol=1e-9)
+
+
+def test_choice_follows_thickness():
+    names = {}
+    for h in (1e-5, 0.01, 0.05):
+        name, why = choose_theory(Plate(rectangle(0.2, 0.08, 4, 2), h, STEEL))
+        names[h] = name
+        assert why
+    assert names == {1e-5: "kirchhoff", 0.01: "mindlin", 0.05: "solid"}
+    plate = paper_plate(4, 2)
+    assert assemble(plate, Rotor(), Effects(), "auto").model.theory == "mindlin"
+
+
+def test_choice_keeps_its_word():
+    """Where thin-plate theory is chosen for an accuracy, it is that close to Mindlin's in twist."""
+    plate = Plate(rectangle(0.2, 0.08, 20, 8), 0.08 / 350, STEEL)
+    name, _ = choose_theory(plate, accuracy=1e-3)
+    assert name == "kirchhoff"
+    thin, thick = (
+        solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 2).frequencies_hz for t in ("kirchhoff", "mindlin")
+    )
+    np.testing.assert_allclose(thin, thick, rtol=2e-3)
+
+
+def test_refusals():
+    skew = Plate(distorted(rectangle(0.2, 0.08, 4, 3), 0.004), 0.01, STEEL)
+    with pytest.raises(ValueError, match="rectangles"):
+        assemble(skew, Rotor(), Effects(), "kirchhoff/bfs")
+    with pytest.raises(ValueError, match="theory must be"):
+        assemble(skew, Rotor(), Effects(), "reissner")

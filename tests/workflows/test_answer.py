@@ -1,0 +1,87 @@
+"""The words above the table must say what the table says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import workflows
+from workflows.answer import answer, ball_capacity, moves
+from workflows.records import Results
+
+BASE = """
+title = "words"
+[structure]
+frequency = "269.5 Hz"
+mass = "1 kg"
+[rotor]
+speeds = [{speeds}]
+radius = "0.2 m"
+[damper]
+mass_ratio = 0.006
+radius = "1 mm"
+cavity = [{cavity}]
+restitution = 0.5
+friction = 0.3
+rolling_friction = "0.1 mm"
+damping_ratio = {zeta}
+[release]
+displacement = [{release}]
+"""
+
+
+def results(tmp_path: Path, **changes: str) -> Results:
+    values = {
+        "speeds": '"3500 rpm", "10000 rpm"',
+        "cavity": '"2.5 mm", "2.4 mm"',
+        "zeta": "0.01",
+        "release": '"20 mm", "5 mm"',
+    }
+    (tmp_path / "scene.toml").write_text(BASE.format(**(values | changes)))
+    return workflows.run(workflows.load(tmp_path / "scene.toml"))
+
+
+def text(found: Results) -> str:
+    said = answer(found)
+    return " ".join([said.verdict, *said.sentences])
+
+
+def test_a_ball_that_rolls_without_hitting_moves(tmp_path: Path) -> None:
+    found = results(tmp_path, cavity='"100 mm", "100 mm"')
+    assert all(p.damping.impacts == 0 and moves(p) for p in found.speeds)
+    assert "never moves" not in text(found)
+
+
+def test_the_load_that_holds_the_ball_is_named(tmp_path: Path) -> None:
+    found = results(tmp_path, release='"2 mm", "0 mm"')
+    assert [moves(p) for p in found.speeds] == [True, False]
+    low, high = (f"{p.load_g:.0f} g" for p in found.speeds)
+    said = text(found)
+    assert f"moves up to a load of {low}; at {high}" in said
+    assert "still moves there" not in said
+
+
+def test_a_dead_speed_takes_no_part_in_the_capacities(tmp_path: Path) -> None:
+    found = results(tmp_path, release='"2 mm", "0 mm"')
+    assert ball_capacity(found.speeds[1]) is None
+    assert "takes 0 to" not in text(found)
+
+
+def test_a_ball_without_room(tmp_path: Path) -> None:
+    assert "fills its cavity" in text(results(tmp_path, cavity='"2 mm", "2 mm"'))
+
+
+@pytest.mark.parametrize("speed", ["200 rpm", "3500 rpm"])
+def test_cutoff_is_never_far_from_the_threshold(tmp_path: Path, speed: str) -> None:
+    """Both axes at the threshold give at most √2 μ_r/r; a run that ends earlier has no cut-off to report."""
+    point = results(tmp_path, speeds=f'"{speed}"', zeta="0").speeds[0]
+    assert point.damping.cutoff_ratio is None or 0.1 <= point.damping.cutoff_ratio <= 0.1 * 2**0.5 * 1.01
+
+
+def test_no_load_ends_when_the_vibration_has_died_out(tmp_path: Path) -> None:
+    damping = results(tmp_path, speeds='"0 rpm"').speeds[0].damping
+    assert "died out" in damping.outcome
+    assert damping.cutoff_g is None
+    assert damping.peak_sdc < 0.5
+    assert len(damping.sdc) < 1000
