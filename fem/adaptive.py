@@ -39,17 +39,17 @@ REFERENCE = 0.65
 ROUGH = 1e-4
 """Residual of the modes a basis begins with; the bounds see what they lack."""
 
-AIM = 0.3
+AIM = 0.6
 """Part of the tolerance that is aimed at in training, so that the other speeds meet it too."""
 
-MOST_KNOWN = 100
-"""Modes at the reference speed that are tried to find a gap above the wanted ones."""
+SPARES = (1, 4, 16, 64)
+"""Modes beyond the wanted ones among which a gap is sought, in turn."""
 
 NEAR = 0.3
 """Least ratio of stiffness to that at the reference for which more modes, not a nearer reference, are tried."""
 
-NARROW = 1e-6
-"""Relative width of a range of speeds that is not halved any more."""
+HALVINGS = 6
+"""How often a range of speeds is halved at most."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,32 @@ def answer(
     count: int,
     tolerance: float,
     damping_ratio: float,
-    spare: int = bounds.SPARE,
+    halvings: int = HALVINGS,
 ) -> list[Answer]:
-    """Answer speeds (k,) from one reduced basis, or from one for each half."""
+    """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
+
+    Raises Divergence when a speed is found to be beyond the critical one.
+    """
+    for spare in SPARES:
+        basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
+        if (found.bounds <= max(tolerance, 4.0 * basis.rounding)).all() or omega.size == 1:
+            return [_collect(operators, basis, found, count, damping_ratio)]
+        if not gapless:
+            break
+    if halvings == 0:
+        return [_collect(operators, basis, found, count, damping_ratio)]
+    half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
+    return [
+        part
+        for piece in (omega[:half], omega[half:])
+        for part in answer(operators, piece, count, tolerance, damping_ratio, halvings - 1)
+    ]
+
+
+def _grow(
+    operators: Operators, omega: Array, count: int, tolerance: float, spare: int
+) -> tuple[ReducedBasis, bounds.ReducedModes, bool]:
+    """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""
     reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
     known = count + spare + 1
     modes = solve_real(operators, reference, operators.at(reference), known, tolerance=ROUGH)
@@ -90,7 +113,7 @@ def answer(
         if (trial.bounds <= AIM * tolerance).all():
             found = bounds.solve(basis, omega, count)
             if (found.bounds <= tolerance).all():
-                return [_collect(operators, basis, found, count, damping_ratio)]
+                return basis, found, False
             training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
             trial = bounds.solve(basis, training, count)
         if trial.diverged.any():
@@ -101,16 +124,7 @@ def answer(
             break
         basis = enrich(operators, modes, basis, more)
     gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
-    if gapless.any() and modes.eigenvalues.size == known < MOST_KNOWN:
-        return answer(operators, omega, count, tolerance, damping_ratio, 4 * spare)
-    if omega[-1] - omega[0] <= NARROW * omega[-1]:
-        return [_collect(operators, basis, bounds.solve(basis, omega, count), count, damping_ratio)]
-    half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
-    return [
-        part
-        for piece in (omega[:half], omega[half:])
-        for part in answer(operators, piece, count, tolerance, damping_ratio)
-    ]
+    return basis, bounds.solve(basis, omega, count), bool(gapless.any())
 
 
 def _collect(

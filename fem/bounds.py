@@ -13,7 +13,9 @@ shown in two steps, at each speed and for reduced modes x_j with residuals r_j:
 2. Error. In the inverse form T z = z / w of the problem (see `fem.gyroscopic`), self-adjoint in the energy, the p
    modes couple to the rest by rho_j = |r_j| / |z_j|, in K^-1 and energy norms. Outside them T does not exceed
    u = 1/w_gap + sum_j rho_j² / (w_j² (1/w_j - 1/w_gap)), and so no 1/w_i is larger than its reduced value by more
-   than p rho_i² / (1 - u w_i), relatively. What rounding leaves uncertain is added.
+   than p rho_i² / (1 - u w_i), relatively: R'R for the residuals R of p modes is at most p times its diagonal.
+   It is also at most c times its entry i and c / (c - 1) times (p - 1) the others, so that c does for p where the
+   higher modes are so far that this does not bring them down to mode i. What rounding leaves uncertain is added.
 
 The residuals' norm in K(Omega)^-1 is at most that in K_r^-1 over sqrt(1 + d stretch). Taken on trust are that
 Lanczos found all modes at the reference speed and the largest stretch there. Sources: Haynsworth, Linear
@@ -35,8 +37,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-SPARE = 1
-"""Modes beyond the wanted ones among which a gap is sought, to begin with."""
+ALONE = 1.5
+"""The factor c of a mode that stands alone."""
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,20 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.where(inside, residuals**2 / (rates * (1.0 - rates / gap[:, None])), 0.0)
         top = 1.0 / gap + spread.sum(axis=1)
-        error = last[:, None] * residuals**2 / (1.0 - top[:, None] * rates)
+        amount = np.where(inside, residuals**2 / (1.0 - top[:, None] * rates), 0.0)
+        error = _factor(rates, amount, last, inside) * amount
         good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
     bounds = np.where(good, error + basis.rounding, np.inf)[:, :wanted]
     return ReducedModes(omega, rates, vectors, residuals, bounds, diverged, floor)
+
+
+def _factor(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+    """What multiplies each mode's amount rho² / (1 - u w), (k, q): ALONE, or p where higher modes are too near."""
+    others = 1.0 + ALONE / (ALONE - 1.0) * (last[:, None] - 1) * amount
+    lowered = np.where(inside, rates / others, np.inf)
+    above = np.minimum.accumulate(lowered[:, ::-1], axis=1)[:, ::-1]
+    clear = np.hstack([above[:, 1:], np.full((len(rates), 1), np.inf)]) > rates
+    return np.where(clear, ALONE, last[:, None])
 
 
 def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:

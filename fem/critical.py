@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.solver import factorise, krylov, random_block
+from fem.solver import factorise, krylov, lanczos, random_block
 
 if TYPE_CHECKING:
     from fem.operators import Operators
+
+
+NEVER = 1e-6
+"""A critical speed above this to the power -1/2 times the lowest frequency at rest counts as none."""
 
 
 def critical_speed(operators: Operators) -> float:
@@ -22,5 +26,6 @@ def critical_speed(operators: Operators) -> float:
     loss = -operators.spinning
     factor = factorise(operators.stiffness)
     start = factor.solve(loss @ random_block(loss.shape[0]))
-    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.stiffness, start, 1, np.asarray)
-    return float(values[0] ** -0.5) if values[0] > 0.0 else np.inf
+    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.stiffness, start, 1, np.asarray, floor=NEVER)
+    rest, _ = lanczos(factor, operators.mass, 1)
+    return float(values[0] ** -0.5) if values[0] > NEVER / rest[0] else np.inf

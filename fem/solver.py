@@ -83,12 +83,14 @@ def krylov(
     rank: Callable[[Array], Array],
     skew: bool = False,
     tolerance: float = CONVERGED,
+    floor: float = 0.0,
 ) -> tuple[Array, Any]:
     """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
 
     apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b).
     rank: how much each eigenvalue is wanted. skew: the operator T is skew-adjoint and the eigenvalues are
-    those of iT, with complex vectors.
+    those of iT, with complex vectors. tolerance: on residuals relative to their eigenvalues, or to floor times the
+    largest eigenvalue if that is more.
     Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight.
     """
     n = start.shape[0]
@@ -106,7 +108,8 @@ def krylov(
         values, vectors = np.linalg.eigh(0.5 * unit * (projected + sign * projected.T))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
-        enough = order.size == count and bool((residual <= tolerance * np.abs(values[order])).all())
+        scale = np.maximum(np.abs(values[order]), floor * np.abs(values).max())
+        enough = order.size == count and bool((residual <= tolerance * scale).all())
         if enough or block.shape[1] == 0 or m >= n:
             return values[order], basis @ vectors[:, order]
 

@@ -1,6 +1,9 @@
 """Campbell diagrams: bounds that hold, whatever is swept, and modes that are followed."""
 
-import time
+import json
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,23 +104,17 @@ def test_double_modes_are_found_whole():
 
 
 def test_a_thousand_speeds_for_the_price_of_one():
-    """In processor time, on a mesh whose six frequencies are good to 1e-3."""
-    plate, speeds = paper_plate(28, 11), np.linspace(0.0, TOP, 1000)
-
-    def one():
-        solve_modes(assemble(plate, Rotor(), Effects()), TOP, 6)
-
-    def thousand():
-        campbell(operators, speeds, 6)
-
-    operators = assemble(plate, Rotor(), Effects())
-    times = {one: [], thousand: []}
-    for _ in range(5):
-        for work, taken in times.items():
-            start = time.process_time()
-            work()
-            taken.append(time.process_time() - start)
-    assert min(times[thousand]) <= 1.5 * min(times[one])
+    """In processor time, assembly included, on a mesh whose six frequencies are good to 1e-3."""
+    script = Path(__file__).parents[1] / "benchmarks" / "price_of_speed.py"
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    times = json.loads(done.stdout)
+    assert times["thousand_speeds_s"] <= 1.5 * times["one_solve_s"]
+    assert times["largest_bound"] <= 1e-6
+    fine, coarse = (
+        solve_modes(assemble(paper_plate(*cells), Rotor(), Effects()), 0.0, 6).frequencies_hz
+        for cells in ((56, 22), (28, 11))
+    )
+    np.testing.assert_allclose(coarse, fine, rtol=1e-3)
 
 
 def test_families_and_branches_through_a_crossing():
@@ -163,12 +160,13 @@ def test_critical_speed():
     assert critical == pytest.approx(rest, rel=1e-4)  # not all mass moves across the axis
     found = campbell(operators, np.linspace(0.0, 1.5 * critical, 31), 3)
     assert (found.omega < critical).all()
-    assert (found.diverged >= critical).all()
+    assert (found.diverged >= (1.0 - 1e-8) * critical).all()
     assert found.omega.size + found.diverged.size == 31
     with pytest.raises(Divergence) as caught:
         campbell(operators, np.linspace(1.1, 2.0, 3) * critical, 3)
     assert caught.value.eigenvalue < 0.0
     assert critical_speed(assemble(paper_plate(8, 4), Rotor(), Effects())) == np.inf
+    assert critical_speed(assemble(paper_plate(8, 4), Rotor(), Effects(False, False))) == np.inf
 
 
 def test_large_deflection_sweep():
