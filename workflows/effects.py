@@ -8,9 +8,6 @@ from dataclasses import dataclass
 from workflows.errors import BadInput, NotAvailable
 from workflows.scene import Scene
 
-NOT_YET = ("coriolis", "large_deflection")
-"""Effects that a scene can name and this version cannot simulate."""
-
 
 @dataclass(frozen=True)
 class Effect:
@@ -50,19 +47,16 @@ def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
     """Every effect of the scene, decided.
 
     Raises:
-        NotAvailable: the scene insists on an effect that this version does not have.
-        BadInput: it insists on one that its own values rule out.
+        BadInput: the scene insists on an effect that its own values rule out.
     """
     decided = {}
     for name, rule in RULES.items():
         asked = getattr(scene.effects, name)
         called, why = rule(scene)
-        if asked is True and name in NOT_YET:
-            raise NotAvailable("not available yet", file=file, key=f"[effects] {name}", value=True)
         if asked is True and name == "ball_slip":
             _check_slip(scene, file)
         if asked == "auto":
-            decided[name] = Effect(called and name not in NOT_YET, why)
+            decided[name] = Effect(called, why)
         elif asked is True:
             decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
         else:
@@ -115,8 +109,11 @@ def _coriolis(scene: Scene) -> tuple[bool, str]:
     if scene.plate is None or not _spins(scene):
         return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
     if abs(math.sin(scene.rotor.stagger)) > 1e-9:
-        return True, "not available yet; with stagger it couples bending to stretching, weakly for a thin plate"
-    return False, "at stagger 0 it couples in-plane modes only (and it is not available yet)"
+        return False, (
+            "the plate is staggered: Coriolis forces couple its bending to motion in its plane, by some parts in a"
+            " thousand of a frequency at high speed; coriolis = true takes them in, with complex modes"
+        )
+    return False, "at stagger 0 it couples motions in the plate's plane only, and leaves bending alone"
 
 
 def _large_deflection(scene: Scene) -> tuple[bool, str]:
@@ -125,10 +122,7 @@ def _large_deflection(scene: Scene) -> tuple[bool, str]:
     if not bends(scene):
         return False, "the centrifugal load lies in the plate's own plane and does not bend it"
     degrees = math.degrees(scene.rotor.stagger)
-    return True, (
-        f"called for, and not available yet: at a stagger of {degrees:g} degrees the load twists the plate;"
-        " the modes are those about the flat plate"
-    )
+    return True, f"at a stagger of {degrees:g} degrees the load twists the plate; the modes are those about that state"
 
 
 def _rotary_inertia(scene: Scene) -> tuple[bool, str]:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable
 
 from workflows import notes_plate
-from workflows.effects import NOT_YET
 from workflows.records import Damping, Reduced, Results, SpeedPoint
 from workflows.wording import significant
 
@@ -38,13 +37,12 @@ def _capped(results: Results) -> str | None:
     return None
 
 
-def _not_yet(results: Results) -> str | None:
-    texts = [
-        f"{name.replace('_', ' ')}: {results.effects[name].why}".capitalize()
-        for name in NOT_YET
-        if "called for" in results.effects[name].why
-    ]
-    return "; ".join(texts) + "." if texts else None
+def _left_out(results: Results) -> str | None:
+    """Coriolis forces, where stagger gives them something to do and the scene does not ask for them."""
+    effect = results.effects["coriolis"]
+    if effect.on or results.scene.plate is None or not math.sin(results.scene.rotor.stagger):
+        return None
+    return f"Coriolis forces are left out: {effect.why}."
 
 
 def _floor_tilt(results: Results) -> str | None:
@@ -160,7 +158,7 @@ def _two_axes(results: Results) -> str | None:
 
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _capped,
-    _not_yet,
+    _left_out,
     _floor_tilt,
     _books,
     _work_bound,

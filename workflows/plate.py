@@ -11,7 +11,7 @@ from workflows import effects as rules
 from workflows import plate_mesh
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
-from workflows.records import Mode, Reduced, SpeedPoint, Surface
+from workflows.records import Floats, Mode, Reduced, SpeedPoint, Surface
 from workflows.ringdowns import rpm
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -148,13 +148,17 @@ def _points(
     for modes, parameters in zip(every, reduced, strict=True):
         errors = estimate_error(operators, modes, discrete.other)
         rows = zip(modes.frequencies_hz, families(operators, modes), errors, strict=True)
+        ratios = modes.damping_ratios if np.iscomplexobj(modes.shapes) else [None] * len(errors)
         points.append(
             SpeedPoint(
                 omega=modes.omega,
                 rpm=rpm(modes.omega),
                 radius=radius,
                 load_g=modes.omega**2 * radius / rotor.gravity,
-                modes=tuple(Mode(float(f), family, float(error)) for f, family, error in rows),
+                modes=tuple(
+                    Mode(float(f), family, float(error), None if ratio is None else float(ratio))
+                    for (f, family, error), ratio in zip(rows, ratios, strict=True)
+                ),
                 reduced=parameters,
             )
         )
@@ -165,11 +169,19 @@ def _surface(operators: fem.Operators, every: list[fem.Modes]) -> Surface:
     from fem import displacement
 
     kept = _kept(len(every))
-    shapes = displacement(operators, np.hstack([every[number].shapes for number in kept]))
+    shapes = displacement(operators, np.hstack([_upright(every[number].shapes) for number in kept]))
     mesh = operators.plate.mesh
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
+
+
+def _upright(shapes: Floats) -> Floats:
+    """Complex shapes at the phase at which their largest unknown peaks; real ones as they are."""
+    if not np.iscomplexobj(shapes):
+        return shapes
+    largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
+    return np.asarray((shapes * (np.abs(largest) / largest)).real)
 
 
 def _kept(count: int) -> tuple[int, ...]:

@@ -15,11 +15,15 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Mode:
-    """A mode of the plate at one speed; the error is the relative one of the mesh, None where unknown."""
+    """A mode of the plate at one speed.
+
+    The error is the relative one of the mesh, None where unknown; the damping ratio is that of a complex mode.
+    """
 
     frequency_hz: float
     family: str
     error_estimate: float | None = None
+    damping_ratio: float | None = None
 
 
 @dataclass(frozen=True)

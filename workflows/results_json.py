@@ -59,11 +59,12 @@ def _speed(point: SpeedPoint) -> dict[str, Any]:
 
 
 def _mode(mode: Mode) -> dict[str, Any]:
-    return {
+    entry = {
         "frequency_hz": _number(mode.frequency_hz),
         "family": mode.family,
         "error_estimate": _number(mode.error_estimate),
     }
+    return entry if mode.damping_ratio is None else entry | {"damping_ratio": _number(mode.damping_ratio)}
 
 
 def _reduced(reduced: Reduced) -> dict[str, Any]:

@@ -11,7 +11,6 @@ import pytest
 
 from tests.workflows.conftest import Scene, changed, write
 from workflows import effects, resolved
-from workflows.errors import NotAvailable
 from workflows.scene_file import SHIPPED, load, parse, shipped, slug
 from workflows.scene_schema import schema
 
@@ -109,17 +108,11 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     assert not any(effect.on for effect in smooth.values())
 
 
-def test_an_effect_called_for_but_missing_is_said(paper: Scene) -> None:
-    decided = effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))
-    for name in set(effects.NOT_YET) & {"large_deflection"}:
-        assert not decided[name].on
-        assert "not available yet" in decided[name].why
-
-
-@pytest.mark.parametrize("name", effects.NOT_YET)
-def test_asking_for_a_missing_effect_is_an_error(paper: Scene, name: str) -> None:
-    with pytest.raises(NotAvailable, match="not available yet"):
-        effects.resolve(parse(changed(paper, effects={name: True})))
+def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
+    assert effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))["large_deflection"].on
+    assert not effects.resolve(parse(changed(paper, rotor__stagger="90 deg")))["large_deflection"].on
+    assert not effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))["coriolis"].on
+    assert effects.resolve(parse(changed(paper, effects={"coriolis": True})))["coriolis"].on
 
 
 def test_switches_override_the_rules(paper: Scene) -> None:
