@@ -66,6 +66,8 @@ def work_bound(damper: ParticleDamper, amplitude: float) -> float:
     |s| at most half the clearance, while u'' sweeps four times its amplitude: 4 (m_p / M2) clearance / amplitude to
     leading order in the mass ratio, whatever restitution, friction or the number of bounces.
     """
+    if not amplitude > 0:
+        raise ValueError(f"amplitude must be positive, got {amplitude:g}")
     return 4 * damper.ball_mass / damper.modal_mass * 2 * damper.half_gap[0] / amplitude
 
 

@@ -63,6 +63,8 @@ def validate(rows: Parameters) -> None:
         "floor_friction",
     ):
         _require(rows[name] >= 0, name, rows[name], "≥ 0")
+    for name in ("friction", "floor_friction"):
+        _require(rows[name] <= 1e6, name, rows[name], "at most 1e6")
     e, zeta = rows["restitution"], rows["damping_ratio"]
     _require((e >= 0) & (e <= 1), "restitution", e, "between 0 and 1")
     _require(zeta < 1, "damping_ratio", zeta, "at least 0 and below 1")

@@ -39,6 +39,8 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     """
     if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
         raise ValueError(f"cycles must be positive, got {cycles:g}")
+    if not (math.isfinite(max_cycles) or cycles is not None) or max_cycles <= 0:
+        raise ValueError(f"max_cycles must be positive and finite, got {max_cycles:g}")
     if not np.isfinite(start).all():
         raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
     axes = np.zeros((len(rows), 2), AXIS)

@@ -128,6 +128,8 @@ def ringdown(
     """
     from damper import engine
 
+    if max_events < 1:
+        raise ValueError(f"max_events must be at least 1, got {max_events}")
     start = np.array([[release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity]], dtype=np.float64)
     parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)

@@ -51,6 +51,8 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
     if ringdown.rows is None:
         raise ValueError("the ring-down kept no events: call ringdown(..., keep_events=True)")
     time = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if time.ndim != 1:
+        raise ValueError(f"times must have shape (n,), got {time.shape}")
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
     rows = ringdown.damper.parameters

@@ -32,7 +32,7 @@ VERDICTS = {
     "S2-rotation": Verdict.REPRODUCED,
     "F2-decay": Verdict.PARTLY,
     "F3-level": Verdict.NOT,
-    "F3-trend": Verdict.REPRODUCED,
+    "F3-trend": Verdict.PARTLY,
     "F3-stops": Verdict.REPRODUCED,
     "F4-linear": Verdict.REPRODUCED,
     "F4-rises": Verdict.REPRODUCED,
