@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 ITERATIONS = 25
 """Newton steps before the load is taken in smaller parts."""
 
-CONVERGED = 1e-20
-"""Energy of the last Newton step relative to that of the load."""
+CONVERGED = 1e-14
+"""Energy of the last Newton step relative to that of the load; what is then left is of the order of its square."""
 
-STALLED = 1e-12
+STALLED = 1e-10
 """Energy from which a step that gains nothing on the one before counts as rounding."""
 
 SMALLEST_PART = 1e-3

@@ -111,15 +111,16 @@ def _below_critical(
 def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_ratio: float) -> list[Answer]:
     """Solve each speed (k,) in full, its static state starting from the one before, until one diverges."""
     parts: list[Answer] = []
-    state = None
+    path: list[tuple[float, Array]] = []
     for speed in map(float, omega):
         try:
-            modes = solve_modes(operators, speed, count + 1, start=state, damping_ratio=damping_ratio)
+            modes = solve_modes(operators, speed, count + 1, start=_ahead(path, speed), damping_ratio=damping_ratio)
         except (Divergence, NoEquilibrium):
             if not parts:
                 raise
             break
-        state = modes.state
+        if modes.state is not None:
+            path = [*path[-1:], (speed**2, modes.state)]
         rates = np.sqrt(modes.eigenvalues)[None, :count]
         shares = energy_shares(operators, modes.shapes[:, :count])[None]
         error = np.full_like(rates, CONVERGED)
@@ -127,6 +128,14 @@ def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_rati
         one = np.eye(modes.shapes.shape[1])[None]
         parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False))
     return parts
+
+
+def _ahead(path: list[tuple[float, Array]], speed: float) -> Array | None:
+    """Where the last one or two states, each with its Omega², lead to at a speed in rad/s."""
+    if len(path) < 2:
+        return path[-1][1] if path else None
+    (before, first), (now, second) = path
+    return second + (speed**2 - now) / (now - before) * (second - first)
 
 
 def _likeness(operators: Operators, parts: list[Answer]) -> Array:
