@@ -1,10 +1,11 @@
 """Plates that spin: prestress, modes, and the reduced mass and stiffness at a damper's place.
 
-    from fem import Effects, Material, Plate, Rotor, assemble, rectangle, solve_modes
+    from fem import Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
 
-    plate = Plate(rectangle(0.2, 0.08, 20, 8), 0.01, Material(184.5e9, 0.3, 7850.0))
-    operators = assemble(plate, Rotor(), Effects())
-    solve_modes(operators, omega=1047.2).frequencies_hz
+    plate = Plate(rectangle(0.2, 0.08, 20, 8), 0.01, Material(182.6e9, 0.3, 7850.0))
+    operators = assemble(plate, Rotor(), Effects(), theory="mindlin")
+    solve_modes(operators, omega=1047.2).frequencies_hz          # one speed
+    campbell(operators, np.linspace(0.0, 1832.6, 1000)).bounds   # a thousand, each with a bound on its error
 
 Everything is in SI units, angular speeds in rad/s. The names below are imported when first used.
 """

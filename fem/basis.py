@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.solver import orthonormal
+from fem.solver import orthonormal, rounding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,11 +26,8 @@ if TYPE_CHECKING:
 SAFETY = 2.0
 """Factor on the largest stiffening outside the basis, which is an estimate from within."""
 
-ROUNDING = 16.0 * float(np.finfo(float).eps)
-"""Error of a quadratic form relative to the root of its terms' sum of squares: rounding is random."""
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReducedBasis:
     """Small matrices over a basis (n, r) that is orthonormal in the mass.
 
@@ -66,9 +63,8 @@ def begin(operators: Operators, modes: Modes) -> ReducedBasis:
     """Make the basis of real modes at one speed; the last of them only says what lies above the basis."""
     shapes = modes.shapes[:, :-1]
     images, representers = _columns(operators, modes, shapes, operators.mass @ shapes)
-    squares = operators.at(modes.omega).power(2) @ shapes**2
-    spread = np.sqrt(np.einsum("nr,nr->r", shapes**2, squares)) / modes.eigenvalues[:-1]
-    return _project(operators, modes, shapes, images, representers, ROUNDING * float(spread.max()))
+    uncertain = rounding(operators.at(modes.omega), shapes, modes.eigenvalues[:-1])
+    return _project(operators, modes, shapes, images, representers, float(uncertain.max()))
 
 
 def enrich(operators: Operators, modes: Modes, basis: ReducedBasis, more: Array) -> ReducedBasis:
@@ -102,7 +98,7 @@ def _project(
     vectors: Array,
     images: tuple[Array, ...],
     representers: tuple[Array, ...],
-    rounding: float,
+    uncertain: float,
 ) -> ReducedBasis:
     elastic, heavy, spinning, *turning = images
     r = vectors.shape[1]
@@ -125,7 +121,7 @@ def _project(
         known=modes.eigenvalues,
         stretch=_extremes(gram[:r, r : 2 * r], gram[:r, :r]),
         stretch_outside=SAFETY * max(map(abs, _extremes(left.T @ (operators.spinning @ left), outside[:r, :r]))),
-        rounding=rounding,
+        rounding=uncertain,
     )
 
 

@@ -41,7 +41,7 @@ ALONE = 1.5
 """The factor c of a mode that stands alone."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReducedModes:
     """Reduced modes at several speeds.
 

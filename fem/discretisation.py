@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layer:
     """One point of the integration through the thickness.
 
@@ -37,7 +37,7 @@ class Layer:
     quadratic: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Space:
     """A scalar finite-element space: a scikit-fem basis and the numbers of its unknowns.
 
@@ -94,7 +94,7 @@ def number(
     return tables, start
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Discretisation:
     """A plate in one theory.
 

@@ -19,7 +19,7 @@ CLAMPED = -1
 """Number of an unknown that is held at zero."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Block:
     """Fields that depend on the same unknowns.
 
@@ -36,7 +36,7 @@ class Block:
         return int(self.table.shape[2])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fields:
     """An ordered set of scalar fields, block after block, with the integration weights of their points.
 

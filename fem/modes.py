@@ -34,7 +34,7 @@ class Divergence(ArithmeticError):
         self.count = count
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
     """Modes at a speed omega (rad/s).
 

@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Operators:
     """A plate's matrices over its n free unknowns, SI units; Omega in rad/s.
 
     K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
     gyroscopic: G, the Coriolis force is -Omega G times the velocity.
-    load: the centrifugal load (n,) per Omega². prestress: the displacement (n,) it causes, per Omega².
+    load: the centrifugal load (n,) per Omega², zero where nothing asks for it. prestress: the displacement (n,) it
+    causes, per Omega².
     """
 
     plate: Plate
@@ -54,7 +55,7 @@ class Operators:
         return total if self.softening is None else sparse(total - self.softening)
 
     def at(self, omega: float) -> csc_array:
-        """K(Omega), (n, n)."""
+        """K(Omega), (n, n), its prestress linear in Omega²; `fem.statics.tangent` has that of a large deflection."""
         if self.geometric is None and self.softening is None:
             return self.stiffness
         total: csc_array = (self.stiffness + omega**2 * self.spinning).tocsc()
@@ -69,9 +70,10 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     model = discretise(plate, theory, effects.rotary_inertia)
     density = plate.material.density
     stiffness = forms.elastic_stiffness(model)
-    load = forms.centrifugal_load(model, density, rotor)
+    load = np.zeros(model.dofs)
     prestress = geometric = softening = gyroscopic = None
     if effects.stress_stiffening:
+        load = forms.centrifugal_load(model, density, rotor)
         prestress, geometric = _stiffening(model, stiffness, load)
     if effects.spin_softening:
         softening = forms.inertia(model, density, rotor.projector)
@@ -107,10 +109,10 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     load = mass * (rows.T @ (rotor.projector @ place))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
-        "load": operators.load + load,
     }
     if operators.prestress is not None and operators.geometric is not None:
         prestress, geometric = _stiffening(model, operators.stiffness, load)
+        changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
     if operators.softening is not None:

@@ -59,7 +59,7 @@ class Material:
         return c
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plate:
     """A flat plate of constant thickness, clamped where its mid-surface has the smallest x.
 

@@ -55,6 +55,8 @@ class Rotor:
 class Effects:
     """What is counted. An effect that is off is neither assembled nor solved for.
 
+    rotary_inertia: that of turning sections, in plates; a solid always has it.
+
     Raises ValueError for large deflection without stress stiffening, which is part of it.
     """
 

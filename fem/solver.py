@@ -31,11 +31,14 @@ NULL = 1e-24
 REFINED = 1e-13
 """Relative energy of a refined mode's error, which is the relative error of its eigenvalue."""
 
+ROUNDING = 16.0 * float(np.finfo(float).eps)
+"""Error of a quadratic form relative to the root of its terms' sum of squares: rounding is random."""
+
 STEPS = 30
 """Steps after which a refined mode is taken to be as good as rounding allows."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Factor:
     """A sparse LU factor with a symmetric ordering and pivots on the diagonal."""
 
@@ -145,6 +148,12 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
         if not keep.any() or values[0] > 0.1:
             break
     return vectors, heavy, column, coupling
+
+
+def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
+    """What double precision leaves uncertain of the frequencies of mass-normalised shapes (n, k), relatively."""
+    squares = stiffness.power(2) @ shapes**2
+    return np.asarray(ROUNDING * np.sqrt(np.einsum("nk,nk->k", shapes**2, squares)) / eigenvalues)
 
 
 def refine(stiffness: csc_array, mass: csc_array, start: Array, target: int, nearby: Factor) -> tuple[float, Array]:

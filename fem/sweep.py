@@ -15,7 +15,7 @@ from fem.adaptive import Answer, answer
 from fem.critical import critical_speed
 from fem.family import FAMILIES, energy_shares
 from fem.modes import Divergence, solve_modes
-from fem.solver import CONVERGED
+from fem.solver import CONVERGED, rounding
 from fem.statics import NoEquilibrium
 from fem.tracking import Veering, follow
 
@@ -31,7 +31,7 @@ SHY = 1e-9
 """Relative distance from the critical speed within which a speed counts as critical."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Campbell:
     """Modes over speed.
 
@@ -122,8 +122,9 @@ def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_rati
         if modes.state is not None:
             path = [*path[-1:], (speed**2, modes.state)]
         rates = np.sqrt(modes.eigenvalues)[None, :count]
-        shares = energy_shares(operators, modes.shapes[:, :count])[None]
-        error = np.full_like(rates, CONVERGED)
+        kept = modes.shapes[:, :count]
+        error = CONVERGED + rounding(operators.at(speed), np.abs(kept), modes.eigenvalues[:count])[None]
+        shares = energy_shares(operators, kept)[None]
         damping = modes.damping_ratios[None, :count]
         one = np.eye(modes.shapes.shape[1])[None]
         parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False))

@@ -25,7 +25,7 @@ GAUSS2 = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
 """Two-point Gauss abscissae on [0, 1]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tying:
     """A reduction on the reference cell.
 

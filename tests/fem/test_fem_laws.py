@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 from fem_cases import STEEL, distorted, paper_plate, rpm
+from skfem import MeshQuad
 
 from fem import (
     Divergence,
@@ -11,6 +13,7 @@ from fem import (
     Plate,
     Rotor,
     assemble,
+    critical_speed,
     displacement,
     families,
     rectangle,
@@ -140,3 +143,48 @@ def test_geometric_stiffness_a_hundred_times_the_elastic():
     elastic = solve_modes(operators, 0.0, 1).eigenvalues[0]
     omega = 10.0 * np.sqrt(elastic)
     assert solve_modes(operators, omega, 1).eigenvalues[0] / omega**2 == pytest.approx(1.0, abs=0.1)
+
+
+def test_an_inward_beam_buckles():
+    """Clamped at the rim and pointing at the axis, a beam is compressed by N = -rho A Omega² (L - s)² / 2.
+
+    The witness is a Ritz solution of the beam in powers of s, from the clamp.
+    """
+    powers = np.arange(2, 12)
+    total, apart = powers[:, None] + powers, np.multiply.outer(powers, powers)
+    bending = apart * np.multiply.outer(powers - 1, powers - 1) / (total - 3)
+    pressing = 0.5 * apart * (1 / (total - 1) - 2 / total + 1 / (total + 1))
+    gamma = np.sqrt(1.0 / scipy.linalg.eigvalsh(pressing, bending)[-1])
+
+    mesh = rectangle(1.0, 0.02, 30, 1).translated((-1.0, 0.0))
+    material, h = Material(2e11, 0.0, 7850.0), 0.001
+    operators = assemble(Plate(mesh, h, material), Rotor(), Effects())
+    unit = np.sqrt(material.youngs_modulus * h**2 / 12.0 / material.density)
+    critical = critical_speed(operators)
+    assert critical / unit == pytest.approx(gamma, rel=1e-3)
+    rest, near = (solve_modes(operators, omega, 1).eigenvalues[0] for omega in (0.0, 0.99 * critical))
+    assert 0.0 < near < 0.05 * rest
+    with pytest.raises(Divergence):
+        solve_modes(operators, 1.01 * critical, 1)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_strongly_graded_mesh(triangles):
+    """Cells from 0.5 mm to 50 mm in one mesh change little."""
+    x = np.concatenate([[0.0], np.cumsum(np.geomspace(1.0, 100.0, 16))])
+    y = np.concatenate([[0.0], np.cumsum(np.geomspace(1.0, 10.0, 8))])
+    mesh = MeshQuad.init_tensor(0.2 * x / x[-1], 0.08 * (y / y[-1] - 0.5))
+    plate = Plate(mesh.to_meshtri() if triangles else mesh, 0.01, STEEL)
+    graded = solve_modes(assemble(plate, Rotor(), Effects()), rpm(10000), 4).frequencies_hz
+    even = solve_modes(assemble(paper_plate(40, 16), Rotor(), Effects()), rpm(10000), 4).frequencies_hz
+    np.testing.assert_allclose(graded, even, rtol=1e-2)
+
+
+@pytest.mark.parametrize(("theory", "tolerance"), [("mindlin", 1e-2), ("kirchhoff", 1e-2), ("solid", 2.5e-2)])
+def test_nearly_incompressible(theory, tolerance):
+    """Little happens to the frequencies as nu tends to 1/2; bricks stiffen by 2 % on this coarse mesh."""
+    found = [
+        solve_modes(assemble(paper_plate(10, 4, Material(2e11, nu, 7850.0)), Rotor(), Effects(), theory), 0.0, 4)
+        for nu in (0.49, 0.4999)
+    ]
+    np.testing.assert_allclose(found[1].frequencies_hz, found[0].frequencies_hz, rtol=tolerance)
