@@ -49,8 +49,10 @@ def _read(path: Path) -> Any:
             return meshio.read(path)
     except SystemExit:
         raise MeshError("not a mesh file that meshio can read") from None
-    except Exception as error:
-        raise MeshError(f"not a readable mesh file ({type(error).__name__}: {error})") from None
+    except meshio.ReadError as error:
+        raise MeshError(f"not a readable mesh file ({str(error) or 'damaged'})") from None
+    except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
+        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
 def _surface(raw: Any) -> Any:
@@ -64,6 +66,10 @@ def _surface(raw: Any) -> Any:
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
         raise MeshError("the file holds no triangles and no quadrilaterals")
+    if min(triangles.min(initial=0), quads.min(initial=0)) < 0 or (
+        max(triangles.max(initial=0), quads.max(initial=0)) >= len(raw.points)
+    ):
+        raise MeshError("a cell names a point that the file does not hold")
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
     used, renumbered = np.unique(cells, return_inverse=True)

@@ -10,6 +10,13 @@ Anything else that reaches the command line is a defect of ours: exit 1.
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable, Mapping
+from datetime import date, time
+from itertools import islice
+
+_LONGEST_KEY = 80
+
 
 class SpindampError(Exception):
     """Base of every error that is not a defect; carries the exit status of the command line."""
@@ -37,7 +44,7 @@ class BadInput(SpindampError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        found = self.key
+        found = self.key if self.key is None or len(self.key) <= _LONGEST_KEY else self.key[:_LONGEST_KEY] + "…"
         if found is not None and self.value is not None:
             found = f"{found} = {shown(self.value)}"
         return one_line(": ".join(part for part in (self.file, found, self.problem) if part))
@@ -54,11 +61,35 @@ class NoAnswer(SpindampError):
 
 
 def shown(value: object, limit: int = 60) -> str:
-    """A value as a user would recognise it, shortened."""
+    """A value as it stands in a scene, shortened."""
+    text = _written(value, limit, 3)
+    return text if len(text) <= limit else text[: limit - 1] + "…"
+
+
+def _written(value: object, limit: int, depth: int) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
-    text = repr(value)
-    return text if len(text) <= limit else text[: limit - 1] + "…"
+    if isinstance(value, int) and value.bit_length() > 64:
+        # Python refuses to write out whole numbers of many digits.
+        return f"{'-' if value < 0 else ''}1e{int(value.bit_length() * 0.30103)}"
+    if isinstance(value, date | time):
+        return value.isoformat()
+    if isinstance(value, str):
+        return repr(value[: limit + 1])
+    if isinstance(value, Mapping):
+        inner = (f"{k} = {_written(v, limit, depth - 1)}" for k, v in islice(value.items(), limit if depth else 0))
+        return "{" + ", ".join(inner) + "}" if depth else "{…}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_written(v, limit, depth - 1) for v in value[:limit]) + "]" if depth else "[…]"
+    return repr(value)
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """A hint for a misspelling, or nothing."""
+    known = list(known)
+    same = [name for name in known if name.lower() == word.lower()]
+    close = same or difflib.get_close_matches(word[:80], known, n=1, cutoff=0.6)
+    return f": did you mean '{close[0]}'?" if close and close[0] != word else ""
 
 
 def one_line(text: str) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.scene_checks import disproportion
 from workflows.scene_file import SceneFile
 
 if TYPE_CHECKING:
@@ -89,8 +90,26 @@ def _from_file(source: SceneFile) -> Any:
     if source.mesh is None:
         raise ValueError("the scene names no mesh")
     try:
-        return read_mesh(source.mesh)
+        mesh = read_mesh(source.mesh)
     except MeshError as error:
         value = source.scene.plate.mesh if source.scene.plate else None
         text = str(error).removeprefix(f"{source.mesh}: ")
         raise BadInput(text, file=source.name, key="[plate] mesh", value=value) from error
+    _check_proportions(source, mesh)
+    return mesh
+
+
+def _check_proportions(source: SceneFile, mesh: Any) -> None:
+    if source.scene.plate is None:
+        return
+    thickness = source.scene.plate.thickness
+    odd = disproportion(thickness, *(float(extent) for extent in np.ptp(mesh.p, axis=1)))
+    if odd is not None:
+        key, problem = odd
+        value = thickness if key == "thickness" else source.scene.plate.mesh
+        raise BadInput(
+            f"{problem} (a mesh is in metres)",
+            file=source.name,
+            key="[plate] thickness" if key == "thickness" else "[plate] mesh",
+            value=value,
+        )

@@ -19,6 +19,7 @@ from workflows.scene_fields import (
     Frequency,
     Length,
     LengthPair,
+    Line,
     LoadPair,
     Mass,
     NotNegative,
@@ -42,7 +43,7 @@ class Plate(Table):
     length: Annotated[Length, Positive] | None = Field(None, description="radial, from the clamped root")
     width: Annotated[Length, Positive] | None = Field(None, description="across, centred on y = 0")
     thickness: Annotated[Length, Positive]
-    mesh: str | None = Field(None, description="mid-surface mesh file, instead of length and width")
+    mesh: Line | None = Field(None, description="mid-surface mesh file, instead of length and width")
     theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = "auto"
     tip_mass: Annotated[Mass, NotNegative] = Field(0.0, description="point mass at the damper's place")
 
@@ -80,6 +81,11 @@ class Rotor(Table):
         units.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
     )
     modes: Annotated[int, Field(ge=1, le=200)] = 6
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        scene_checks.rotor(self)
+        return self
 
 
 class Effects(Table):
@@ -143,7 +149,7 @@ class Accuracy(Table):
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
-    title: Annotated[str, Field(max_length=200)] = "untitled"
+    title: Annotated[Line, Field(max_length=200)] = "untitled"
     plate: Plate | None = None
     material: Material | None = None
     structure: Structure | None = None

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from pydantic_core import PydanticCustomError
 
 if TYPE_CHECKING:
-    from workflows.scene import Damper, Plate, Release, Scene
+    from workflows.scene import Damper, Plate, Release, Rotor, Scene
 
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""
+
+_THINNEST, _SLENDEREST = 1e4, 100.0
+"""Largest ratios of the plate's extent to its thickness, and of its length to its width or the other way round."""
 
 
 def fault(key: str, problem: str) -> PydanticCustomError:
@@ -30,14 +34,37 @@ def planform(plate: Plate) -> None:
     for key in ("length", "width"):
         if getattr(plate, key) is None:
             raise fault(key, "missing (or name a mesh instead of length and width)")
-    if plate.length is not None and plate.thickness >= plate.length:
-        raise fault("thickness", f"expected less than the length, {plate.length:g} m")
+    if plate.length is not None and plate.width is not None:
+        odd = disproportion(plate.thickness, plate.length, plate.width)
+        if odd is not None:
+            raise fault(*odd)
+
+
+def disproportion(thickness: float, length: float, width: float) -> tuple[str, str] | None:
+    """What keeps a plate from being one, as key and problem: too thick, a film, a wire or a tape."""
+    extent = max(length, width)
+    if thickness >= length:
+        return "thickness", f"expected less than the length, {length:g} m"
+    if thickness > width * (1 + _ROUNDING):
+        return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
+    if thickness < extent / _THINNEST:
+        return "thickness", f"expected at least {extent / _THINNEST:.3g} m on a plate {extent:g} m large"
+    if extent > _SLENDEREST * min(length, width):
+        return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
+    return None
+
+
+def rotor(rotor: Rotor) -> None:
+    """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
+    if abs(rotor.stagger) > math.pi * (1 + _ROUNDING):
+        raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
 
 
 def damper(damper: Damper) -> None:
     """One way of giving the mass, and a ball that fits its cavity."""
     if (damper.mass_ratio is None) == (damper.mass is None):
-        raise fault("mass_ratio", "expected either mass_ratio or mass, and not both")
+        both = "" if damper.mass is None else ": leave one out"
+        raise fault("mass_ratio", f"expected one of mass_ratio and mass{both}")
     for side in damper.cavity:
         if side < 2 * damper.radius * (1 - _ROUNDING):
             raise fault(
@@ -77,7 +104,7 @@ def together(scene: Scene) -> None:
 def _structure_only(scene: Scene) -> None:
     for table in ("plate", "material"):
         if getattr(scene, table) is not None:
-            raise fault(table, "expected either a plate with its material or a [structure], and not both")
+            raise fault(table, "expected a plate with its material or a [structure]: leave one out")
     if scene.damper is None:
         raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
     if scene.rotor.radius is None:
@@ -91,7 +118,15 @@ def _structure_only(scene: Scene) -> None:
 
 def _on_the_plate(scene: Scene) -> None:
     plate, damper = scene.plate, scene.damper
-    if plate is None or damper is None or damper.at is None or plate.length is None or plate.width is None:
+    if plate is None or damper is None or plate.length is None or plate.width is None:
+        return  # where a mesh gives the planform, plate_mesh looks
+    for side, room, name in zip(damper.cavity, (plate.length, plate.width), ("length", "width"), strict=True):
+        if side > room * (1 + _ROUNDING):
+            raise fault("damper.cavity", f"larger than the plate: expected at most its {name}, {room:g} m")
+    release = scene.release
+    if release is not None and max(map(abs, release.displacement or (0.0,))) > plate.length:
+        raise fault("release.displacement", f"expected at most the plate's length, {plate.length:g} m")
+    if damper.at is None:
         return
     x, y = damper.at
     if not 0 < x <= plate.length * (1 + _ROUNDING) or abs(y) > plate.width / 2 * (1 + _ROUNDING):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from workflows import units
+from workflows.errors import did_you_mean
 from workflows.units import Kind, UnitError
 
 MOST_SPEEDS = 100_000
@@ -74,7 +75,7 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     names = ("start", "stop", "count")
     for name in value:
         if name not in names:
-            raise wrong(f"unknown key '{name}': expected start, stop and count")
+            raise wrong(f"unknown key '{name}'{did_you_mean(name, names) or ': expected start, stop and count'}")
     for name in names:
         if name not in value:
             raise wrong(f"'{name}' is missing: expected start, stop and count")
@@ -103,17 +104,25 @@ def _cycles(value: object) -> float | str:
     if value == "auto":
         return "auto"
     if isinstance(value, str):
-        raise wrong("expected 'auto' or a number of vibration cycles")
+        raise wrong(f"expected 'auto' or a number of vibration cycles{did_you_mean(value, ['auto'])}")
     number = _number(value)
     if not 0 < number <= 1e9:
         raise wrong("expected 'auto' or a number of vibration cycles above 0 and at most 1e9")
     return number
 
 
+def _line(value: str) -> str:
+    """Text that stays on its line wherever it is printed, and that every file format takes."""
+    if not value.isprintable():
+        raise wrong("expected one line of text, without control characters")
+    return value
+
+
 def _switch(value: object) -> bool | str:
     if isinstance(value, bool) or value == "auto":
         return value
-    raise wrong("expected 'auto', true or false")
+    hint = did_you_mean(value, ["auto"]) if isinstance(value, str) else ""
+    raise wrong(f"expected 'auto', true or false{hint}")
 
 
 _SPEEDS_SCHEMA = {
@@ -148,5 +157,6 @@ Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES
 Switch = Annotated[
     bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})
 ]
+Line = Annotated[str, AfterValidator(_line)]
 Positive = Field(gt=0)
 NotNegative = Field(ge=0)

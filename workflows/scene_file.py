@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
+import os
 import re
+import stat
 import tomllib
 import unicodedata
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from workflows import units
-from workflows.errors import BadInput
+from workflows.errors import BadInput, did_you_mean
 from workflows.scene import Scene, Table
 
 SHIPPED = Path(__file__).with_name("scenes")
@@ -66,6 +67,8 @@ def load(where: str | Path = DEFAULT) -> SceneFile:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise BadInput(f"not valid TOML: {error}", file=name) from error
+    except ValueError as error:  # a whole number longer than Python converts
+        raise BadInput("not a scene: a number has too many digits", file=name) from error
     except RecursionError as error:
         raise BadInput("not a scene: nested too deeply", file=name) from error
     found = SceneFile(parse(data, name), name, path.resolve().parent)
@@ -88,21 +91,40 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
 
 def _read(path: Path, name: str) -> str:
     try:
-        if path.is_dir():
-            raise BadInput("expected a scene file, found a folder", file=name)
+        problem = unfit(path)
+        if problem:
+            raise BadInput(f"expected a scene file, found {problem}", file=name)
         with path.open("rb") as file:
             raw = file.read(_LARGEST + 1)
     except FileNotFoundError:
         names = [*shipped(), *(p.name for p in path.parent.glob("*.toml"))] if path.parent.is_dir() else shipped()
+        if path.is_symlink():
+            raise BadInput(f"a link to {os.readlink(path)}, which is not there", file=name) from None
         raise BadInput(f"no such scene{did_you_mean(path.name, names)}", file=name) from None
     except (OSError, ValueError) as error:
         raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
     if len(raw) > _LARGEST:
         raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
+    if not raw.strip():
+        raise BadInput("the file is empty: expected a scene, such as `spindamp check paper` prints", file=name)
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput("not a scene: not UTF-8 text", file=name) from None
+
+
+def unfit(path: Path) -> str:
+    """What is at `path` instead of a file, in words; empty for a file. A pipe or a device could be read for ever.
+
+    Raises:
+        OSError: there is nothing, or it may not be looked at.
+    """
+    mode = path.stat().st_mode
+    if stat.S_ISREG(mode):
+        return ""
+    if stat.S_ISDIR(mode):
+        return "a folder"
+    return "a pipe" if stat.S_ISFIFO(mode) else "a device" if stat.S_ISCHR(mode) or stat.S_ISBLK(mode) else "a socket"
 
 
 def _gravity(data: Mapping[str, Any]) -> float:
@@ -115,15 +137,26 @@ def _gravity(data: Mapping[str, Any]) -> float:
 
 
 def _check_mesh(found: SceneFile) -> None:
-    mesh, key = found.mesh, "[plate] mesh"
-    value = found.scene.plate.mesh if found.scene.plate else None
+    mesh = found.mesh
+    if mesh is not None:
+        problem = _mesh_problem(mesh)
+        if problem:
+            value = found.scene.plate.mesh if found.scene.plate else None
+            raise BadInput(problem, file=found.name, key="[plate] mesh", value=value)
+
+
+def _mesh_problem(mesh: Path) -> str:
+    """What keeps a mesh file from being read, before anything is read; empty if nothing does."""
     try:
-        if mesh is None or not mesh.is_file():
-            raise BadInput("no such file beside the scene", file=found.name, key=key, value=value)
-        if mesh.stat().st_size == 0:
-            raise BadInput("the mesh file is empty", file=found.name, key=key, value=value)
-    except OSError as error:
-        raise BadInput(f"cannot be read: {error.strerror}", file=found.name, key=key, value=value) from None
+        found = unfit(mesh)
+        if found:
+            return f"expected a mesh file, found {found}"
+        with mesh.open("rb") as file:
+            return "" if file.read(1) else "the mesh file is empty"
+    except FileNotFoundError:
+        return "a link to a file that is not there" if mesh.is_symlink() else "no such file beside the scene"
+    except (OSError, ValueError) as error:
+        return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 
 
 def _explained(error: ValidationError, data: Mapping[str, Any], name: str) -> BadInput:
@@ -137,6 +170,8 @@ def _explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Ba
     if first["type"] == "together":
         loc += str(context["key"]).split(".")
     problem, value = _problem(first, loc), _lookup(data, loc)
+    if first["type"] == "extra_forbidden" and len(loc) == 1 and isinstance(first["input"], Mapping):
+        return BadInput(problem, file=name, key=f"[{loc[0]}]")
     if len(errors) > 1:
         problem += f" (and {len(errors) - 1} more)"
     return BadInput(problem, file=name, key=key_name(loc), value=value)
@@ -147,7 +182,7 @@ def _problem(error: Any, loc: list[str]) -> str:
     match error["type"]:
         case "extra_forbidden":
             known = _fields(loc[:-1])
-            what = "key" if len(loc) > 1 else "table"
+            what = "table" if len(loc) == 1 and isinstance(error["input"], Mapping) else "key"
             return f"unknown {what}{did_you_mean(loc[-1], known) or _belongs(loc[-1])}"
         case "missing":
             return "missing"
@@ -216,9 +251,3 @@ def slug(title: str) -> str:
     """A title as part of a folder's name."""
     plain = unicodedata.normalize("NFKD", title).replace("'", "").encode("ascii", "ignore").decode().lower()
     return "-".join(re.findall(r"[a-z0-9]+", plain))[:60].rstrip("-") or "run"
-
-
-def did_you_mean(word: str, known: list[str]) -> str:
-    """A hint for a misspelling, or nothing."""
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return f": did you mean '{close[0]}'?" if close and close[0] != word else ""

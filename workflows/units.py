@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
 from dataclasses import dataclass
@@ -15,9 +16,13 @@ if TYPE_CHECKING:
 STANDARD_GRAVITY = 9.80665
 """m/s², CGPM 1901; what the unit "g" means unless a scene says otherwise."""
 
-_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.{0,30})?", re.ASCII)
+_SPACE = "[ \\t\u00a0\u2009\u202f]"
+"""What may stand between number and unit: text from a web page brings narrow spaces along; a line break is none."""
+
+_TEXT = re.compile(rf"{_SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?){_SPACE}*(\S.{{0,30}})?")
 # Only products, quotients and one-digit powers of names: nothing in a scene is ever evaluated.
-_UNIT = re.compile(r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d)?(?:\s*[*/· ]\s*[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d)?)*")
+_NAME = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?[0-9])?"
+_UNIT = re.compile(rf"{_NAME}(?: *[*/· ] *{_NAME})*")
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,13 @@ ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
 LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 
+_COMMON = (
+    *("mm", "cm", "m", "µm", "km", "in", "kg", "g", "t", "mg", "s", "ms", "min", "Hz", "kHz", "MHz"),
+    *("GPa", "MPa", "kPa", "Pa", "bar", "N", "kN", "rpm", "rad", "deg", "rev"),
+)
+"""Units to suggest for a misspelt one."""
+
+
 class UnitError(ValueError):
     """A value that is not a quantity of the kind expected; the message says what would be right."""
 
@@ -73,12 +85,26 @@ def _factor(unit: str, si: str) -> float | None:
     try:
         quantity = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*")))
     except Exception as error:  # pint raises AttributeError, ValueError and its parser's own kinds
-        raise UnitError(f"unknown unit '{unit}'") from error
+        raise UnitError(f"unknown unit '{unit}'{_nearest(unit, si)}") from error
     if quantity.dimensionality != target.dimensionality:
         return None
     factor = float(quantity.to(target).magnitude)
     rounded = float(f"{factor:.12g}")  # g/cm^3 is 1000, not 999.9999999999999
     return rounded if abs(rounded - factor) <= 4 * math.ulp(factor) else factor
+
+
+def _nearest(unit: str, si: str) -> str:
+    """The unit probably meant by one that the registry lacks: a slip of case before a slip of letters."""
+    registry = _registry()
+    unknown = next((name for name in re.findall(r"[A-Za-zµμ°]+", unit) if name not in registry), None)
+    if unknown is None:
+        return ""
+    same = [known for known in _COMMON if known.lower() == unknown.lower()]
+    for known in same + difflib.get_close_matches(unknown, _COMMON, n=5, cutoff=0.5):
+        meant = unit.replace(unknown, known)
+        if _factor(meant, si) is not None:
+            return f", did you mean '{meant}'?"
+    return ""
 
 
 def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
@@ -113,7 +139,8 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
     try:
         factor = _factor(unit, kind.si)
     except UnitError as error:
-        raise UnitError(f"{error}: {kind.expectation}") from error
+        text = str(error)
+        raise UnitError(text if text.endswith("?") else f"{text}: {kind.expectation}") from error
     if factor is None:
         raise UnitError(kind.expectation)
     return _in_range(float(number) * factor, kind)
