@@ -43,14 +43,14 @@ def planform(plate: Plate) -> None:
 def disproportion(thickness: float, length: float, width: float) -> tuple[str, str] | None:
     """What keeps a plate from being one, as key and problem: too thick, a film, a wire or a tape."""
     extent = max(length, width)
+    if extent > _SLENDEREST * min(length, width):
+        return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
     if thickness >= length:
         return "thickness", f"expected less than the length, {length:g} m"
     if thickness > width * (1 + _ROUNDING):
         return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
     if thickness < extent / _THINNEST:
         return "thickness", f"expected at least {extent / _THINNEST:.3g} m on a plate {extent:g} m large"
-    if extent > _SLENDEREST * min(length, width):
-        return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
     return None
 
 

@@ -195,9 +195,12 @@ def _problem(error: Any, loc: list[str]) -> str:
         case "less_than_equal":
             return f"expected at most {context['le']:g}"
         case "literal_error":
-            return f"expected {context['expected']}{did_you_mean(str(error['input']), _quoted(context['expected']))}"
+            given, expected = error["input"], context["expected"]
+            return f"expected {expected}{did_you_mean(given, _quoted(expected)) if isinstance(given, str) else ''}"
         case "int_type" | "int_from_float" | "int_parsing":
             return "expected a whole number"
+        case "too_long" | "string_too_long":
+            return f"expected at most {context['max_length']} letters"
         case "string_type":
             return "expected text in quotes"
         case "model_type" | "model_attributes_type" | "dict_type":
