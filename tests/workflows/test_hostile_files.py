@@ -1,0 +1,217 @@
+"""Scene and mesh files that are no such thing: refused at once, in one line, without waiting for what never comes."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows.scene_file import SHIPPED, load
+
+ROOT = Path(__file__).parents[2]
+PAPER = (SHIPPED / "paper.toml").read_text(encoding="utf-8")
+NOBODY = 65534
+
+
+def _refused(outcome: Outcome, start: str, message: str) -> None:
+    assert outcome.status == 2, outcome
+    assert outcome.out == ""
+    assert len(outcome.err.splitlines()) == 1
+    assert outcome.err.startswith(f"spindamp: {start}")
+    assert message in outcome.err
+    assert len(outcome.err) < 300
+
+
+SCENES: dict[str, tuple[bytes, str]] = {
+    "empty": (b"", "the file is empty"),
+    "only line breaks": (b"\r\n\n  \n", "the file is empty"),
+    "only a byte order mark": ("\ufeff".encode(), "[rotor]: missing"),
+    "only a comment": (b"# nothing yet\n", "[rotor]: missing"),
+    "UTF-16": (PAPER.encode("utf-16"), "not UTF-8"),
+    "Latin-1": ("title = 'é'".encode("latin-1"), "not UTF-8"),
+    "binary": (bytes(range(256)) * 40, "not UTF-8"),
+    "zeros": (bytes(5000), "not valid TOML"),
+    "old Mac line ends": (PAPER.replace("\n", "\r").encode(), "not valid TOML"),
+    "JSON": (b'{"plate": {"length": 1}}', "not valid TOML"),
+    "YAML": (b"plate:\n  length: 1\n", "not valid TOML"),
+    "half of a scene": (PAPER.encode()[:300].rstrip()[:-3] + b'"x', "not valid TOML"),
+    "a table twice": (PAPER.encode() + b"\n[rotor]\n", "not valid TOML"),
+    "brackets without end": (b"a = " + b"[" * 200_000, "not a scene"),
+    "braces without end": (b"a = " + b"{a = " * 100_000, "not a scene"),
+    "a number of a million digits": (PAPER.replace('"20 cm"', "1" * 900_000, 1).encode(), "too many digits"),
+    "two megabytes of comment": (b"#" * 2_000_000, "larger than"),
+}
+
+
+@pytest.mark.parametrize("what", SCENES)
+def test_scene_file(what: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    content, message = SCENES[what]
+    (tmp_path / "bad.toml").write_bytes(content)
+    _refused(spindamp("run", "bad.toml", "--out", "out"), "bad.toml: ", message)
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
+
+
+@pytest.mark.parametrize(
+    "content", [PAPER.replace("\n", "\r\n").encode(), PAPER.encode("utf-8-sig")], ids=["CRLF", "byte order mark"]
+)
+def test_scenes_from_other_systems(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_bytes(content)
+    assert load(tmp_path / "scene.toml").scene == load("paper").scene
+
+
+@contextmanager
+def _no_file(what: str, path: Path) -> Iterator[None]:
+    """Something at `path` that is no file to read."""
+    match what:
+        case "a folder":
+            path.mkdir()
+        case "a pipe":
+            os.mkfifo(path)
+        case "an endless device":
+            path.symlink_to("/dev/zero")
+        case "a silent device":
+            path.symlink_to("/dev/null")
+        case "a link to nowhere":
+            path.symlink_to("nowhere")
+        case "a link to itself":
+            path.symlink_to(path.name)
+        case "a file for others only":
+            path.write_text(PAPER)
+            path.chmod(0)
+        case "a socket":
+            with socket.socket(socket.AF_UNIX) as server:
+                server.bind(os.path.relpath(path))  # the name of a socket is short
+                yield
+            return
+    yield
+
+
+NO_FILES = {
+    "a folder": "found a folder",
+    "a pipe": "found a pipe",
+    "a socket": "found a socket",
+    "an endless device": "found a device",
+    "a silent device": "found a device",
+    "a link to nowhere": "a link to",
+    "a link to itself": "cannot be read",
+    "a file for others only": "cannot be read: Permission denied",
+    "nothing": "no such",
+}
+
+
+@contextmanager
+def _unprivileged(folder: Path) -> Iterator[None]:
+    """As a user who may not read everything."""
+    if os.geteuid() != 0:
+        yield
+        return
+    for parent in (folder, *folder.parents):
+        if not os.stat(parent).st_mode & 0o001:
+            pytest.skip("the tests' own folder is closed to others")
+    os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+@pytest.mark.parametrize("what", NO_FILES)
+@pytest.mark.parametrize("as_mesh", [False, True], ids=["scene", "mesh"])
+def test_what_is_no_file(
+    what: str, as_mesh: bool, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    closed = what == "a file for others only"
+    if closed and os.geteuid() == 0:
+        tmp_path.chmod(0o777)
+        for parent in list(tmp_path.parents)[:3]:
+            if parent.name.startswith("pytest-"):
+                parent.chmod(0o755)
+    with _no_file(what, tmp_path / "it.msh"):
+        name, start = "it.msh", "it.msh: "
+        if as_mesh:
+            scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=None)
+            name, start = write(scene, tmp_path / "scene.toml").name, "scene.toml: [plate] mesh = 'it.msh': "
+        if closed:
+            with _unprivileged(tmp_path):
+                outcome = spindamp("check", name)
+        else:
+            outcome = spindamp("check", name)
+    _refused(outcome, start, NO_FILES[what])
+
+
+GOOD = (ROOT / "meshes" / "plate_coarse.msh").read_text(encoding="utf-8")
+CORNERS = ("0 -.04 0", ".2 -.04 0", ".2 .04 0", "0 .04 0")
+
+
+def _gmsh(nodes: tuple[str, ...], cells: tuple[str, ...], count: int | None = None) -> str:
+    points = "".join(f"{number} {node}\n" for number, node in enumerate(nodes, 1))
+    lines = "".join(f"{number} {cell}\n" for number, cell in enumerate(cells, 1))
+    return (
+        f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes) if count is None else count}\n{points}$EndNodes\n"
+        f"$Elements\n{len(cells)}\n{lines}$EndElements\n"
+    )
+
+
+QUAD = "3 2 0 1 1 2 3 4"
+MESHES: dict[str, tuple[str | bytes, str]] = {
+    "empty": ("", "empty"),
+    "blank": ("\n\n", "damaged or cut short"),
+    "cut in the header": (GOOD[:8], "not a"),
+    "cut in the nodes": (GOOD[:300], "damaged or cut short"),
+    "cut in the cells": (GOOD[: len(GOOD) * 4 // 5], "damaged or cut short"),
+    "junk": (bytes(range(256)) * 20, "not a mesh file"),
+    "text": ("a plate\n" * 50, "not a mesh file"),
+    "of another version": (GOOD.replace("2.2 0 8", "9.9 0 8"), "not a"),
+    "text that claims to be binary": (GOOD.replace("2.2 0 8", "2.2 1 8"), "not a"),
+    "a point too few": (_gmsh(CORNERS[:3], (QUAD,)), "not a readable mesh file"),
+    "no points": (_gmsh((), (QUAD,)), "not a readable mesh file"),
+    "no cells": (_gmsh(CORNERS, ()), "no triangles and no quadrilaterals"),
+    "a count that lies": (_gmsh(CORNERS, (QUAD,), 10**12), "not a readable mesh file"),
+    "a negative count": (_gmsh(CORNERS, (QUAD,), -4), "not a readable mesh file"),
+    "a kind of cell that is none": (_gmsh(CORNERS, ("999 2 0 1 1 2 3 4",)), "not a readable mesh file"),
+    "a coordinate that is no number": (_gmsh(("0 -.04 0", "nan -.04 0", *CORNERS[2:]), (QUAD,)), "not finite"),
+    "an infinite coordinate": (_gmsh(("0 -.04 0", "inf -.04 0", *CORNERS[2:]), (QUAD,)), "not finite"),
+    "a cell without extent": (_gmsh(("0 0 0",) * 4, (QUAD,)), "inverted or flat"),
+    "a cell that crosses itself": (_gmsh(CORNERS, ("3 2 0 1 1 3 2 4",)), "inverted or flat"),
+    "a solid": (_gmsh((*CORNERS, *(c[:-1] + "1" for c in CORNERS)), ("5 2 0 1 1 2 3 4 5 6 7 8",)), "hexahedron"),
+    "out of its plane": (_gmsh(("0 -.04 0", ".2 -.04 .1", ".2 .04 .1", "0 .04 0"), (QUAD,)), "plane of constant z"),
+    "in millimetres": (_gmsh(("0 -40 0", "200 -40 0", "200 40 0", "0 40 0"), (QUAD,)), "a mesh is in metres"),
+    "beyond every size": (_gmsh(("0 -.04 0", "1e300 -.04 0", "1e300 .04 0", "0 .04 0"), (QUAD,)), "in metres"),
+    "in two pieces": (
+        _gmsh((*CORNERS, "1 -.04 0", "1.2 -.04 0", "1.2 .04 0", "1 .04 0"), (QUAD, "3 2 0 1 5 6 7 8")),
+        "2 parts",
+    ),
+}
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize("what", MESHES)
+def test_mesh_file(what: str, command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+    content, message = MESHES[what]
+    (tmp_path / "it.msh").write_bytes(content if isinstance(content, bytes) else content.encode())
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=None)
+    write(scene, tmp_path / "bad.toml")
+    _refused(spindamp(command, "bad.toml"), "bad.toml: [plate] ", message)
+    assert {path.name for path in tmp_path.iterdir()} == {"bad.toml", "it.msh"}
+
+
+@pytest.mark.parametrize("name", ["it.xyz", "it", "it.vtu", "it.xdmf", "it.stl", "it.inp", "it.bdf", "it.h5m", "it.e"])
+def test_junk_under_any_name(name: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+    (tmp_path / name).write_bytes(b"\x00\xff<a>\n*NODE\nGRID" * 100)
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh=name, damper__at=None)
+    write(scene, tmp_path / "bad.toml")
+    _refused(spindamp("check", "bad.toml"), f"bad.toml: [plate] mesh = '{name}': ", "")
+
+
+def test_entities_that_grow_without_end(spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+    entities = '<!ENTITY a0 "aaaaaaaaaa">' + "".join(f'<!ENTITY a{i} "{f"&a{i - 1};" * 10}">' for i in range(1, 12))
+    bomb = f'<?xml version="1.0"?><!DOCTYPE VTKFile [{entities}]><VTKFile type="UnstructuredGrid">&a11;</VTKFile>'
+    (tmp_path / "it.vtu").write_text(bomb)
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.vtu", damper__at=None)
+    write(scene, tmp_path / "bad.toml")
+    _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.vtu': ", "not a mesh file")
