@@ -14,16 +14,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem.accuracy import companion, estimate_error
+    from fem.accuracy import estimate_error
+    from fem.choice import Choice, choose_mesh
     from fem.critical import critical_speed
     from fem.display import displacement
     from fem.family import families
+    from fem.levels import Given, Rectangle
     from fem.meshfile import read_mesh
     from fem.modes import Divergence, Modes, solve_modes
     from fem.operators import Operators, assemble, with_point_mass
     from fem.planform import MeshError, rectangle
     from fem.plate import Material, Plate
     from fem.reduction import Reduced, reduce_at
+    from fem.reduction_sweep import reduce_over
     from fem.rotor import Effects, Rotor
     from fem.statics import NoEquilibrium, equilibrium
     from fem.sweep import Campbell, campbell
@@ -32,21 +35,24 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Campbell": "fem.sweep",
+    "Choice": "fem.choice",
     "Divergence": "fem.modes",
     "Effects": "fem.rotor",
+    "Given": "fem.levels",
     "Material": "fem.plate",
     "MeshError": "fem.planform",
     "Modes": "fem.modes",
     "NoEquilibrium": "fem.statics",
     "Operators": "fem.operators",
     "Plate": "fem.plate",
+    "Rectangle": "fem.levels",
     "Reduced": "fem.reduction",
     "Rotor": "fem.rotor",
     "Veering": "fem.tracking",
     "assemble": "fem.operators",
     "campbell": "fem.sweep",
+    "choose_mesh": "fem.choice",
     "choose_theory": "fem.theories",
-    "companion": "fem.accuracy",
     "critical_speed": "fem.critical",
     "displacement": "fem.display",
     "equilibrium": "fem.statics",
@@ -55,27 +61,31 @@ _HOMES = {
     "read_mesh": "fem.meshfile",
     "rectangle": "fem.planform",
     "reduce_at": "fem.reduction",
+    "reduce_over": "fem.reduction_sweep",
     "solve_modes": "fem.modes",
     "with_point_mass": "fem.operators",
 }
 
 __all__ = [
     "Campbell",
+    "Choice",
     "Divergence",
     "Effects",
+    "Given",
     "Material",
     "MeshError",
     "Modes",
     "NoEquilibrium",
     "Operators",
     "Plate",
+    "Rectangle",
     "Reduced",
     "Rotor",
     "Veering",
     "assemble",
     "campbell",
+    "choose_mesh",
     "choose_theory",
-    "companion",
     "critical_speed",
     "displacement",
     "equilibrium",
@@ -84,6 +94,7 @@ __all__ = [
     "read_mesh",
     "rectangle",
     "reduce_at",
+    "reduce_over",
     "solve_modes",
     "with_point_mass",
 ]

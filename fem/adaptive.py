@@ -58,7 +58,7 @@ class Answer:
 
     rates: circular frequencies (k, count) in rad/s. bounds: on their relative error. damping: ratios (k, count).
     shares: (k, 5, count), see `fem.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
-    reduced: whether from a reduced basis.
+    reduced: whether from a reduced basis. state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
     rates: Array
@@ -68,6 +68,7 @@ class Answer:
     vectors: NDArray[Any]
     basis: Array
     reduced: bool
+    state: Array | None = None
 
 
 def answer(

@@ -55,7 +55,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     planar = np.asarray(membrane.global_coordinates())
     planes = [s.block(slopes) for s in (u, v)]
     return Discretisation(
-        theory="kirchhoff",
+        theory=f"kirchhoff/{element}",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
         displacement=Fields((u.block(((),)), v.block(((),)), w.block(((), *slopes))), dx, total),
         gradient=Fields((*planes, w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)))), dx, total),

@@ -86,3 +86,9 @@ class Plate:
         if self.tip_mass > 0.0 and self.tip_at is None:
             raise ValueError("tip_mass needs tip_at = (x, y), the place where it sits")
         check_mesh(self.mesh)
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Extent of the mid-surface along x and across, in m."""
+        x, y = self.mesh.p
+        return float(x.max() - x.min()), float(y.max() - y.min())

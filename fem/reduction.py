@@ -15,10 +15,15 @@ import numpy as np
 from fem.family import families
 from fem.modes import Divergence, Modes, linearise, solve_real
 from fem.operators import point_rows, with_point_mass
-from fem.solver import refine
+from fem.solver import factorise, refine
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
     from fem.operators import Operators
+
+    Array = NDArray[np.float64]
 
 SEARCHED = 4
 """Modes looked through for the fundamental flap mode when none are given."""
@@ -54,49 +59,86 @@ def reduce_at(
     ball_mass: float | None = None,
     mass_ratio: float | None = None,
     modes: Modes | None = None,
+    start: Array | None = None,
 ) -> Reduced:
     """Reduced parameters at = (x, y) in m and a speed omega (rad/s), for a ball_mass in kg or as m_p / M2.
 
-    modes: the plate's modes at this speed when they are known already. phi is real: Coriolis forces are left
-    out of the reduction. Raises ValueError unless exactly one
-    of ball_mass and mass_ratio is given and not negative, when no flap mode is among the modes, when it does
-    not move at the place, or off the plate; Divergence past the critical speed.
+    modes: the plate's modes at this speed when they are known already. start: otherwise, the state at this or a
+    neighbouring speed, where the deflection is large. phi is real: Coriolis forces are left out of the reduction.
+    Raises ValueError unless exactly one of ball_mass and mass_ratio is given and not negative, when no flap mode
+    is among the modes, when it does not move at the place, or off the plate; Divergence past the critical speed.
     """
-    given = [value for value in (ball_mass, mass_ratio) if value is not None]
-    if len(given) != 1 or not given[0] >= 0.0:
-        raise ValueError(f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}")
+    check_mass(ball_mass, mass_ratio)
     if modes is not None and modes.omega != omega:
         raise ValueError(f"the modes belong to {modes.omega!r} rad/s, not to {omega!r}")
     if modes is None or np.iscomplexobj(modes.shapes):
-        still, state = linearise(operators, omega, None if modes is None else modes.state)
+        still, state = linearise(operators, omega, start if modes is None else modes.state)
         modes = solve_real(operators, omega, still, SEARCHED, state)
-    index = flap_index(operators, modes)
-    rows = point_rows(operators.model, at)
-    lift = (rows @ modes.shapes)[2]
-    if abs(lift[index]) * np.sqrt(operators.mass.sum()) < 1e-6:
-        raise ValueError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
-    m2 = float(lift[index] ** -2)
-    slope = float((point_rows(operators.model, at, (0,)) @ modes.shapes[:, index])[2] / lift[index])
-    mass = m2 * mass_ratio if mass_ratio is not None else float(given[0])
+    index = flap_index(families(operators, modes))
+    (mode,) = flap_modes(operators, at, flap_rows(operators, at) @ modes.shapes[:, [index]])
+    mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(operators, modes, index, at, mass) if mass > 0.0 else free
+    return reduced(operators, omega, at, index, mode, mass, free, stuck)
+
+
+def check_mass(ball_mass: float | None, mass_ratio: float | None) -> None:
+    """Raise ValueError unless exactly one is given and not negative."""
+    given = [value for value in (ball_mass, mass_ratio) if value is not None]
+    if len(given) != 1 or not given[0] >= 0.0:
+        raise ValueError(f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}")
+
+
+@dataclass(frozen=True)
+class FlapMode:
+    """A flap mode scaled to w = 1 at a place: its modal mass in kg and its slope phi_x in 1/m there."""
+
+    mass: float
+    slope: float
+
+
+def flap_rows(operators: Operators, at: tuple[float, float]) -> Array:
+    """Rows (2, n) that give w and its slope w_x at a place. Raises ValueError off the plate."""
+    return np.vstack([point_rows(operators.model, at, d)[[2]].toarray() for d in ((), (0,))])
+
+
+def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) -> list[FlapMode]:
+    """Scale mass-normalised flap modes of which w and w_x (2, k) at a place are known.
+
+    Raises ValueError where one of them does not move.
+    """
+    if np.abs(motions[0]).min() * np.sqrt(operators.mass.sum()) < 1e-6:
+        raise ValueError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
+    return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
+
+
+def reduced(
+    operators: Operators,
+    omega: float,
+    at: tuple[float, float],
+    index: int,
+    mode: FlapMode,
+    ball_mass: float,
+    free: float,
+    stuck: float,
+) -> Reduced:
+    """Collect the parameters from the squared circular frequencies without the ball (free) and with it (stuck)."""
     return Reduced(
         f1_hz=float(np.sqrt(stuck) / (2 * np.pi)),
-        M1=m2 + mass,
-        K1=stuck * (m2 + mass),
+        M1=mode.mass + ball_mass,
+        K1=stuck * (mode.mass + ball_mass),
         f2_hz=float(np.sqrt(free) / (2 * np.pi)),
-        M2=m2,
-        K2=free * m2,
-        ball_mass=mass,
+        M2=mode.mass,
+        K2=free * mode.mass,
+        ball_mass=ball_mass,
         mode_index=index,
-        slope=slope,
-        floor_tilt=omega**2 * (operators.rotor.hub_radius + at[0]) * slope / stuck,
+        slope=mode.slope,
+        floor_tilt=omega**2 * (operators.rotor.hub_radius + at[0]) * mode.slope / stuck,
     )
 
 
-def flap_index(operators: Operators, modes: Modes) -> int:
-    """Find the lowest flap mode. Raises ValueError when there is none."""
-    names = families(operators, modes)
+def flap_index(names: list[str]) -> int:
+    """Find the lowest flap mode among families. Raises ValueError when there is none."""
     if "flap" not in names:
         raise ValueError(f"no flap mode among the {len(names)} lowest: {', '.join(names)}")
     return names.index("flap")
@@ -105,10 +147,31 @@ def flap_index(operators: Operators, modes: Modes) -> int:
 def _stuck(operators: Operators, modes: Modes, index: int, at: tuple[float, float], mass: float) -> float:
     """Squared frequency of the mode that the flap mode becomes when a mass sticks to the plate."""
     heavy = with_point_mass(operators, at, mass)
-    pull = modes.factor.solve(point_rows(operators.model, at).toarray().T)
-    start = np.hstack([modes.shapes, pull])
     stiffness, _ = linearise(heavy, modes.omega, modes.state)
-    value, _ = refine(stiffness, heavy.mass, start, index, modes.factor)
-    if value <= 0.0:
-        raise Divergence(modes.omega, value)
+    value, _ = become(operators, modes.omega, stiffness, heavy.mass, modes.shapes, index, at)
     return value
+
+
+def become(
+    operators: Operators,
+    omega: float,
+    stiffness: csc_array,
+    mass: csc_array,
+    shapes: Array,
+    index: int,
+    at: tuple[float, float],
+) -> tuple[float, Array]:
+    """Follow one of a plate's shapes (n, k) when a mass sticks to it at a place: (eigenvalue, shape (n,)).
+
+    stiffness, mass: with the mass stuck. Of the modes then, it is the one whose plate moves most alike.
+    Raises Divergence when the stiffness is lost.
+    """
+    try:
+        factor = factorise(stiffness)
+    except RuntimeError:  # exactly singular
+        raise Divergence(omega, 0.0) from None
+    start = np.column_stack([shapes, factor.solve(point_rows(operators.model, at).toarray().T)])
+    value, shape = refine(stiffness, mass, start, index, factor, operators.mass)
+    if factor.negative or value <= 0.0:
+        raise Divergence(omega, value, max(1, factor.negative))
+    return value, shape

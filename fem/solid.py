@@ -1,7 +1,8 @@
 """The plate as a solid: triquadratic bricks, the reference for the plate theories.
 
 The planform is extruded into layers of 27-node bricks, an even number so that the mid-surface is a face
-between bricks. Triangles are first split into three quadrilaterals each.
+between bricks; more than two get thinner towards the surfaces. Triangles are first split into three quadrilaterals
+each.
 """
 
 from __future__ import annotations
@@ -12,24 +13,22 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import Fields
+from fem.levels import crowded
 
 if TYPE_CHECKING:
     from fem.plate import Plate
-
-LAYERS = 2
-"""Bricks through the thickness."""
 
 CORNERS = ((1, 1, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
 """Reference coordinates of a brick's vertices in the order of `skfem.ElementHex1`."""
 
 
-def discretise(plate: Plate) -> Discretisation:
-    """Make the solid model of a plate."""
+def discretise(plate: Plate, layers: int = 2) -> Discretisation:
+    """Make the solid model of a plate with an even number of layers of bricks."""
     from skfem import Basis, ElementHex2
     from skfem.quadrature import get_quadrature
 
     planform = quadrilaterals(plate.mesh)
-    mesh = extrude(planform, plate.thickness, LAYERS)
+    mesh = extrude(planform, plate.thickness, layers)
     element = ElementHex2()
     basis = Basis(mesh, element, quadrature=get_quadrature(mesh.elem.refdom, 5))
     x = mesh.p[0]
@@ -41,7 +40,7 @@ def discretise(plate: Plate) -> Discretisation:
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
     return Discretisation(
-        theory="solid",
+        theory=f"solid/{layers}",
         points=np.asarray(basis.global_coordinates()),
         displacement=Fields(tuple(s.block(((),)) for s in spaces), dx, total),
         gradient=Fields(tuple(s.block(((0,), (1,), (2,))) for s in spaces), dx, total),
@@ -76,7 +75,7 @@ def extrude(mesh: Any, thickness: float, layers: int) -> Any:
     from skfem import MeshHex
 
     n = mesh.p.shape[1]
-    levels = np.linspace(-0.5 * thickness, 0.5 * thickness, layers + 1)
+    levels = 0.5 * thickness * crowded(layers)
     points = np.hstack([np.vstack([mesh.p, np.full(n, z)]) for z in levels])
     corner = {(0, 0): 0, (1, 0): 1, (1, 1): 2, (0, 1): 3}
     middle = layers // 2 - 1

@@ -156,26 +156,34 @@ def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
     return np.asarray(ROUNDING * np.sqrt(np.einsum("nk,nk->k", shapes**2, squares)) / eigenvalues)
 
 
-def refine(stiffness: csc_array, mass: csc_array, start: Array, target: int, nearby: Factor) -> tuple[float, Array]:
+def refine(
+    stiffness: csc_array, mass: csc_array, start: Array, target: int, factor: Factor, measure: csc_array
+) -> tuple[float, Array]:
     """Find the eigenpair of (stiffness, mass) most like one column of start, by Davidson's method.
 
-    start: (n, k) vectors to begin with. nearby: a factor of some matrix close to the stiffness, so that a
-    small change of a plate does not need a factor of its own. Returns the eigenvalue and the vector (n,),
-    mass-normalised. Source: Davidson, J. Comput. Phys. 17 (1975) 87.
+    start: (n, k) vectors to begin with. factor: of the stiffness. measure: the mass (n, n) in which likeness is
+    taken. Returns the eigenvalue and the vector (n,), mass-normalised. Source: Davidson, J. Comput. Phys. 17
+    (1975) 87.
     """
-    wanted = mass @ start[:, target]
+    wanted = measure @ start[:, target]
     empty = np.empty((start.shape[0], 0))
     basis, image, _, _ = orthonormal(start, empty, empty, mass)
     for _ in range(STEPS):
         reduced = basis.T @ (stiffness @ basis)
         values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
-        pick = int(np.argmax(np.abs(wanted @ basis @ vectors)))
+        pick = most_alike(wanted @ basis, basis.T @ (measure @ basis), vectors)
         value, shape = float(values[pick]), basis @ vectors[:, pick]
         residual = stiffness @ shape - value * (mass @ shape)
-        step = nearby.solve(residual)
+        step = factor.solve(residual)
         # The step is the shape's error to first order; its energy is that of the eigenvalue.
         if abs(residual @ step) <= REFINED * abs(value):
             break
         block, heavy, _, _ = orthonormal(step[:, None], basis, image, mass)
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
     return value, shape
+
+
+def most_alike(wanted: Array, measure: Array, vectors: Array) -> int:
+    """Which of some vectors (r, k) is most like another, whose product with the measure (r, r) is wanted (r,)."""
+    lengths = np.einsum("rk,rs,sk->k", vectors, measure, vectors)
+    return int(np.argmax(np.abs(wanted @ vectors) / np.sqrt(np.maximum(lengths, np.finfo(float).tiny))))

@@ -6,8 +6,8 @@ of every frequency. With large deflection the modes are solved speed by speed, e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Campbell:
     each speed. bounds: (k, count), on their relative error against the full model. damping_ratios: (k, count).
     branches: (k, count), which mode of the first speed each one continues. shares: (k, 5, count), see
     `fem.family`. veerings: where this is ambiguous. diverged: the speeds asked for that lie at or beyond the
-    critical one. sizes: vectors in each reduced basis used.
+    critical one. sizes: vectors in each reduced basis used. parts: what the shapes are made from.
     """
 
     omega: Array
@@ -51,6 +51,21 @@ class Campbell:
     veerings: tuple[Veering, ...]
     diverged: Array
     sizes: tuple[int, ...]
+    parts: tuple[Answer, ...] = field(repr=False)
+
+    def shapes(self, number: int) -> NDArray[Any]:
+        """Mass-normalised shapes (n, count) at speed number; complex with Coriolis."""
+        for part in self.parts:
+            if number < part.rates.shape[0]:
+                shapes: NDArray[Any] = part.basis @ part.vectors[number][:, : self.frequencies_hz.shape[1]]
+                return shapes
+            number -= part.rates.shape[0]
+        raise IndexError(f"there are only {self.omega.size} speeds")
+
+    @property
+    def states(self) -> list[Array | None]:
+        """The displacement (n,) vibrated about at each speed, where the deflection is large."""
+        return [part.state for part in self.parts for _ in range(part.rates.shape[0])]
 
     @property
     def families(self) -> list[list[str]]:
@@ -92,6 +107,7 @@ def campbell(
         veerings=veerings,
         diverged=asked[below.size :],
         sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
+        parts=tuple(parts),
     )
 
 
@@ -127,7 +143,7 @@ def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_rati
         shares = energy_shares(operators, kept)[None]
         damping = modes.damping_ratios[None, :count]
         one = np.eye(modes.shapes.shape[1])[None]
-        parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False))
+        parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False, modes.state))
     return parts
 
 

@@ -23,16 +23,18 @@ class Curve:
 
 
 def campbell(results: Results) -> list[Curve]:
-    """Frequency over speed, one curve for each mode of each family, which stays itself where modes cross."""
-    points = sorted(results.speeds, key=lambda point: point.rpm)
-    tracks: dict[tuple[str, int], list[tuple[float, float]]] = {}
-    for point in points:
-        seen: dict[str, int] = {}
+    """Frequency over speed, one curve for each branch; it is named by its family at the lowest speed it is seen at."""
+    tracks: dict[int, list[tuple[float, float]]] = {}
+    names: dict[int, tuple[str, int]] = {}
+    for point in sorted(results.speeds, key=lambda point: point.rpm):
         for mode in point.modes:
-            seen[mode.family] = seen.get(mode.family, 0) + 1
-            tracks.setdefault((mode.family, seen[mode.family]), []).append((point.rpm, mode.frequency_hz))
+            if mode.branch not in names:
+                number = 1 + sum(family == mode.family for family, _ in names.values())
+                names[mode.branch] = (mode.family, number)
+            tracks.setdefault(mode.branch, []).append((point.rpm, mode.frequency_hz))
     curves = []
-    for (family, number), track in tracks.items():
+    for branch, track in tracks.items():
+        family, number = names[branch]
         rpm, frequency = np.array(track).T
         name = f"campbell_{_slug(family)}_{number}"
         curves.append(Curve(name, f"{family} {number}", "speed_rpm", "frequency_hz", rpm, frequency))

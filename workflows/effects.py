@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from workflows.errors import BadInput, NotAvailable
+from workflows.errors import BadInput
 from workflows.scene import Scene
 
 
@@ -19,28 +19,32 @@ class Effect:
 
 @dataclass(frozen=True)
 class Theory:
-    """The plate theory used, and why."""
+    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid."""
 
     name: str
     why: str
+    model_error: float = 0.0
 
 
-def theory(scene: Scene, file: str | None = None) -> Theory | None:
-    """The plate theory of a scene; None without a plate.
+def theory(scene: Scene, sides: tuple[float, float] | None = None) -> Theory | None:
+    """The plate theory of a scene; None without a plate. `sides`: extent [m] of a plate whose planform is a mesh.
 
     Raises:
-        NotAvailable: the scene insists on a theory that this version does not have.
+        ValueError: the planform is a mesh, and its sides are not given.
     """
-    from fem.theories import THEORIES
+    from fem.theories import choose_theory, model_error
 
-    if scene.plate is None:
+    plate = scene.plate
+    if plate is None:
         return None
-    asked = scene.plate.theory
-    if asked not in ("auto", *THEORIES):
-        raise NotAvailable("not available yet", file=file, key="[plate] theory", value=asked)
-    if asked == "auto":
-        return Theory("mindlin", "right for thin and for moderately thick plates alike")
-    return Theory(asked, "asked for by the scene")
+    if plate.length is not None and plate.width is not None:
+        sides = plate.length, plate.width
+    if sides is None:
+        raise ValueError("the sides of a plate from a mesh are needed")
+    if plate.theory != "auto":
+        return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, plate.thickness))
+    chosen = choose_theory(*sides, plate.thickness, scene.accuracy.frequency)
+    return Theory(chosen.name, chosen.why, chosen.model_error)
 
 
 def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:

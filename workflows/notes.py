@@ -157,6 +157,7 @@ def _two_axes(results: Results) -> str | None:
 
 
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
+    notes_plate.divergence,
     _capped,
     _left_out,
     _floor_tilt,
@@ -169,6 +170,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.root_stress,
     _two_axes,
     notes_plate.stiffness_with_ball,
+    notes_plate.veering,
     notes_plate.mesh_error,
 )
 """In the order in which they are reported."""

@@ -37,32 +37,54 @@ def stiffness_with_ball(results: Results) -> str | None:
 
 
 def mesh_error(results: Results) -> str | None:
-    """The estimated error of the mesh beside the known one of the theory: two different numbers."""
-    errors = [p.modes[0].error_estimate for p in results.speeds if p.modes]
-    known = [error for error in errors if error is not None]
-    if not known or results.theory is None:
+    """The estimated error of the mesh beside that of the theory: two different numbers."""
+    if results.diagram is None or results.theory is None:
         return None
-    asked = results.scene.accuracy.frequency
-    verdict = "" if max(known) <= asked else f", more than the {significant(100 * asked)} % asked for"
-    verdict += _higher(results, asked)
+    mesh, asked = results.diagram.mesh, results.scene.accuracy.frequency
+    known = [m.error_estimate for p in results.speeds for m in p.modes if m.error_estimate is not None]
+    own = _AGAINST_SOLID[results.theory.name].format(significant(100 * results.theory.model_error, 1))
+    if not known:
+        return f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with. {own}"
+    first = max(p.modes[0].error_estimate or 0.0 for p in results.speeds if p.modes)
+    verdict = (
+        "within the {} % asked for"
+        if max(known) <= asked
+        else "more than the {} % asked for: it is the finest that is tried"
+    ).format(significant(100 * asked))
     return (
-        f"The mesh ({results.mesh}) leaves an estimated error of {significant(100 * max(known), 1)} % in the first"
-        f" frequency{verdict}. The theory's own error is another: {_AGAINST_SOLID[results.theory.name]}."
+        f"The mesh ({mesh}) leaves an estimated error of {significant(100 * first, 1)} % in the first frequency and of"
+        f" up to {significant(100 * max(known), 1)} % in all {len(results.speeds[0].modes)}, {verdict}. {own}"
     )
 
 
-def _higher(results: Results, asked: float) -> str:
-    """Which modes beside the first miss the accuracy asked for: the mesh is chosen by the first."""
-    worst = [(m.error_estimate or 0.0, m.family) for p in results.speeds for m in p.modes[1:]]
-    error, family = max(worst, default=(0.0, ""))
-    if error <= asked:
-        return ""
-    return f" and up to {significant(100 * error, 1)} % in a higher mode ({family}), by which the mesh is not chosen"
+def divergence(results: Results) -> str | None:
+    """Speeds that have no answer."""
+    if results.diagram is None or not results.diagram.lost:
+        return None
+    lost, critical = results.diagram.lost, results.diagram.critical
+    which = (
+        f"{lost[0]:.0f} rpm" if len(lost) == 1 else f"{len(lost)} of the speeds asked for, from {lost[0]:.0f} rpm on"
+    )
+    where = "" if critical is None else f" Its critical speed is {critical:.6g} rpm."
+    return f"The plate diverges at {which}: it leaves its equilibrium without oscillating, and has no frequency.{where}"
+
+
+def veering(results: Results) -> str | None:
+    """Where modes could not be followed for certain."""
+    if results.diagram is None or not results.diagram.veerings:
+        return None
+    places = [f"{low:.0f} and {high:.0f} rpm ({', '.join(names)})" for low, high, names in results.diagram.veerings]
+    more = f", and {len(places) - 4} times more" if len(places) > 4 else ""
+    return (
+        f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed for certain: they exchange"
+        " their characters there, or cross at a sharper angle than the steps resolve. A curve of the Campbell diagram"
+        " may go on as another mode."
+    )
 
 
 _AGAINST_SOLID = {
-    "mindlin": "Mindlin is 0.2 % below solid bricks in bending and in twist for a plate eight times wider than thick",
-    "kirchhoff": "Kirchhoff is 0.3 % above solid bricks in bending and 5 % in twist for a plate eight times wider than"
-    " thick",
-    "solid": "none here, the solid being the reference",
+    "mindlin": "Mindlin's theory itself is up to about {} % below a solid, by the clamp; theory = 'solid' is without"
+    " that.",
+    "kirchhoff": "Thin-plate theory itself is up to about {} % above a solid, most in twist.",
+    "solid": "The solid is the reference that other theories are held against.",
 }

@@ -56,7 +56,7 @@ def results(found: Structure, stages: Stages) -> Results:
         speeds=found.points,
         surface=None if answer is None else answer.surface,
         theory=None if answer is None else answer.theory,
-        mesh=None if answer is None else answer.mesh,
+        diagram=None if answer is None else answer.diagram,
         timings=stages.timings(),
     )
     return replace(gathered, notes=remarks(gathered))

@@ -11,7 +11,7 @@ from workflows import effects as rules
 from workflows import plate_mesh
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
-from workflows.records import Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.records import Diagram, Floats, Mode, Reduced, SpeedPoint, Surface
 from workflows.ringdowns import rpm
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -22,6 +22,15 @@ if TYPE_CHECKING:
 _SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
+_STEPS = 100
+"""Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
+
+_BASIS = 1e-3
+"""Error of a frequency that the reduced basis may add, as a part of what the mesh may leave."""
+
+_FOR_BENDING = 4
+"""Modes that are looked through for the first bending mode."""
+
 
 @dataclass(frozen=True, eq=False)
 class PlateAnswer:
@@ -30,150 +39,181 @@ class PlateAnswer:
     points: tuple[SpeedPoint, ...]
     surface: Surface | None
     theory: Theory
-    mesh: str
+    diagram: Diagram
 
 
 @dataclass(frozen=True, eq=False)
 class _Discrete:
-    """Matrices on the mesh chosen, and those on another by which errors are estimated."""
+    """Matrices on the mesh chosen, and how it was chosen. `layers`: the error that the layers of a solid leave."""
 
-    operators: fem.Operators
-    other: fem.Operators
+    choice: fem.Choice
     theory: Theory
     mesh: str
+    layers: float
 
 
 def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shapes: bool = True) -> PlateAnswer:
     """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
 
+    Speeds at which the plate diverges have no point, as long as any speed has one.
+
     Raises:
         BadInput: the mesh, the theory or a place on the plate is no good.
-        NoAnswer: the plate diverges at one of the speeds.
+        NoAnswer: the plate diverges at all speeds.
     """
-    from fem import Divergence
+    from fem import Divergence, NoEquilibrium
 
     try:
-        discrete = _discretise(source, effects, stages)
-        every = _modes(source, discrete.operators, stages)
-        reduced = _reduce(source, discrete.operators, every, stages)
-    except Divergence as error:
+        with stages("modes"):
+            discrete = _discretise(source, effects, stages)
+            diagram = _sweep(source, discrete)
+        with stages("reduction"):
+            reduced = _reduce(source, discrete.choice.operators, diagram)
+    except (Divergence, NoEquilibrium) as error:
         raise NoAnswer(f"{source.name}: {error}") from error
     except (RuntimeError, FloatingPointError, np.linalg.LinAlgError) as error:  # SuperLU: "Factor is exactly singular"
         raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
+    asked = source.scene.rotor.speeds
+    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+    numbers = [known[omega] for omega in asked if omega in known]
     with stages("modes"):
-        points = _points(source, discrete, every, reduced)
-        surface = _surface(discrete.operators, every) if shapes else None
-    return PlateAnswer(points, surface, discrete.theory, discrete.mesh)
+        points = _points(source, discrete, diagram, numbers, reduced)
+        surface = _surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes) if shapes else None
+        beyond = _beyond(discrete, diagram, source.scene.rotor.modes, asked)
+    return PlateAnswer(points, surface, discrete.theory, beyond)
 
 
 def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -> _Discrete:
-    """Matrices on the cheapest mesh whose estimated error meets the accuracy asked for, or on the finest."""
-    from fem import Effects, MeshError, Rotor, assemble, companion
+    """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest."""
+    from fem import Effects, MeshError, Rotor, assemble, choose_mesh
+    from fem.theories import solid_theory
 
-    scene, theory = source.scene, rules.theory(source.scene, source.name)
-    if theory is None:
+    scene = source.scene
+    with stages("mesh"):
+        form = plate_mesh.planform(source)
+    theory = rules.theory(scene, form.sides)
+    if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
-    rotor, speeds = Rotor(scene.rotor.hub_radius, scene.rotor.stagger), scene.rotor.speeds
-    for cells in plate_mesh.ladder(source):
-        try:
-            with stages("mesh"):
-                plate, described = plate_mesh.build(source, cells)
-            with stages("prestress"):
-                operators = assemble(plate, rotor, switches, theory.name)
-        except MeshError as error:
-            raise BadInput(str(error), file=source.name, key="[plate]") from error
-        except ValueError as error:
-            raise plate_mesh.off_the_plate(source, error) from error
-        with stages("modes"):
-            other = companion(operators)
-            estimate = max(_first_error(operators, other, omega) for omega in {min(speeds), max(speeds)})
-        if estimate <= scene.accuracy.frequency:
-            break
-    return _Discrete(operators, other, theory, described)
+    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
+    model, layers = theory.name, 0.0
+    if theory.name == "solid":
+        model, layers = solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
+
+    def build(size: int) -> fem.Operators:
+        with stages("mesh"):
+            plate = plate_mesh.plate(source, form.mesh(size))
+        with stages("prestress"):
+            return assemble(plate, rotor, switches, model)
+
+    try:
+        tolerance = max(scene.accuracy.frequency - layers, 0.5 * scene.accuracy.frequency)
+        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance)
+    except MeshError as error:
+        raise BadInput(str(error), file=source.name, key="[plate]") from error
+    except ValueError as error:
+        raise plate_mesh.off_the_plate(source, error) from error
+    described = plate_mesh.in_words(source, form, choice.size)
+    if layers:
+        described += f", {model.removeprefix('solid/')} layers of bricks"
+    return _Discrete(choice, theory, described, layers)
 
 
-def _first_error(operators: fem.Operators, other: fem.Operators, omega: float) -> float:
-    from fem import estimate_error, solve_modes
+def _sweep(source: SceneFile, discrete: _Discrete) -> fem.Campbell:
+    """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
+    from fem import campbell
 
-    return float(estimate_error(operators, solve_modes(operators, omega, 2), other)[0])
-
-
-def _modes(source: SceneFile, operators: fem.Operators, stages: Stages) -> list[fem.Modes]:
-    from fem import solve_modes
-
-    found = []
-    with stages("modes", len(source.scene.rotor.speeds)) as step:
-        for omega in source.scene.rotor.speeds:
-            found.append(solve_modes(operators, omega, source.scene.rotor.modes))
-            step.advance(f"{rpm(omega):.0f} rpm")
-    return found
+    scene, operators = source.scene, discrete.choice.operators
+    speeds = np.array(scene.rotor.speeds)
+    if not operators.effects.large_deflection:
+        speeds = np.union1d(speeds, np.linspace(speeds.min(), speeds.max(), _STEPS))
+    count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
+    return campbell(operators, speeds, count, tolerance=_BASIS * scene.accuracy.frequency)
 
 
-def _reduce(
-    source: SceneFile, operators: fem.Operators, every: list[fem.Modes], stages: Stages
-) -> list[Reduced | None]:
-    """What the damper feels at each speed; nothing without a damper."""
-    from fem import reduce_at
+def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
+    """What the damper feels at each speed of the diagram; nothing without a damper."""
+    from fem import reduce_over
 
     damper = source.scene.damper
     if damper is None:
-        return [None] * len(every)
+        return [None] * diagram.omega.size
     at = plate_mesh.place(source, operators.plate.mesh)
-    found: list[Reduced | None] = []
-    with stages("reduction", len(every)) as step:
-        for modes in every:
-            # With few modes asked for, bending may not be among them: fem then looks for it itself.
-            known = modes if modes.eigenvalues.size >= 4 else None
-            try:
-                r = reduce_at(
-                    operators, modes.omega, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio, modes=known
-                )
-            except ValueError as error:
-                raise plate_mesh.off_the_plate(source, error) from error
-            found.append(Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.floor_tilt))
-            step.advance(f"{rpm(modes.omega):.0f} rpm")
-    return found
+    try:
+        found = reduce_over(operators, diagram, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio)
+    except ValueError as error:
+        raise plate_mesh.off_the_plate(source, error) from error
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.floor_tilt) for r in found]
 
 
 def _points(
-    source: SceneFile, discrete: _Discrete, every: list[fem.Modes], reduced: list[Reduced | None]
+    source: SceneFile, discrete: _Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
-    from fem import estimate_error, families
-
-    rotor, operators = source.scene.rotor, discrete.operators
-    radius = rotor.hub_radius + plate_mesh.place(source, operators.plate.mesh)[0]
+    rotor = source.scene.rotor
+    radius = rotor.hub_radius + plate_mesh.place(source, discrete.choice.operators.plate.mesh)[0]
+    families = diagram.families
     points = []
-    for modes, parameters in zip(every, reduced, strict=True):
-        errors = estimate_error(operators, modes, discrete.other)
-        rows = zip(modes.frequencies_hz, families(operators, modes), errors, strict=True)
-        ratios = modes.damping_ratios if np.iscomplexobj(modes.shapes) else [None] * len(errors)
+    for number in numbers:
+        omega = float(diagram.omega[number])
         points.append(
             SpeedPoint(
-                omega=modes.omega,
-                rpm=rpm(modes.omega),
+                omega=omega,
+                rpm=rpm(omega),
                 radius=radius,
-                load_g=modes.omega**2 * radius / rotor.gravity,
-                modes=tuple(
-                    Mode(float(f), family, float(error), None if ratio is None else float(ratio))
-                    for (f, family, error), ratio in zip(rows, ratios, strict=True)
-                ),
-                reduced=parameters,
+                load_g=omega**2 * radius / rotor.gravity,
+                modes=tuple(_mode(discrete, diagram, families, number, k) for k in range(rotor.modes)),
+                reduced=reduced[number],
             )
         )
     return tuple(points)
 
 
-def _surface(operators: fem.Operators, every: list[fem.Modes]) -> Surface:
+def _mode(discrete: _Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
+    omega = float(diagram.omega[number])
+    error = discrete.choice.errors_at(omega)[k] + discrete.layers + diagram.bounds[number, k]
+    turning = discrete.choice.operators.gyroscopic is not None and omega > 0
+    return Mode(
+        frequency_hz=float(diagram.frequencies_hz[number, k]),
+        family=families[number][k],
+        error_estimate=float(error) if np.isfinite(error) else None,
+        damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
+        branch=int(diagram.branches[number, k]),
+    )
+
+
+def _surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
     from fem import displacement
 
-    kept = _kept(len(every))
-    shapes = displacement(operators, np.hstack([_upright(every[number].shapes) for number in kept]))
+    kept = _kept(len(numbers))
+    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
     mesh = operators.plate.mesh
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
+
+
+def _beyond(discrete: _Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
+    """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
+    from fem import critical_speed
+
+    operators, families = discrete.choice.operators, diagram.families
+    known = set(diagram.omega.tolist())
+    lost = tuple(sorted(rpm(omega) for omega in asked if omega not in known))
+    linear = not operators.effects.large_deflection
+    veerings = []
+    for veering in diagram.veerings:
+        low, high = (rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
+        names = [families[veering.step][k] for k in veering.modes if k < count]
+        veerings.append((low, high, tuple(names)))
+    return Diagram(
+        mesh=discrete.mesh,
+        bound=float(diagram.bounds[:, :count].max()),
+        bases=diagram.sizes,
+        veerings=tuple(veering for veering in veerings if veering[2]),
+        lost=lost,
+        critical=rpm(critical_speed(operators)) if lost and linear else None,
+    )
 
 
 def _upright(shapes: Floats) -> Floats:

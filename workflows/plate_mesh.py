@@ -1,8 +1,7 @@
-"""From the scene's [plate] to a meshed plate: a grid of our own choosing, or the file it names."""
+"""From the scene's [plate] to a meshed plate: grids of our own, or the file it names."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,42 +13,47 @@ from workflows.scene_file import SceneFile
 if TYPE_CHECKING:
     import fem
 
-CELLS_ALONG = (20, 40)
-"""Ladder of grids; the coarsest whose estimated error is below the one asked for is taken."""
 
-_MOST_SLENDER = 16
-"""Cells are kept square up to plates this many times longer than wide, or wider than long."""
-
-
-def ladder(source: SceneFile) -> tuple[int, ...]:
-    """Grids to try in turn, as cells along the plate; the mesh of a file stands alone, as 0."""
-    return CELLS_ALONG if source.mesh is None else (0,)
-
-
-def build(source: SceneFile, cells: int) -> tuple[fem.Plate, str]:
-    """The plate on a grid of so many cells along (0: on the scene's mesh file), and the mesh in words.
+def planform(source: SceneFile) -> fem.Rectangle | fem.Given:
+    """The scene's planform as a ladder of meshes.
 
     Raises:
         BadInput: the mesh file is no good.
     """
-    from fem import Material, Plate, rectangle
+    from fem import Given, Rectangle
+
+    given = source.scene.plate
+    if given is None:
+        raise ValueError("the scene has no plate")
+    if source.mesh is not None:
+        return Given(_from_file(source))
+    return Rectangle(given.length or 0.0, given.width or 0.0)
+
+
+def plate(source: SceneFile, mesh: Any) -> fem.Plate:
+    """The scene's plate on a mesh."""
+    from fem import Material, Plate
 
     given, material = source.scene.plate, source.scene.material
     if given is None or material is None:
         raise ValueError("the scene has no plate")
-    if source.mesh is not None:
-        mesh = _from_file(source)
-        kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
-        described = f"{mesh.t.shape[1]} {kind} from {given.mesh}"
-    else:
-        length, width = given.length or 0.0, given.width or 0.0
-        square = cells * min(max(width / length, 1 / _MOST_SLENDER), _MOST_SLENDER)
-        across = max(2, 2 * math.ceil(round(square) / 2))
-        mesh = rectangle(length, width, cells, across)
-        described = f"{cells} × {across} quadrilaterals"
     tip = place(source, mesh) if given.tip_mass else None
     substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    return Plate(mesh, given.thickness, substance, given.tip_mass, tip), described
+    return Plate(mesh, given.thickness, substance, given.tip_mass, tip)
+
+
+def in_words(source: SceneFile, form: fem.Rectangle | fem.Given, size: int) -> str:
+    """The mesh of a size of a planform's ladder, for people."""
+    from fem import Rectangle
+
+    if isinstance(form, Rectangle):
+        along, across = form.cells(size)
+        return f"{along} × {across} quadrilaterals, finer towards the edges"
+    mesh = form.mesh(size)
+    kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
+    name = source.scene.plate.mesh if source.scene.plate else source.mesh
+    parts = "" if size == 1 else f", each edge split in {size}"
+    return f"{mesh.t.shape[1]} {kind} from {name}{parts}"
 
 
 def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
@@ -62,8 +66,8 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
     return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
 
 
-def check(source: SceneFile) -> None:
-    """Read the mesh file that a scene names and see that it can be a plate with the damper on it.
+def check(source: SceneFile) -> tuple[float, float]:
+    """The sides [m] of the mesh that a scene names, once it is seen to be a plate with the damper on it.
 
     Raises:
         BadInput: it cannot.
@@ -75,6 +79,8 @@ def check(source: SceneFile) -> None:
         locate(mesh, place(source, mesh))
     except ValueError as error:
         raise off_the_plate(source, error) from error
+    length, width = np.ptp(mesh.p, axis=1)
+    return float(length), float(width)
 
 
 def off_the_plate(source: SceneFile, error: ValueError) -> BadInput:

@@ -17,13 +17,15 @@ Floats = npt.NDArray[np.float64]
 class Mode:
     """A mode of the plate at one speed.
 
-    The error is the relative one of the mesh, None where unknown; the damping ratio is that of a complex mode.
+    The error is the relative one of the mesh, None where unknown; the damping ratio is that of a complex mode. The
+    branch is the number of the mode at the lowest speed that this one continues.
     """
 
     frequency_hz: float
     family: str
     error_estimate: float | None = None
     damping_ratio: float | None = None
+    branch: int = 0
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,26 @@ class Surface:
     at: tuple[int, ...]
 
 
+@dataclass(frozen=True)
+class Diagram:
+    """What the modes over speed have beyond the modes themselves.
+
+    Attributes:
+        mesh: in words.
+        bound: largest relative error of a frequency against the full model at its speed.
+        bases: vectors of each reduced basis; none where every speed was solved in full.
+        veerings: between which two speeds [rpm] modes of which families cannot be told apart.
+        lost: speeds [rpm] asked for at which the plate diverges; critical: where it begins to, if known.
+    """
+
+    mesh: str
+    bound: float
+    bases: tuple[int, ...]
+    veerings: tuple[tuple[float, float, tuple[str, ...]], ...]
+    lost: tuple[float, ...]
+    critical: float | None
+
+
 @dataclass(frozen=True, eq=False)
 class Results:
     """A finished run, before anything is written."""
@@ -140,6 +162,6 @@ class Results:
     speeds: tuple[SpeedPoint, ...]
     surface: Surface | None = None
     theory: Theory | None = None
-    mesh: str | None = None
+    diagram: Diagram | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)

@@ -21,6 +21,7 @@ class Stages:
     def __init__(self, *, visible: bool | None = None) -> None:
         self._began = time.perf_counter()
         self._spent: dict[str, float] = {}
+        self._inner: list[float] = []
         self._visible = sys.stderr.isatty() if visible is None else visible
         self._progress: Progress | None = None
 
@@ -48,13 +49,20 @@ class Stages:
 
     @contextmanager
     def __call__(self, name: str, steps: int | None = None) -> Iterator[Step]:
-        """Time a stage; times of the same name add up. `steps` is how many times it will be advanced."""
+        """Time a stage; times of the same name add up, and a stage within another counts for itself alone.
+
+        `steps` is how many times it will be advanced.
+        """
         began = time.perf_counter()
         task = self._progress.add_task(name, total=steps, detail="") if self._progress is not None else None
+        self._inner.append(0.0)
         try:
             yield Step(self._progress, task)
         finally:
-            self._spent[name] = self._spent.get(name, 0.0) + time.perf_counter() - began
+            whole = time.perf_counter() - began
+            self._spent[name] = self._spent.get(name, 0.0) + whole - self._inner.pop()
+            if self._inner:
+                self._inner[-1] += whole
             if self._progress is not None and task is not None:
                 self._progress.remove_task(task)
 

@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 from fem_cases import paper_plate, rpm
 
-from fem import Effects, Material, Plate, Rotor, assemble, rectangle, reduce_at, solve_modes, with_point_mass
+from fem import (
+    Effects,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    rectangle,
+    reduce_at,
+    reduce_over,
+    solve_modes,
+    with_point_mass,
+)
 
 TIP = (0.2, 0.0)
 
@@ -81,3 +93,35 @@ def test_modes_of_another_speed_are_refused():
     operators = assemble(paper_plate(4, 2), Rotor(), Effects())
     with pytest.raises(ValueError, match="belong to"):
         reduce_at(operators, 10.0, TIP, mass_ratio=0.1, modes=solve_modes(operators, 0.0, 3))
+
+
+@pytest.mark.parametrize(
+    ("rotor", "effects", "count"),
+    [
+        (Rotor(), Effects(), 200),
+        (Rotor(0.1, 0.5), Effects(), 200),
+        (Rotor(0.1, 0.5), Effects(coriolis=True), 20),
+        (Rotor(0.1, 0.5), Effects(large_deflection=True), 3),
+    ],
+)
+@pytest.mark.parametrize("mass", [{"mass_ratio": 0.006}, {"ball_mass": 2.0}, {"ball_mass": 0.0}])
+def test_over_speeds_as_at_each(rotor, effects, count, mass):
+    """A sweep answers what each speed by itself does, heavy balls included."""
+    operators = assemble(paper_plate(8, 4), rotor, effects)
+    diagram = campbell(operators, np.linspace(0.0, rpm(17500), count), 4)
+    found = reduce_over(operators, diagram, TIP, **mass)
+    assert len(found) == count
+    for k in (0, count // 3, count - 1):
+        alone = reduce_at(operators, float(diagram.omega[k]), TIP, **mass)
+        for name in ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2", "ball_mass", "slope", "floor_tilt"):
+            assert getattr(found[k], name) == pytest.approx(getattr(alone, name), rel=1e-5), name
+        assert found[k].f1_hz == pytest.approx(alone.f1_hz, rel=1e-6)
+
+
+def test_over_speeds_refuses():
+    operators = assemble(paper_plate(4, 2), Rotor(), Effects())
+    diagram = campbell(operators, np.array([0.0, 100.0]), 4)
+    with pytest.raises(ValueError, match="either ball_mass or mass_ratio"):
+        reduce_over(operators, diagram, TIP)
+    with pytest.raises(ValueError, match="does not lie on the plate"):
+        reduce_over(operators, diagram, (0.3, 0.0), ball_mass=0.1)

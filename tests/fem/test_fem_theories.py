@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, beam_rates, distorted, paper_plate, rpm
 
-from fem import Effects, Material, Plate, Rotor, assemble, choose_theory, families, rectangle, solve_modes
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, choose_theory, families, rectangle, solve_modes
+from fem.theories import model_error, solid_theory
 
 # Euler-Bernoulli and longitudinal vibration of a bar, the smooth problems: nu = 0 has no corner singularities.
 CANTILEVER = np.array([3.516015269, 22.034491565, 61.697214418])
@@ -95,25 +96,45 @@ def test_turned_over_is_the_same_plate(theory):
 
 
 def test_choice_follows_thickness():
-    names = {}
-    for h in (1e-5, 0.01, 0.05):
-        name, why = choose_theory(Plate(rectangle(0.2, 0.08, 4, 2), h, STEEL))
-        names[h] = name
-        assert why
-    assert names == {1e-5: "kirchhoff", 0.01: "mindlin", 0.05: "solid"}
+    chosen = {h: choose_theory(0.2, 0.08, h) for h in (1e-5, 0.01, 0.05)}
+    assert [c.name for c in chosen.values()] == ["kirchhoff", "mindlin", "solid"]
+    assert all(c.why for c in chosen.values())
+    assert choose_theory(0.2, 0.08, 0.01, accuracy=0.2).name == "kirchhoff"
     plate = paper_plate(4, 2)
     assert assemble(plate, Rotor(), Effects(), "auto").model.theory == "mindlin"
 
 
 def test_choice_keeps_its_word():
-    """Where thin-plate theory is chosen for an accuracy, it is that close to Mindlin's in twist."""
-    plate = Plate(rectangle(0.2, 0.08, 20, 8), 0.08 / 350, STEEL)
-    name, _ = choose_theory(plate, accuracy=1e-3)
-    assert name == "kirchhoff"
+    """Where thin-plate theory is chosen for an accuracy, it is within half of that of Mindlin's."""
+    thickness = 0.08 / 800
+    assert choose_theory(0.2, 0.08, thickness, accuracy=1e-3).name == "kirchhoff"
+    plate = Plate(Rectangle(0.2, 0.08).mesh(8), thickness, STEEL)
     thin, thick = (
         solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 2).frequencies_hz for t in ("kirchhoff", "mindlin")
     )
-    np.testing.assert_allclose(thin, thick, rtol=2e-3)
+    np.testing.assert_allclose(thin, thick, rtol=5e-4)
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+@pytest.mark.parametrize("thickness", [0.005, 0.01, 0.016])
+def test_theories_own_errors(theory, thickness):
+    """Against bricks, on one graded mesh so that the error of the mesh falls out: within a factor of three."""
+    plate = Plate(Rectangle(0.2, 0.08).mesh(5), thickness, STEEL)
+    found, solid = (
+        solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 4).frequencies_hz for t in (theory, "solid/4")
+    )
+    true = np.abs(found / solid - 1.0).max()
+    assert true / 3.0 < model_error(theory, 0.2, 0.08, thickness) < 3.0 * true
+
+
+def test_layers_of_a_solid():
+    """More of them where more is asked for; what the last leave is as estimated within a factor of three."""
+    names = [solid_theory(0.2, 0.01, accuracy)[0] for accuracy in (1e-2, 1e-3, 1e-4)]
+    assert names == ["solid/2", "solid/4", "solid/6"]
+    plate = Plate(Rectangle(0.2, 0.08).mesh(3), 0.01, STEEL)
+    two, six = (solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 4).frequencies_hz for t in ("solid", names[2]))
+    true = float((two / six - 1.0).max())
+    assert true / 3.0 < solid_theory(0.2, 0.01, 1e-2)[1] < 3.0 * true
 
 
 def test_refusals():

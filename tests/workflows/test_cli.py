@@ -101,13 +101,30 @@ def test_check_says_why(spindamp: Callable[..., Outcome]) -> None:
 
 
 def test_divergence_is_no_answer(spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
-    changes = {"rotor__speeds": ["0 rpm", "30000 rpm"], "rotor__stagger": "90 deg", "effects__stress_stiffening": False}
+    changes = {
+        "rotor__speeds": ["20000 rpm", "30000 rpm"],
+        "rotor__stagger": "90 deg",
+        "effects__stress_stiffening": False,
+    }
     scene = write(changed(paper, **changes), tmp_path / "scene.toml")
     outcome = spindamp("campbell", scene, "--out", "out")
     assert outcome.status == NoAnswer.exit_status == 3
-    assert "30000 rpm" in outcome.err
+    assert "20000 rpm" in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_speeds_below_the_critical_one_have_answers(
+    spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    """Without prestress the plate in the plane of rotation diverges where the rotor turns as fast as it vibrates."""
+    changes = {"rotor__speeds": ["30000 rpm", "0 rpm"], "rotor__stagger": "90 deg", "effects__stress_stiffening": False}
+    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    found = json.loads(spindamp("campbell", scene, "--json").out)
+    assert [point["rpm"] for point in found["speeds"]] == [0]
+    (note,) = [note for note in found["notes"] if "diverges at 30000 rpm" in note]
+    critical = float(note.split("critical speed is ")[1].split(" rpm")[0])
+    assert critical == pytest.approx(60 * found["speeds"][0]["modes"][0]["frequency_hz"], rel=1e-3)
 
 
 def test_a_defect_is_one_line_and_a_traceback_on_request(

@@ -18,11 +18,12 @@ def check(
 
     source = scene_file.load(scene)
     decided = effects.resolve(source.scene, source.name)
-    theory = effects.theory(source.scene, source.name)
+    sides = None
     if source.mesh is not None:
         from workflows import plate_mesh
 
-        plate_mesh.check(source)
+        sides = plate_mesh.check(source)
+    theory = effects.theory(source.scene, sides)
     if json:
         from json import dumps
 

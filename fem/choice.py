@@ -1,0 +1,179 @@
+"""The cheapest mesh of a planform's ladder whose frequencies are good to a tolerance.
+
+Two coarse meshes give an estimate of the error (Richardson 1911), the estimate predicts the mesh that is needed, and
+that mesh together with the one before confirms it. Coarse meshes cost next to nothing, so that the search adds
+little to the mesh it ends with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.accuracy import extrapolated_errors
+from fem.modes import Divergence, solve_modes
+from fem.statics import NoEquilibrium
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from fem.levels import Planform
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+CELLS_PER_MODE = 10
+"""Cells of the second mesh tried, for each mode wanted."""
+
+MARGIN = 1.25
+"""Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""
+
+STEP = 2.0
+"""Largest ratio of sizes from one mesh to the next: estimates from coarse meshes reach no further."""
+
+FIRST = 0.6
+"""Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured yet."""
+
+MOST_UNKNOWNS = {"mindlin": 250_000, "kirchhoff": 250_000, "solid": 60_000}
+"""Unknowns beyond which no finer mesh is tried, by theory: a factor then takes ten seconds and a gigabyte."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """A plate on the mesh chosen, and what is known of its errors.
+
+    size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
+    errors: (k, count) relative, of the frequencies, NaN where there is only one mesh. tolerance: asked for. tried: each
+    size with its largest error.
+    """
+
+    operators: Operators
+    size: int
+    probes: Array
+    errors: Array
+    tolerance: float
+    tried: tuple[tuple[int, float], ...] = field(default=())
+
+    @property
+    def met(self) -> bool:
+        """Whether the estimates are known and within the tolerance; otherwise the finest mesh allowed was taken."""
+        return bool(self.errors.max() <= self.tolerance)
+
+    def errors_at(self, omega: float) -> Array:
+        """Estimated relative errors (count,) at a speed in rad/s, between the probes linear in its square."""
+        return np.array([np.interp(omega**2, self.probes**2, column) for column in self.errors.T])
+
+
+def choose_mesh(
+    planform: Planform, build: Callable[[int], Operators], speeds: tuple[float, ...], count: int, tolerance: float
+) -> Choice:
+    """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
+
+    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
+    at the highest, or where the plate diverges there at the lowest alone.
+    Raises Divergence or NoEquilibrium when there is no mode at the lowest speed, ValueError for a tolerance of 0 or
+    less.
+    """
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
+    search = _Search(planform, build, tuple(sorted({min(speeds), max(speeds)})), count)
+    if len(planform.sizes) == 1:
+        return search.unknown(tolerance)
+    coarse, fine = _first_pair(planform, count)
+    while True:
+        before, errors = search.errors(coarse, fine)
+        search.tried[coarse], search.tried[fine] = float(before.max()), float(errors.max())
+        safe = tolerance * (FIRST if len(search.tried) == 2 else 1.0)
+        if search.tried[coarse] <= safe:
+            return search.end(coarse, before, tolerance)
+        following = _next(planform, search.unknowns(fine), search.theory, fine, search.tried[fine] / tolerance)
+        if search.tried[fine] <= safe or following is None:
+            return search.end(fine, errors, tolerance)
+        coarse, fine = fine, following
+
+
+def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
+    """The meshes to begin with: the first with some cells for each mode, and one of half its size or less."""
+    sizes = planform.sizes
+    fine = next((size for size in sizes[1:] if planform.mesh(size).t.shape[1] >= CELLS_PER_MODE * count), sizes[-1])
+    return max(size for size in sizes if size <= max(fine / 2, sizes[0])), fine
+
+
+def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: float) -> int | None:
+    """The size that should bring an error down by a factor, the largest that may be tried, or None."""
+    most = MOST_UNKNOWNS[theory.partition("/")[0]]
+    finer = [other for other in planform.sizes if other > size and unknowns * (other / size) ** 2 <= most]
+    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), STEP)
+    return next((other for other in finer if other >= wanted), finer[-1] if finer else None)
+
+
+class _Search:
+    """Matrices and frequencies of the sizes tried so far."""
+
+    def __init__(
+        self, planform: Planform, build: Callable[[int], Operators], probes: tuple[float, ...], count: int
+    ) -> None:
+        self._planform = planform
+        self._build = build
+        self._probes = probes
+        self._count = count
+        self._operators: dict[int, Operators] = {}
+        self._frequencies: dict[int, list[Array]] = {}
+        self.tried: dict[int, float] = {}
+
+    @property
+    def theory(self) -> str:
+        return next(iter(self._operators.values())).model.theory
+
+    def unknowns(self, size: int) -> int:
+        return int(self._operators[size].mass.shape[0])
+
+    def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
+        """Estimated errors (probes, count) on a coarse mesh and on a finer one."""
+        pairs = zip(self._solve(coarse), self._solve(fine), strict=False)
+        growth = (fine / coarse) ** self._order(coarse, fine)
+        errors = np.array([extrapolated_errors(there, here, growth) for there, here in pairs])
+        return growth * errors, errors
+
+    def end(self, size: int, errors: Array, tolerance: float) -> Choice:
+        probes = np.array(self._probes[: len(errors)])
+        return Choice(self._operators[size], size, probes, errors, tolerance, tuple(sorted(self.tried.items())))
+
+    def unknown(self, tolerance: float) -> Choice:
+        """The only mesh there is, with errors that nothing tells."""
+        size = self._planform.sizes[0]
+        errors = np.array([np.full_like(found, np.nan) for found in self._solve(size)])
+        return self.end(size, errors, tolerance)
+
+    def _order(self, coarse: int, fine: int) -> float:
+        """The order at which errors fall, from the size tried before, or the least where these are the first two."""
+        least, most = self._planform.orders
+        before = [size for size in self._frequencies if size < coarse]
+        if not before:
+            return least
+        first = self._apart(max(before), coarse)
+        second = self._apart(coarse, fine)
+        orders = np.linspace(least, most, 16)
+        falls = ((coarse / max(before)) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
+        return float(orders[np.abs(falls * second - first).argmin()])
+
+    def _apart(self, coarse: int, fine: int) -> float:
+        pairs = zip(self._solve(coarse), self._solve(fine), strict=False)
+        return max(float(np.abs(there / here - 1.0).max()) for there, here in pairs)
+
+    def _solve(self, size: int) -> list[Array]:
+        """Frequencies (count,) in Hz at the probes, as far as there are any."""
+        if size not in self._frequencies:
+            operators = self._operators[size] = self._build(size)
+            found = self._frequencies[size] = []
+            for speed in self._probes:
+                try:
+                    found.append(solve_modes(operators, speed, self._count).frequencies_hz)
+                except (Divergence, NoEquilibrium):
+                    if not found:
+                        raise
+        return self._frequencies[size]

@@ -1,0 +1,113 @@
+"""A planform as a ladder of meshes, coarse to fine, and the order at which errors fall along it.
+
+Where a clamped edge meets a free one the stress is singular, and along the free edges of a plate with shear there is a
+layer as wide as the plate is thick, which carries the twisting moment: even meshes converge slowly for their sake. A
+rectangle's cells therefore shrink towards its edges, with the square of the distance (Babuska, Kellogg and
+Pitkaranta, Numer. Math. 33 (1979) 447; Arnold and Falk, SIAM J. Math. Anal. 27 (1996) 486).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+GRADING = 2
+"""Power of the distance from an edge with which cells shrink."""
+
+COARSEST = 3
+"""Root of the number of cells of a rectangle's coarsest grid."""
+
+MOST_CELLS = 10_000
+"""Cells up to which a given mesh is split: seconds for a factor."""
+
+MOST_SLENDER = 4.0
+"""Sides' ratio up to which a rectangle's cells are kept about square."""
+
+
+class Planform(Protocol):
+    """What the choice of a mesh needs to know."""
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Length and width in m."""
+        ...
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """The ladder, ascending."""
+        ...
+
+    @property
+    def orders(self) -> tuple[float, float]:
+        """Least and greatest power of the cell size with which errors in frequency fall."""
+        ...
+
+    def mesh(self, size: int) -> Any:
+        """The mesh of one size of the ladder."""
+        ...
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """0 <= x <= length, |y| <= width/2 in m, clamped at x = 0. A size is a multiple of a coarsest grid."""
+
+    length: float
+    width: float
+    orders: tuple[float, float] = (3.0, 4.0)
+    sizes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32)
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Length and width in m."""
+        return self.length, self.width
+
+    def cells(self, size: int) -> tuple[int, int]:
+        """Cells along and across, in the same proportion for every size."""
+        stretch = np.sqrt(np.clip(self.length / self.width, 1.0 / MOST_SLENDER, MOST_SLENDER))
+        return size * round(COARSEST * stretch), size * round(COARSEST / stretch)
+
+    def mesh(self, size: int) -> Any:
+        """The mesh of one size, an `skfem.MeshQuad`."""
+        return graded(self.length, self.width, *self.cells(size))
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A mesh made elsewhere; a size is how many parts each of its edges is split into, up to MOST_CELLS cells."""
+
+    given: Any
+    orders: tuple[float, float] = (2.0, 2.0)
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """1 alone for a mesh that is large as it is."""
+        cells = self.given.t.shape[1]
+        return (1, *(size for size in (2, 4, 8) if cells * size**2 <= MOST_CELLS))
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Extent along x and across in m."""
+        length, width = np.ptp(self.given.p, axis=1)
+        return float(length), float(width)
+
+    def mesh(self, size: int) -> Any:
+        """The mesh with its edges split."""
+        return self.given if size == 1 else self.given.refined(int(np.log2(size)))
+
+
+def graded(length: float, width: float, nx: int, ny: int) -> Any:
+    """A structured `skfem.MeshQuad` of nx by ny cells that shrink towards the plate's edges."""
+    from skfem import MeshQuad
+
+    return MeshQuad.init_tensor(0.5 * length * (1.0 + crowded(nx)), 0.5 * width * crowded(ny))
+
+
+def crowded(count: int) -> NDArray[np.float64]:
+    """Ends (count + 1,) of intervals from -1 to 1 that shrink towards both."""
+    even = np.linspace(-1.0, 1.0, count + 1)
+    return np.asarray(np.sign(even) * (1.0 - (1.0 - np.abs(even)) ** GRADING))

@@ -1,0 +1,99 @@
+"""Whether the mesh chosen keeps its promise: `python -m tests.benchmarks.accuracy_promise [SCENES] [SEED]`.
+
+Plates drawn over the sensible ranges, for 1e-2, 1e-3 and 1e-4: the true error is that against a mesh half again to
+twice as fine as the one chosen, extrapolated; the time is that of the search against that of the coarsest mesh of the
+ladder that truly meets the tolerance.
+"""
+
+import os
+import sys
+import time
+
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import numpy as np
+
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, choose_theory, solve_modes
+
+COUNT = 6
+TOLERANCES = (1e-2, 1e-3, 1e-4)
+
+
+def draw(rng):
+    """A plate's planform, thickness, material, rotor and speeds."""
+    length = rng.uniform(0.05, 0.5)
+    width = length / np.exp(rng.uniform(np.log(0.5), np.log(6.0)))
+    thickness = min(length, width) * np.exp(rng.uniform(np.log(0.005), np.log(0.25)))
+    young, density = [(2e11, 7850.0), (1.14e11, 4430.0), (7e10, 2700.0)][rng.integers(3)]
+    material = Material(young, rng.uniform(0.2, 0.4), density)
+    first = 0.16 * thickness / length**2 * np.sqrt(young / density)
+    top = 2.0 * np.pi * first * rng.uniform(0.0, 2.0)
+    rotor = Rotor(length * rng.uniform(0.0, 2.0), np.deg2rad(rng.choice([0.0, 0.0, 20.0, 90.0])))
+    return Rectangle(length, width), thickness, material, rotor, (0.0, top)
+
+
+def scene(seed):
+    """Search and truth for one plate: rows of (tolerance, size, estimate, true error, time, cheapest time)."""
+    planform, thickness, material, rotor, speeds = draw(np.random.default_rng(seed))
+    rows = []
+    for tolerance in TOLERANCES:
+        theory = choose_theory(*planform.sides, thickness, tolerance).name
+
+        def build(size, theory=theory):
+            return assemble(Plate(planform.mesh(size), thickness, material), rotor, Effects(), theory)
+
+        def frequencies(size, build=build):
+            operators = build(size)
+            return np.array([solve_modes(operators, speed, COUNT).frequencies_hz for speed in sorted(set(speeds))])
+
+        start = time.process_time()
+        choice = choose_mesh(planform, build, speeds, COUNT, tolerance)
+        spent = time.process_time() - start
+        fine = next((s for s in planform.sizes if s >= 1.5 * choice.size), planform.sizes[-1])
+        if theory == "solid":
+            fine = next(s for s in planform.sizes if s > choice.size)
+        limit = frequencies(fine)
+        got = frequencies(choice.size)
+        growth = (fine / choice.size) ** 3.8
+        limit = limit + (limit - got) / (growth - 1.0)
+        true = np.abs(got / limit - 1.0)
+        cheapest = None
+        for size in planform.sizes:
+            start = time.process_time()
+            found = frequencies(size)
+            took = time.process_time() - start
+            if np.abs(found / limit - 1.0).max() <= tolerance:
+                cheapest = (size, took)
+                break
+            if size > choice.size:
+                break
+        rows.append((theory, tolerance, choice, true, spent, cheapest))
+    return planform, thickness, rows
+
+
+def main(count=30, first=0):
+    """Print a line for every plate and tolerance, and what was worst."""
+    broken = 0
+    ratios, prices = [], []
+    for seed in range(first, first + count):
+        planform, thickness, rows = scene(seed)
+        for theory, tolerance, choice, true, spent, cheapest in rows:
+            ratio = choice.errors.max() / true.max()
+            price = spent / cheapest[1] if cheapest else np.nan
+            ratios.append(ratio)
+            prices.append(price)
+            kept = true.max() <= tolerance
+            broken += not kept
+            modes = choice.errors / true
+            print(
+                f"{seed:3d} {planform.length / planform.width:5.2f} {thickness / planform.width:6.3f} {theory:9s} "
+                f"{tolerance:.0e} size {choice.size:3d} estimate {choice.errors.max():.1e} true {true.max():.1e} "
+                f"ratio {ratio:5.2f} modes {modes.min():.2f}-{modes.max():.2f} time {spent:6.2f} s = {price:4.1f} x "
+                f"size {cheapest[0] if cheapest else '-'}{'' if kept else '  BROKEN'}{'' if choice.met else ' UNMET'}",
+                flush=True,
+            )
+    print(f"broken {broken}, estimate/true {min(ratios):.2f} to {max(ratios):.2f}, price up to {np.nanmax(prices):.1f}")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

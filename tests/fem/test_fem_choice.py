@@ -1,0 +1,134 @@
+"""The mesh chosen for a tolerance: that it keeps its promise, and costs little more than it must."""
+
+import numpy as np
+import pytest
+from fem_cases import STEEL, rpm
+
+from fem import (
+    Divergence,
+    Effects,
+    Given,
+    Material,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    choose_mesh,
+    rectangle,
+    solve_modes,
+)
+from fem.levels import crowded
+
+COUNT = 6
+
+
+def builder(planform, thickness, theory="mindlin", rotor=None, log=None):
+    def build(size):
+        if log is not None:
+            log.append(size)
+        plate = Plate(planform.mesh(size), thickness, STEEL)
+        return assemble(plate, rotor or Rotor(), Effects(), theory)
+
+    return build
+
+
+def frequencies(build, size, speeds):
+    operators = build(size)
+    return np.array([solve_modes(operators, speed, COUNT).frequencies_hz for speed in speeds])
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize(
+    ("length", "width", "thickness", "theory"),
+    [
+        (0.2, 0.08, 0.01, "mindlin"),
+        (0.2, 0.08, 0.01, "kirchhoff"),
+        (0.3, 0.05, 0.001, "mindlin"),
+        (0.1, 0.2, 0.004, "mindlin"),
+        (0.1, 0.1, 0.0005, "kirchhoff"),
+    ],
+)
+def test_keeps_its_promise(length, width, thickness, theory, tolerance):
+    """True errors, against a mesh twice as fine, are within the tolerance and a factor of three of the estimates."""
+    planform, speeds = Rectangle(length, width), (0.0, rpm(9000))
+    build = builder(planform, thickness, theory)
+    choice = choose_mesh(planform, build, speeds, COUNT, tolerance)
+    assert choice.met
+    limit = frequencies(build, 2 * choice.size, speeds)
+    true = np.abs(frequencies(build, choice.size, speeds) / limit - 1.0)
+    assert true.max() <= tolerance
+    assert true.max() / 3.0 <= choice.errors.max() <= 3.5 * true.max()
+
+
+def test_no_mesh_is_built_twice_and_none_is_far_finer_than_needed():
+    log = []
+    planform = Rectangle(0.2, 0.08)
+    choice = choose_mesh(planform, builder(planform, 0.01, log=log), (0.0,), COUNT, 1e-4)
+    assert len(log) == len(set(log)) <= 4
+    assert max(log) == choice.size
+    coarser = planform.sizes[planform.sizes.index(choice.size) - 3]
+    limit = frequencies(builder(planform, 0.01), 2 * choice.size, (0.0,))
+    assert np.abs(frequencies(builder(planform, 0.01), coarser, (0.0,)) / limit - 1.0).max() > 1e-4
+
+
+def test_a_given_mesh_is_split_until_it_is_fine_enough():
+    planform = Given(rectangle(0.2, 0.08, 5, 2).to_meshtri())
+    loose, tight = (choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, t) for t in (5e-2, 5e-3))
+    assert loose.size < tight.size
+    assert tight.met
+    limit = solve_modes(builder(Rectangle(0.2, 0.08), 0.01)(8), 0.0, 2).frequencies_hz
+    true = np.abs(solve_modes(tight.operators, 0.0, 2).frequencies_hz / limit - 1.0)
+    assert true.max() < 5e-3
+
+
+def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
+    monkeypatch.setattr("fem.levels.MOST_CELLS", 10)
+    planform = Given(rectangle(0.2, 0.08, 5, 2))
+    choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-3)
+    assert choice.size == 1
+    assert np.isnan(choice.errors).all()
+    assert not choice.met
+
+
+def test_the_finest_is_taken_where_none_will_do(monkeypatch):
+    monkeypatch.setitem(__import__("fem.choice").choice.MOST_UNKNOWNS, "mindlin", 3000)
+    planform = Rectangle(0.2, 0.08)
+    choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-7)
+    assert not choice.met
+    assert choice.operators.mass.shape[0] <= 3000
+
+
+def test_divergence_at_the_highest_speed_leaves_the_lowest():
+    rotor, planform = Rotor(stagger=np.pi / 2), Rectangle(0.2, 0.2)
+    soft = Material(2e9, 0.3, 7850.0)
+
+    def build(size):
+        effects = Effects(stress_stiffening=False)
+        return assemble(Plate(planform.mesh(size), 0.001, soft), rotor, effects)
+
+    choice = choose_mesh(planform, build, (0.0, rpm(20000)), 2, 1e-2)
+    assert choice.probes.tolist() == [0.0]
+    with pytest.raises(Divergence):
+        choose_mesh(planform, build, (rpm(20000),), 2, 1e-2)
+
+
+def test_errors_between_probes():
+    planform = Rectangle(0.2, 0.08)
+    choice = choose_mesh(planform, builder(planform, 0.01), (0.0, 100.0), 3, 1e-2)
+    np.testing.assert_allclose(
+        choice.errors_at(100.0 * np.sqrt(0.25)), 0.75 * choice.errors[0] + 0.25 * choice.errors[1]
+    )
+
+
+def test_sizes_are_multiples_of_one_grid():
+    planform = Rectangle(0.2, 0.08)
+    assert [planform.cells(size) for size in (1, 2, 7)] == [(5, 2), (10, 4), (35, 14)]
+    x, y = planform.mesh(4).p
+    assert (x.min(), x.max(), y.min(), y.max()) == (0.0, 0.2, -0.04, 0.04)
+    np.testing.assert_allclose(crowded(4), [-1.0, -0.75, 0.0, 0.75, 1.0])
+
+
+def test_refuses_a_tolerance_of_nothing():
+    planform = Rectangle(0.2, 0.08)
+    with pytest.raises(ValueError, match="tolerance must be above 0"):
+        choose_mesh(planform, builder(planform, 0.01), (0.0,), 3, 0.0)
