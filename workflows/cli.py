@@ -1,45 +1,47 @@
-"""The command line. Only here is anything printed on failure, and only here does the program exit."""
+"""The command line. Only here is anything printed on failure, and only here does the program exit.
+
+Nothing slow is imported at the top: a Ctrl-C while the rest loads finds its handler here.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
 import sys
-from importlib import import_module
-from importlib.metadata import version
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
-from typing import Annotated
 
-import typer
-
-from workflows.commands import COMMANDS
 from workflows.errors import SpindampError, one_line
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
-
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
-for _name in COMMANDS:
-    app.command(_name)(getattr(import_module(f"workflows.commands.{_name}"), _name))
+_AGAIN = "nothing is half-written; the same command starts over"
 
 
-def _version(asked: bool) -> None:
-    if asked:
-        typer.echo(f"spindamp {version('spindamp')}")
-        raise typer.Exit
-
-
-@app.callback()
-def _spindamp(
-    show: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+class Terminated(BaseException):
+    """A signal asked the program to end; no handler of a library takes it for its own."""
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
-    signal.signal(signal.SIGTERM, _terminated)
+    _open_streams()
+    try:
+        with _signals():
+            return _run(arguments)
+    except KeyboardInterrupt:
+        return _fail(f"stopped; {_AGAIN}", STOPPED)
+    except Terminated as error:
+        return _fail(f"ended by {error}; {_AGAIN}", 128 + signal.Signals[str(error)])
+
+
+def _run(arguments: list[str] | None) -> int:
+    try:
+        import typer
+
+        from workflows.app import app
+    except ImportError as error:
+        return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
         status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
         if status == STOPPED:  # some versions of typer swallow a Ctrl-C
@@ -47,14 +49,18 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.flush()
     except SpindampError as error:
         return _fail(str(error), error.exit_status)
-    except (KeyboardInterrupt, typer.Abort):
-        return _fail("stopped; the results folder is as it was", STOPPED)
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    except SystemExit as error:  # typer's answer to a closed pipe
+        _silence()
+        return PIPE_CLOSED if error.code == DEFECT else BAD_INPUT
     except BrokenPipeError:
-        # Whoever read us has gone: keep the interpreter from flushing into the closed pipe.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence()
         return PIPE_CLOSED
+    except MemoryError:
+        return _fail("not enough memory: take a coarser mesh, fewer modes or fewer speeds", BAD_INPUT)
     except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence()
         return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
         usage = getattr(error, "format_message", None)
@@ -75,9 +81,42 @@ def _fail(message: str, status: int) -> int:
     return status
 
 
+def _open_streams() -> None:
+    """Give a program started without output or error stream a place to write to."""
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+
+
+def _silence() -> None:
+    """Keep the interpreter from flushing what is left into a stream that no one takes from."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+
+
+@contextmanager
+def _signals() -> Iterator[None]:
+    """Let what would end the program at once end it as a Ctrl-C does; what is ignored (nohup) stays so."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    wanted = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in wanted}
+    taken = [number for number in wanted if before[number] == signal.SIG_DFL]
+    for number in taken:
+        signal.signal(number, _terminated)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, before[number])
+
+
 def _terminated(number: int, frame: FrameType | None) -> None:
-    """End as a Ctrl-C would, so that nothing is left half done."""
-    raise SystemExit(128 + number)
+    raise Terminated(signal.Signals(number).name)
 
 
 if __name__ == "__main__":

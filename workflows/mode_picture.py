@@ -1,12 +1,14 @@
 """A mode shape in 3-D, drawn by VTK in a process of its own: without a working OpenGL, VTK may abort the process.
 
-Run as ``python -m workflows.mode_picture OUT.png`` with a NumPy archive on standard input: points (n, 3),
-connectivity (m, 3 or 4), and the displacement (n, 3) to draw.
+Run as a program with a NumPy archive on standard input: points (n, 3), connectivity (m, 3 or 4), and the
+displacement (n, 3) to draw; the picture goes to standard output as PNG. It imports nothing of this project, so that
+it needs no path to it, and no file is left behind by a run that is killed.
 """
 
 from __future__ import annotations
 
 import io
+import os
 import sys
 from typing import Any
 
@@ -15,8 +17,10 @@ _THICKNESS = 0.02
 """Drawn thickness, in lengths of the plate: enough to catch the light."""
 
 
-def main(out: str) -> None:
+def main() -> None:
     """Read the archive, draw, write the picture."""
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever VTK has to say is no part of the picture
     import numpy as np
     import pyvista as pv
     from matplotlib import colormaps
@@ -51,8 +55,9 @@ def main(out: str) -> None:
     plotter.reset_camera()
     plotter.camera.zoom(1.6)
     picture = Image.fromarray(plotter.screenshot(None, transparent_background=True, return_img=True))
-    picture.crop(picture.getbbox()).save(out)
+    with out:
+        picture.crop(picture.getbbox()).save(out, format="PNG")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import subprocess
 import sys
-import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -19,8 +18,10 @@ from workflows.records import Floats, Surface
 PATIENCE = 20.0
 """Seconds to wait for VTK once everything else is done."""
 
-COMMAND = ["-m", "workflows.mode_picture"]
-"""What draws, as arguments to Python."""
+COMMAND = ["-P", str(Path(__file__).with_name("mode_picture.py"))]
+"""What draws, as arguments to Python; -P: modules in the user's folder are not taken for the ones meant."""
+
+_PNG = b"\x89PNG"
 
 _SCALE = 0.25
 """Largest displacement drawn, in lengths of the plate."""
@@ -38,17 +39,14 @@ class Artist:
     """Draws while the run goes on: started early, fed the shape when it is known, asked for the picture last."""
 
     def __init__(self) -> None:
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._shape: tuple[Floats, np.ndarray, Floats] | None = None
         self._failure = ""
 
     def __enter__(self) -> Self:
-        self._folder = tempfile.TemporaryDirectory(prefix="spindamp-")
-        command = [sys.executable, *COMMAND, str(self._path)]
         try:
             self._process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                [sys.executable, *COMMAND], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
             )
         except OSError as error:
             self._failure = str(error)
@@ -60,14 +58,10 @@ class Artist:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-            if self._process.stdin is not None:
-                self._process.stdin.close()
-        if self._folder is not None:
-            self._folder.cleanup()
-
-    @property
-    def _path(self) -> Path:
-        return Path(self._folder.name if self._folder else ".") / "mode.png"
+            for stream in (self._process.stdin, self._process.stdout):
+                if stream is not None:
+                    with contextlib.suppress(OSError):  # what it had not read yet
+                        stream.close()
 
     def draw(self, surface: Surface, speed: int) -> None:
         """Hand over the first mode at the speed nearest to number `speed` of the run."""
@@ -80,34 +74,40 @@ class Artist:
         archive = io.BytesIO()
         np.savez(archive, points=self._shape[0], cells=self._shape[1], shape=self._shape[2])
         if self._process is not None and self._process.stdin is not None:
+            stdin, self._process.stdin = self._process.stdin, None
             try:
-                self._process.stdin.write(archive.getvalue())
-                self._process.stdin.close()
+                stdin.write(archive.getvalue())
             except OSError:
                 self._failure = "the drawing process ended early"
+            with contextlib.suppress(OSError):
+                stdin.close()
 
     def picture(self) -> Picture | None:
         """The picture; None where no shape was handed over."""
         if self._shape is None:
             return None
-        failure = self._failure or self._wait()
-        if not failure:
-            return Picture(self._path.read_bytes())
-        remark = f"Drawn without VTK, which found no working OpenGL here ({failure})."
+        png = b"" if self._failure else self._wait()
+        if png:
+            return Picture(png)
+        remark = f"Drawn without VTK, which found no working OpenGL here ({self._failure})."
         return Picture(_plain(*self._shape), remark)
 
-    def _wait(self) -> str:
-        """Wait for VTK; empty if it has drawn, else what happened."""
+    def _wait(self) -> bytes:
+        """What VTK has drawn; where it has not, `_failure` says why."""
+        png = b""
         if self._process is None:
-            return "it did not start"
-        began = time.monotonic()
+            self._failure = "it did not start"
+            return png
         try:
-            status = self._process.wait(timeout=PATIENCE)
+            png = self._process.communicate(timeout=PATIENCE)[0]
         except subprocess.TimeoutExpired:
-            return f"no picture within {time.monotonic() - began:.0f} s"
-        if status != 0:
-            return f"exit status {status}"
-        return "" if self._path.is_file() else "no picture"
+            self._failure = f"no picture within {PATIENCE:.0f} s"
+            return png
+        if self._process.returncode != 0:
+            self._failure, png = f"exit status {self._process.returncode}", b""
+        elif not png.startswith(_PNG):
+            self._failure, png = "no picture", b""
+        return png
 
 
 def _plain(points: Floats, cells: np.ndarray, shape: Floats) -> bytes:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import errno
+import hashlib
 import os
 import platform
 import shutil
@@ -24,6 +25,9 @@ MANIFEST = ".spindamp"
 
 ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", MANIFEST}
 _CARRIED_AT_MOST = 1000
+_ASIDE = ".old"
+_LONGEST_NAME = 100
+"""Bytes; most file systems take 255, and a scratch folder's name is longer than its target's."""
 
 
 def check(folder: Path) -> Path:
@@ -32,14 +36,21 @@ def check(folder: Path) -> Path:
     Raises:
         BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
     """
-    target = Path(os.path.realpath(folder))
-    if target.exists() and not target.is_dir():
+    try:
+        target = Path(os.path.realpath(folder))
+        exists = target.exists() or target.is_symlink()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadInput(f"cannot be a folder: {reason}", key="--out", value=str(folder)) from error
+    if exists and not target.is_dir():
         raise BadInput("is a file: expected a folder", key="--out", value=str(folder))
     here = Path.cwd().resolve()
     if target == here or target in here.parents:
         raise BadInput(
             "expected a folder of its own, below the current one or elsewhere", key="--out", value=str(folder)
         )
+    if os.path.ismount(target):
+        raise BadInput("is a disk of its own: expected a folder on it", key="--out", value=str(folder))
     parent = next((p for p in target.parents if p.exists()), target.anchor)
     if not os.path.isdir(parent) or not os.access(parent, os.W_OK | os.X_OK):
         raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
@@ -76,9 +87,11 @@ def replacing(folder: Path) -> Iterator[Path]:
         scratch.chmod(0o777 & ~_umask())
         yield scratch
         (scratch / MANIFEST).write_text("".join(f"{path.name}\n" for path in sorted(scratch.iterdir())))
-        _carry_over(target, scratch)
         _sync(scratch)
-        _swap(scratch, target)
+        with _alone_in(target.parent):
+            _carry_over(target, scratch)
+            _sync_folder(scratch)
+            _swap(scratch, target)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
     finally:
@@ -88,16 +101,46 @@ def replacing(folder: Path) -> Iterator[Path]:
 
 
 def _prefix(target: Path) -> str:
-    return f".{target.name}.{platform.node()}-"
+    """How the names of scratch folders begin; short enough for a file system that takes the folder's own name."""
+    name = target.name if len(os.fsencode(target.name)) <= _LONGEST_NAME else _digest(target.name)
+    return f".{name}.{platform.node()[:64]}-"
+
+
+def _digest(name: str) -> str:
+    return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """One run at a time, where the system has locks: a killed run gives its lock back by itself."""
+    try:
+        import fcntl
+
+        handle = os.open(folder, os.O_RDONLY)
+    except (ImportError, OSError):
+        yield
+        return
+    try:
+        with contextlib.suppress(OSError):  # some network disks have none
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _clear(target: Path) -> None:
-    """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone."""
+    """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone.
+
+    A run killed between the two steps of a swap left the old results aside: they come back.
+    """
     prefix = _prefix(target)
     for path in target.parent.iterdir():
         number = path.name.removeprefix(prefix).partition("-")[0]
         if path.name.startswith(prefix) and number.isdecimal() and not _alive(int(number)):
-            shutil.rmtree(path, ignore_errors=True)
+            if path.suffix == _ASIDE and not os.path.lexists(target):
+                os.rename(path, target)
+            else:
+                shutil.rmtree(path, ignore_errors=True)
 
 
 def _alive(process: int) -> bool:
@@ -169,7 +212,7 @@ def _swap(scratch: Path, target: Path) -> None:
             _sync_folder(target.parent)
             return
     if not _exchange(scratch, target):
-        aside = scratch.with_suffix(".old")
+        aside = scratch.with_name(scratch.name + _ASIDE)
         os.rename(target, aside)
         try:
             os.rename(scratch, target)

@@ -151,7 +151,7 @@ def test_ctrl_c(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("workflows.pipeline.structure", interrupted)
     outcome = spindamp("run", "--out", "out")
     assert outcome.status == 130
-    assert "as it was" in outcome.err
+    assert "nothing is half-written" in outcome.err
     assert not list(tmp_path.iterdir())
 
 

@@ -1,0 +1,30 @@
+"""The commands put together; imported by the command line once it can answer for what goes wrong."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from workflows.commands import COMMANDS
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+for _name in COMMANDS:
+    app.command(_name)(getattr(import_module(f"workflows.commands.{_name}"), _name))
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"spindamp {version('spindamp')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _spindamp(
+    show: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
