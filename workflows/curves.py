@@ -74,7 +74,7 @@ def every(results: Results) -> list[Curve]:
 
 def speed_tag(point: SpeedPoint) -> str:
     """A rotation speed as part of a file name: 10000rpm, 12.5rpm."""
-    return f"{point.rpm:.6g}rpm" if abs(point.rpm - round(point.rpm)) > 1e-6 else f"{round(point.rpm)}rpm"
+    return f"{point.rpm:.13g}rpm"
 
 
 def _slug(text: str) -> str:

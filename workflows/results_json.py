@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from workflows import resolved
+from workflows import provenance, resolved
 from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint
 
 SCHEMA_VERSION = 1
-_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba")
 
 
 def document(results: Results) -> dict[str, Any]:
@@ -21,7 +18,8 @@ def document(results: Results) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "title": results.scene.title,
         "scene": resolved.scene(results.scene, results.effects, results.theory),
-        "versions": versions(),
+        "scene_sha256": provenance.scene_sha256(results),
+        "versions": provenance.versions(),
         "timings": {name: _number(seconds) for name, seconds in results.timings.items()},
         "notes": list(results.notes),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in results.effects.items()},
@@ -32,17 +30,6 @@ def document(results: Results) -> dict[str, Any]:
 def dumps(results: Results) -> str:
     """The document as JSON text that any parser reads."""
     return json.dumps(document(results), indent=1, ensure_ascii=False, allow_nan=False)
-
-
-def versions() -> dict[str, str]:
-    """What computed this."""
-    found = {"python": platform.python_version()}
-    for package in _PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
 
 
 def _speed(point: SpeedPoint) -> dict[str, Any]:

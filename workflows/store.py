@@ -23,7 +23,7 @@ from workflows.errors import BadInput
 MANIFEST = ".spindamp"
 """Lists what a run wrote, so that the next one can tell its own files from a user's."""
 
-ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", MANIFEST}
+ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", MANIFEST}
 _CARRIED_AT_MOST = 1000
 _ASIDE = ".old"
 _LONGEST_NAME = 100

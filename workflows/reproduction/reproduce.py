@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from workflows.provenance import versions
 from workflows.reproduction import equations, sweeps, table_two
 from workflows.reproduction.claim import Claim, Verdict
 from workflows.reproduction.closure import Closure, closure
 from workflows.reproduction.slips import Slip, slips
 from workflows.reproduction.study import Study, study
 from workflows.reproduction.sweeps import Sweeps
-from workflows.results_json import versions
 from workflows.stages import Stages
 
 ASSUMPTIONS = (
