@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,15 +101,19 @@ def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -
     if theory.name == "solid":
         model, layers = solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
 
-    def build(size: int) -> fem.Operators:
+    def build(size: int, effects: fem.Effects) -> fem.Operators:
         with stages("mesh"):
             plate = plate_mesh.plate(source, form.mesh(size))
         with stages("prestress"):
-            return assemble(plate, rotor, switches, model)
+            return assemble(plate, rotor, effects, model)
 
+    # The mesh's errors hardly depend on these two, which make modes many times dearer.
+    plain = replace(switches, coriolis=False, large_deflection=False)
     try:
         tolerance = max(scene.accuracy.frequency - layers, 0.5 * scene.accuracy.frequency)
-        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance)
+        choice = choose_mesh(form, lambda size: build(size, plain), scene.rotor.speeds, scene.rotor.modes, tolerance)
+        if switches != plain:
+            choice = replace(choice, operators=build(choice.size, switches))
     except MeshError as error:
         raise BadInput(str(error), file=source.name, key="[plate]") from error
     except ValueError as error:
