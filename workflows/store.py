@@ -26,8 +26,11 @@ MANIFEST = ".spindamp"
 ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", MANIFEST}
 _CARRIED_AT_MOST = 1000
 _ASIDE = ".old"
+_NAME_MAX = 255
+"""Bytes that file systems take for a name."""
+
 _LONGEST_NAME = 100
-"""Bytes; most file systems take 255, and a scratch folder's name is longer than its target's."""
+"""Bytes of a name that goes into that of its scratch folder, which is longer."""
 
 
 def check(folder: Path) -> Path:
@@ -38,6 +41,8 @@ def check(folder: Path) -> Path:
     """
     try:
         target = Path(os.path.realpath(folder))
+        if any(len(os.fsencode(part)) > _NAME_MAX for part in target.parts):
+            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
         exists = target.exists() or target.is_symlink()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error

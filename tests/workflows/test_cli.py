@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -153,30 +152,6 @@ def test_ctrl_c(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatc
     assert outcome.status == 130
     assert "nothing is half-written" in outcome.err
     assert not list(tmp_path.iterdir())
-
-
-def test_sigint_to_the_process(tmp_path: Path) -> None:
-    # A million cycles without loss: long enough to be interrupted anywhere.
-    scene = tmp_path / "long.toml"
-    text = (Path(cli.__file__).with_name("scenes") / "structure.toml").read_text(encoding="utf-8")
-    scene.write_text(text.replace("cycles = 20", "cycles = 10000000"), encoding="utf-8")
-    command = [sys.executable, "-m", "workflows.cli", "ringdown", str(scene)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        try:
-            process.wait(4)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
-    assert process.returncode == 130
-    assert out == b""
-    assert b"stopped" in err
-    assert b"Traceback" not in err
-
-
-def test_a_closed_pipe_is_no_error() -> None:
-    command = f"{sys.executable} -m workflows.cli check paper | head -c 1"
-    done = subprocess.run(command, shell=True, capture_output=True, check=False)
-    assert done.stderr == b""
 
 
 def test_progress_only_on_a_terminal() -> None:

@@ -6,13 +6,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Outcome
 from workflows import store
 from workflows.errors import BadInput
 
@@ -150,21 +147,6 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
     _publish(out, "new", "results.json")
     assert _content(out) == {"results.json": "new"}
     assert list(tmp_path.iterdir()) == [out]
-
-
-@pytest.mark.parametrize("delay", [0.2, 0.7, 1.2])
-def test_killed_run(tmp_path: Path, spindamp: Callable[..., Outcome], delay: float) -> None:
-    assert spindamp("run", "structure", "--out", "out").status == 0
-    before = (tmp_path / "out" / "results.json").read_bytes()
-    command = [sys.executable, "-m", "workflows.cli", "run", "structure", "--out", str(tmp_path / "out")]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        time.sleep(delay)
-        process.kill()
-    after = (tmp_path / "out" / "results.json").read_bytes()
-    names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    manifest = (tmp_path / "out" / store.MANIFEST).read_text().split("\n")
-    assert after == before or process.returncode == 0
-    assert names == sorted({*filter(None, manifest), store.MANIFEST})
 
 
 def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:

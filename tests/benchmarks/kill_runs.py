@@ -1,0 +1,114 @@
+"""Runs killed with SIGKILL at random moments: what is in the results' folder afterwards?
+
+    python -m tests.benchmarks.kill_runs [COUNT [SEED]]
+
+Two scenes take turns in one folder. A third of the runs die at a moment drawn from the whole of a run, a third while
+they write, and a third within 80 ms of the exchange of old for new. After each, the folder must hold the one scene's
+results or the other's, whole, to the last byte; after all, one run that is let live must leave nothing else behind.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+from workflows.scene_file import SHIPPED
+from workflows.store import MANIFEST
+
+TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
+MOMENTS = ("anywhere", "while writing", "at the exchange")
+_PATIENCE = 120.0
+
+
+def main(count: int = 20, seed: int = 7) -> None:
+    """Kill so many runs and print what was found."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = Trial(Path(folder), seed).run(count)
+    print(", ".join(f"{number} {what}" for what, number in sorted(found.items())))
+
+
+class Trial:
+    """Two scenes, what their results are, and the folder they are written to in turn."""
+
+    def __init__(self, folder: Path, seed: int) -> None:
+        self.folder = folder / "place"
+        self.folder.mkdir()
+        self.out = self.folder / "out"
+        self.draw = random.Random(seed)
+        self.scenes, self.right = [], []
+        text = (SHIPPED / "structure.toml").read_text(encoding="utf-8")
+        for name, cycles in (("one", 20), ("other", 25)):
+            scene = folder / f"{name}.toml"
+            scene.write_text(text.replace("cycles = 20", f"cycles = {cycles}"), encoding="utf-8")
+            self.scenes.append(scene)
+            began = time.perf_counter()
+            self.start(scene, folder / name).wait(_PATIENCE)
+            self.whole_run = time.perf_counter() - began
+            self.right.append(contents(folder / name))
+
+    def run(self, count: int) -> Counter[str]:
+        """Kill `count` runs; what became of them."""
+        self.start(self.scenes[0], self.out).wait(_PATIENCE)
+        found: Counter[str] = Counter()
+        held = 0
+        for number in range(count):
+            new = 1 - held
+            when = MOMENTS[number % len(MOMENTS)]
+            status = self._killed(self.scenes[new], when)
+            held_now = self.right.index(contents(self.out))
+            if status == 0 and held_now != new:
+                raise AssertionError("a run that ended well left the old results")
+            outcome = "finished before the kill" if status == 0 else "new results" if held_now == new else "old results"
+            found[f"killed {when}: {outcome}"] += 1
+            held = held_now
+        left = sum(path != self.out for path in self.folder.iterdir())
+        found["scratch folders left by the dead"] = left
+        self.start(self.scenes[0], self.out).wait(_PATIENCE)
+        if [path.name for path in self.folder.iterdir()] != ["out"] or contents(self.out) != self.right[0]:
+            raise AssertionError(f"the next run left {sorted(path.name for path in self.folder.iterdir())}")
+        return found
+
+    def _killed(self, scene: Path, when: str) -> int:
+        before = {path for sign in ("*", f"*/{MANIFEST}") for path in self.folder.glob(f".out.{sign}")}
+        with self.start(scene, self.out) as process:
+            if when == "anywhere":
+                time.sleep(self.draw.uniform(0.0, self.whole_run))
+            else:
+                sign = "*" if when == "while writing" else f"*/{MANIFEST}"
+                began = time.perf_counter()
+                while process.poll() is None and set(self.folder.glob(f".out.{sign}")) <= before:
+                    if time.perf_counter() - began > _PATIENCE:
+                        raise AssertionError("no scratch folder appeared")
+                time.sleep(self.draw.uniform(0.0, 0.8 * self.whole_run if when == "while writing" else 0.08))
+            process.kill()
+        return process.returncode
+
+    @staticmethod
+    def start(scene: Path, out: Path) -> subprocess.Popen[bytes]:
+        """Start a run in a process of its own."""
+        command = [sys.executable, "-m", "workflows.cli", "run", str(scene), "--out", str(out)]
+        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """A folder's files but for the times in them; they are exactly those that its list of files names."""
+    found = {path.name: path.read_bytes() for path in folder.iterdir()}
+    if sorted([*found[MANIFEST].decode().split(), MANIFEST]) != sorted(found):
+        raise AssertionError(f"{sorted(found)} is not what the list of files says")
+    json.loads(found["results.json"])
+    for name, times in TIMES.items():
+        found[name], replaced = re.subn(times, b"", found[name])
+        if replaced != 1:
+            raise AssertionError(f"{name} is not whole")
+    return found
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,201 @@
+"""How a run can end before its time: killed, interrupted, out of room, beside another. Nothing is half-written."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.benchmarks.kill_runs import Trial, contents
+from tests.workflows.conftest import Outcome
+from workflows import cli, store
+from workflows.errors import BadInput
+from workflows.scene_file import SHIPPED
+
+COMMAND = [sys.executable, "-m", "workflows.cli"]
+HANG = 120.0
+"""Seconds after which something is taken to hang."""
+
+
+@pytest.fixture(scope="module")
+def trial(tmp_path_factory: pytest.TempPathFactory) -> Trial:
+    """Two scenes that take turns in one folder."""
+    return Trial(tmp_path_factory.mktemp("trial"), seed=11)
+
+
+def test_killed_at_random_moments(trial: Trial) -> None:
+    """`python -m tests.benchmarks.kill_runs` does so more often."""
+    found = trial.run(3)
+    assert sum(number for what, number in found.items() if what.startswith("killed")) == 3
+
+
+@pytest.fixture
+def endless(tmp_path: Path) -> Path:
+    """A scene whose ring-down takes longer than anyone waits."""
+    scene = tmp_path / "endless.toml"
+    text = (SHIPPED / "structure.toml").read_text(encoding="utf-8")
+    scene.write_text(text.replace("cycles = 20", "cycles = 10000000"), encoding="utf-8")
+    return scene
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize("after", [0.35, 3.0])
+def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
+    with subprocess.Popen(
+        [*COMMAND, "ringdown", endless, "--out", "out"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path
+    ) as process:
+        time.sleep(after)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=HANG)
+    # Interrupted inside exec(), Python ends by the signal itself; a shell shows both as 130.
+    assert process.returncode in (status, -number)
+    assert out == b""
+    if after > 1 or err:
+        assert err.decode().endswith("nothing is half-written; the same command starts over\n")
+        assert len(err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == [endless]
+
+
+@pytest.mark.parametrize("where", ["workflows.app", "workflows.pipeline.structure", "workflows.publish.publish"])
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyboardInterrupt(), 130), (cli.Terminated("SIGTERM"), 143), (MemoryError(), 2)]
+)
+def test_wherever_it_happens(
+    where: str,
+    error: BaseException,
+    status: int,
+    spindamp: Callable[..., Outcome],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    def ended(*_: object, **__: object) -> None:
+        raise error
+
+    if where == "workflows.app":
+        monkeypatch.setattr("workflows.app.app", ended)
+    else:
+        monkeypatch.setattr(where, ended)
+    outcome = spindamp("run", "structure", "--out", "out")
+    assert outcome.status == status
+    assert len(outcome.err.splitlines()) == 1
+    assert ("half-written" in outcome.err) == (status != 2)
+    assert not list(tmp_path.iterdir())
+
+
+def test_signals_are_given_back(spindamp: Callable[..., Outcome]) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    assert spindamp("check", "paper").status == 0
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys\nfrom workflows import cli\nfrom workflows.commands import check\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "import workflows.resolved as r\nold = r.as_toml\n"
+        "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
+        "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+
+
+FULL = """
+import resource, sys
+from workflows import cli, publish
+assert cli.main(["ringdown", "structure", "--out", "out"]) == 0
+before = publish.publish
+def without_room(*given):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
+    return before(*given)
+publish.publish = without_room
+sys.exit(cli.main(["run", "structure", "--out", "out"]))
+"""
+
+
+# Sizes at which one after the other of the files that a run writes no longer fits.
+@pytest.mark.parametrize("most", [0, 100, 3_000, 9_000, 20_000, 60_000])
+def test_no_room_left(most: int, tmp_path: Path, trial: Trial) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(most)], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stderr == "spindamp: --out = 'out': cannot be written: File too large\n"
+    assert contents(tmp_path / "out") == trial.right[0]
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_two_runs_in_one_folder_at_once(trial: Trial) -> None:
+    both = [trial.start(scene, trial.out) for scene in trial.scenes]
+    assert [process.wait(HANG) for process in both] == [0, 0]
+    assert contents(trial.out) in trial.right
+    assert list(trial.folder.iterdir()) == [trial.out]
+
+
+def test_many_writers_at_once(tmp_path: Path) -> None:
+    """Without the lock, one run takes another's files for the user's and carries them over."""
+    code = """
+import sys
+from pathlib import Path
+from workflows import store
+me = sys.argv[2]
+for turn in range(40):
+    with store.replacing(Path(sys.argv[1])) as scratch:
+        (scratch / "results.json").write_text(me)
+        (scratch / f"only_{me}_{turn}.csv").write_text(me)
+"""
+    out = tmp_path / "place" / "out"
+    writers = [subprocess.Popen([sys.executable, "-c", code, str(out), name]) for name in "abc"]
+    assert [writer.wait(HANG) for writer in writers] == [0, 0, 0]
+    me = (out / "results.json").read_text()
+    names = {path.name for path in out.iterdir()}
+    assert names == {"results.json", store.MANIFEST, f"only_{me}_39.csv"}
+    assert list(out.parent.iterdir()) == [out]
+
+
+def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a system cannot exchange two folders in one step, the next run brings the old results back first."""
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    out = tmp_path / "out"
+    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{store._ASIDE}"
+    aside.mkdir()
+    (aside / "results.json").write_text("old")
+    (aside / store.MANIFEST).write_text("results.json\n")
+    (tmp_path / f"{store._prefix(out)}{dead.pid}-abc").mkdir()
+    with pytest.raises(RuntimeError, match="broke"), store.replacing(out):
+        raise RuntimeError("broke")
+    assert (out / "results.json").read_text() == "old"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "| true", "| head -c 1 >/dev/null", "> /dev/full"])
+@pytest.mark.parametrize("command", ["check paper", "ringdown structure --json"])
+def test_closed_streams(command: str, closed: str, tmp_path: Path) -> None:
+    line = f"{sys.executable} -m workflows.cli {command} {closed}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False, cwd=tmp_path, timeout=HANG)
+    assert "Traceback" not in done.stderr
+    assert "defect" not in done.stderr
+    assert done.stderr == ("spindamp: cannot write or read: No space left on device\n" if "full" in closed else "")
+    assert done.returncode == (2 if "full" in closed else 0)
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "a/" + "x" * 300, "/dev/null", "/dev/null/out", "loop", "nul\0"])
+def test_places_that_cannot_be(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(BadInput, match="--out"):
+        store.check(Path(name))
+    assert [path.name for path in tmp_path.iterdir()] == ["loop"]
+
+
+@pytest.mark.parametrize("name", ["x" * 250, "ä" * 120])
+def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
+    for _ in range(2):
+        with store.replacing(tmp_path / name) as scratch:
+            (scratch / "results.json").write_text("new")
+    assert [path.name for path in tmp_path.iterdir()] == [name]
