@@ -6,7 +6,7 @@ is extreme, which closed form gives; on such a piece the relative acceleration i
 once, and between its zero and the ends of the piece the velocity is monotone too. No sampling, nothing to miss.
 
 Ties and edges, decided once: a velocity that touches zero has reached it; a wall that is touched is hit; a ball
-that was just set off has a relative acceleration along its direction, whatever rounding says; a peak is above a
+that was just set off has a relative acceleration along its direction, whatever rounding says; a drive is above a
 threshold only when it exceeds it by more than 1e-12 of it (`damper.threshold`).
 """
 
@@ -19,9 +19,9 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.flight import first_extremum, relative
-from damper.records import HIT, NOTHING, REVERSAL, ROLLING, SLIPPING, START, STUCK
+from damper.records import HIT, NOTHING, PIECES, REVERSAL, ROLLING, SLIPPING, START, STUCK
 from damper.slip import end_of_pressing, end_of_slip
-from damper.threshold import drive, first_exceed
+from damper.threshold import MARGIN, drive, first_exceed
 
 if TYPE_CHECKING:
     from damper.arrays import Record, Records
@@ -33,7 +33,18 @@ _POSITION, _VELOCITY, _ACCELERATION, _JERK = 0, 1, 2, 3
 
 @kernel
 def schedule(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
-    """Write into `axis` when its next event happens (inf if not before time `horizon`) and what it is."""
+    """Write into `axis` when its next event happens (inf if not before time `horizon`) and what it is.
+
+    A flight is looked through for a while only, since a hit of the other axis may cut it short: where nothing was
+    found yet, the event is NOTHING, and `look` goes on from there.
+    """
+    axis.looked = 0.0
+    look(axis, laws, ball, horizon)
+
+
+@kernel
+def look(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
+    """Go on looking for the next event of a flight."""
     left = horizon - axis.start
     if axis.regime == ROLLING:
         axis.heading = axis.direction
@@ -58,8 +69,9 @@ def departure(axis: Record, laws: Records, ball: Record) -> int:
     mass = laws[STUCK].mass
     stuck = (laws[STUCK].stiffness * axis.u + laws[STUCK].damping * axis.v) / mass
     rolling = (laws[ROLLING].stiffness * axis.u + laws[ROLLING].damping * axis.v) / mass
+    least = MARGIN * ball.threshold
     for d in (-1, 1):
-        if d * axis.s < axis.half_gap and d * stuck > ball.threshold and d * rolling > ball.threshold:
+        if d * axis.s < axis.half_gap and d * stuck > least and d * rolling > least:
             return d
     return 0
 
@@ -108,9 +120,13 @@ def _turned(p: float, q: float, law: Record, tau: float) -> tuple[float, float]:
 def _end_of_roll(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
     """First hit of the wall ahead or zero of the relative velocity, and which; (inf, NOTHING) past the horizon."""
     spacing = math.pi / law.frequency
-    low, here = 0.0, _departure_motion(axis, law)
-    axis.crest = high = first_extremum(axis, law, 2)
-    while low < horizon:
+    if axis.looked == 0.0:
+        axis.crest = axis.ahead = first_extremum(axis, law, 2)
+    low, high = axis.looked, axis.ahead
+    here = _motion(axis, law, low) if low > 0.0 else _departure_motion(axis, law)
+    for _ in range(PIECES):
+        if low >= horizon:
+            return np.inf, NOTHING
         hit = _early_hit(axis, law, low, high, here)
         if hit < np.inf:
             return hit, HIT
@@ -127,7 +143,8 @@ def _end_of_roll(axis: Record, law: Record, horizon: float) -> tuple[float, int]
             return reversal, REVERSAL
         low, here = high, there
         high += spacing
-    return np.inf, NOTHING
+    axis.looked, axis.ahead = low, high
+    return low, NOTHING
 
 
 @kernel
@@ -139,10 +156,11 @@ def _early_hit(axis: Record, law: Record, low: float, high: float, here: Motion)
     """
     distance = axis.half_gap - here[_POSITION]
     square = here[_VELOCITY] ** 2 + 2.0 * here[_ACCELERATION] * distance
-    if square < 0.0 or here[_VELOCITY] + math.sqrt(square) < 0.0:
+    speed = here[_VELOCITY] + math.sqrt(square) if square >= 0.0 else -1.0
+    if speed < 0.0:
         return np.inf
-    guess = 2.0 * distance / (here[_VELOCITY] + math.sqrt(square))
-    if here[_JERK] * guess > 3.0 * here[_ACCELERATION]:  # just set off: the jerk carries the ball
+    guess = 2.0 * distance / speed if speed > 0.0 else np.inf
+    if here[_JERK] > 0.0 and here[_JERK] * guess > 3.0 * here[_ACCELERATION]:  # just set off: the jerk carries the ball
         guess = min(guess, (6.0 * distance / here[_JERK]) ** (1.0 / 3.0))
     guess += low
     tau, motion = _polish(axis, law, _POSITION, low, high, guess)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.detect import schedule
+from damper.detect import look, schedule
 from damper.flight import begin, increments, structure, viscous_loss
 from damper.peaks import close, resume, watch
-from damper.records import GRIP, HIT, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
+from damper.records import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
 from damper.resolve import hit, roll, rub, settle, slip
 from damper.slip import sliding_distance, spin_after
 
@@ -61,6 +61,9 @@ def run(
     stop = clock.events + budget
     while True:
         i = 0 if axes[0].next <= axes[1].next else 1
+        if axes[i].kind == NOTHING and axes[i].next < clock.end:
+            look(axes[i], laws[i], ball, clock.end)
+            continue
         time = min(axes[i].next, clock.end)
         if not _observe(clock, axes, laws, ball, books, cycle, peaks, time):
             return FULL

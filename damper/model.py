@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from damper import parameters as derived
-from damper.parameters import PARAMETERS, Parameters, validate
+from damper.parameters import PARAMETERS, Parameters, number, pair, validate
 
 
 class Formulation(StrEnum):
@@ -65,7 +65,7 @@ class ParticleDamper:
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
         Formulation(self.formulation)
-        if self.floor_friction is not None and not self.floor_friction > 0:
+        if self.floor_friction is not None and not number("floor_friction", self.floor_friction) > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
         validate(self.parameters)
 
@@ -74,8 +74,9 @@ class ParticleDamper:
         """The fields as one row, shape (1,), for what works on many dampers alike."""
         rows = np.zeros(1, PARAMETERS)
         for name in PARAMETERS.names or ():
-            if name != "printed":
-                rows[name] = getattr(self, name) or 0.0
+            if name == "printed" or (name == "floor_friction" and self.floor_friction is None):
+                continue
+            rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(self, name))
         rows["printed"] = self.formulation == Formulation.PRINTED
         return rows
 

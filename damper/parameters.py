@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,9 +46,25 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
         array = np.asarray(values, dtype=np.float64)
         if array.shape[:1] != (size,) or array.shape[1:] not in {(), rows[name].shape[1:]}:
             raise ValueError(f"{name} must have {size} values, one for each release, got shape {array.shape}")
+        if name == "floor_friction":  # in the rows 0 stands for no slip, which is for the whole batch to say
+            _require(array > 0, name, array, "positive")
         rows[name] = array[:, None] if array.ndim < rows[name].ndim else array
     validate(rows)
     return rows
+
+
+def number(name: str, value: object) -> float:
+    """The value as a float. Raises ValueError, naming it, for text, a truth value or anything else."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{name} must be a number, got {value!r}")
+    return float(value)
+
+
+def pair(name: str, value: object) -> tuple[float, float]:
+    """The value as two floats. Raises ValueError, naming it, where it is not two numbers."""
+    if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
+        raise ValueError(f"{name} must be two numbers, along x and y, got {value!r}")
+    return number(name, value[0]), number(name, value[1])
 
 
 def validate(rows: Parameters) -> None:

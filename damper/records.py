@@ -25,6 +25,9 @@ NOTHING, RELEASE, START, REVERSAL, HIT, RUB, GRIP = -1, 0, 1, 2, 3, 4, 5
 """Kinds of event: none; the release at time 0; the end of sticking; a zero of the relative velocity; a wall; the
 tangential side of a wall hit; the end of slip."""
 
+PIECES = 32
+"""Half periods of a flight that are looked through at a time: nearly every flight is shorter."""
+
 LAW = _record(("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8"))
 """A damped oscillator: mass [kg], stiffness [N/m], damping [N s/m], decay rate [1/s], damped frequency [rad/s]."""
 
@@ -58,8 +61,10 @@ AXIS = _record(
     ("a", "f8"),
     ("b", "f8"),
     ("crest", "f8"),  # flight time at which the structure's acceleration is extreme first
+    ("looked", "f8"),  # flight time up to which no event was found yet, and the end of the piece after it
+    ("ahead", "f8"),
     ("half_gap", "f8"),
-    ("next", "f8"),  # when the next event of this axis happens, inf if never
+    ("next", "f8"),  # when the next event of this axis happens, inf if never; of kind NOTHING: when to look again
     ("kind", "i8"),  # and what it is
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Records
-from damper.parameters import energy
+from damper.parameters import energy, pair
 from damper.prepare import prepare
 from damper.records import EVENT
 
@@ -124,13 +124,20 @@ def ringdown(
         progress: called now and then with the simulated time [s].
 
     Raises:
-        ValueError: a number is not finite, the number of cycles not positive, or the ball outside its cavity.
+        ValueError: a pair is not two finite numbers, the number of cycles not positive, or the ball outside its cavity.
     """
     from damper import engine
 
     if max_events < 1:
         raise ValueError(f"max_events must be at least 1, got {max_events}")
-    start = np.array([[release, velocity, ball_position, ball_velocity, ball_spin or ball_velocity]], dtype=np.float64)
+    state = {
+        "release": release,
+        "velocity": velocity,
+        "ball_position": ball_position,
+        "ball_velocity": ball_velocity,
+        "ball_spin": ball_velocity if ball_spin is None else ball_spin,
+    }
+    start = np.array([[pair(name, value) for name, value in state.items()]])
     parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)
     clock, axes, laws, ball = one.clocks[0], one.axes[0], one.laws[0], one.balls[0]

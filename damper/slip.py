@@ -14,7 +14,7 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.flight import first_extremum, relative
-from damper.records import GRIP, HIT, NOTHING, START
+from damper.records import GRIP, HIT, NOTHING, PIECES, START
 from damper.threshold import drive, first_exceed
 
 if TYPE_CHECKING:
@@ -59,9 +59,12 @@ def end_of_slip(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
     Between extremes of the structure's acceleration both accelerations are monotone; cut at their zeros, the relative
     velocity and the speed of the contact are, and cut at the zero of the former, the position.
     """
-    low, high = 0.0, first_extremum(axis, law, 2)
-    axis.crest = high
-    while low < horizon:
+    if axis.looked == 0.0:
+        axis.crest = axis.ahead = first_extremum(axis, law, 2)
+    low, high = axis.looked, axis.ahead
+    for _ in range(PIECES):
+        if low >= horizon:
+            return np.inf, NOTHING
         one = _zero(axis, law, _ACCELERATION, 0.0, low, high)
         two = _zero(axis, law, _CONTACT_RATE, 0.0, low, high)
         for cut in (min(one, two), max(one, two), high):
@@ -78,7 +81,8 @@ def end_of_slip(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
                     return grip, GRIP
                 low = cut
         high += math.pi / law.frequency
-    return np.inf, NOTHING
+    axis.looked, axis.ahead = low, high
+    return low, NOTHING
 
 
 @kernel

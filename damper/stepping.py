@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.parameters import energy
+from damper.parameters import energy, pair
 from damper.prepare import prepare
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def stepped_ringdown(
             relative one: not what the paper prints, but what a slip in its program would do.
 
     Raises:
-        ValueError: no step or cycle, a release that is not finite, or a damper with slip.
+        ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip.
     """
     from damper.stepping_kernel import march
 
@@ -80,7 +80,7 @@ def stepped_ringdown(
         raise ValueError(f"cycles and steps_per_cycle must be at least 1, got {cycles} and {steps_per_cycle}")
     rows = damper.parameters
     rest = (0.0, 0.0)
-    one = prepare(rows, np.array([[release, rest, rest, rest, rest]]), float(cycles), math.inf)
+    one = prepare(rows, np.array([[pair("release", release), rest, rest, rest, rest]]), float(cycles), math.inf)
     step = 2 * math.pi / damper.stuck_frequency / steps_per_cycle
     velocity = np.zeros((cycles * steps_per_cycle + 1, 2))
     impacts = march(one.axes[0], one.laws[0], one.balls[0], one.books[0], step, friction_opposes_structure, velocity)

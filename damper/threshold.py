@@ -12,7 +12,8 @@ from damper.compiled import kernel
 if TYPE_CHECKING:
     from damper.arrays import Record
 
-_MARGIN = 1.0 + 1e-12
+MARGIN = 1.0 + 1e-12
+"""By which a threshold has to be exceeded: less is rounding, and a ball set off by it would turn back at once."""
 
 
 @kernel
@@ -28,7 +29,7 @@ def drive(axis: Record, law: Record, damping: float, d: int) -> tuple[float, flo
 @kernel
 def first_exceed(p: float, q: float, decay: float, frequency: float, threshold: float) -> float:
     """First tau ≥ 0 at which exp(-decay tau) (p cos + q sin) exceeds the threshold, inf if never."""
-    if p > threshold * _MARGIN:
+    if p > threshold * MARGIN:
         return 0.0
     if p * p + q * q <= threshold * threshold:
         return np.inf
@@ -37,7 +38,7 @@ def first_exceed(p: float, q: float, decay: float, frequency: float, threshold: 
     turn = phase - lag if phase > lag else phase - lag + 2.0 * math.pi
     high = turn / frequency
     radius *= math.exp(-decay * high)  # of the peak to come
-    if radius * math.cos(lag) <= threshold * _MARGIN:
+    if radius * math.cos(lag) <= threshold * MARGIN:
         return np.inf
     low, peak = max(high - math.pi / frequency, 0.0), high
     tau = max(low, peak - (math.acos(threshold / radius) - lag) / frequency)

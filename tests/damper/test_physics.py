@@ -19,6 +19,7 @@ from damper import (
     work_bound,
 )
 from damper.records import GRIP, HIT, REVERSAL, STUCK
+from tests.compiler import needs_compiler
 from tests.damper.test_reference import paper_like
 
 HEAVY = 1e15  # a structure that the ball does not move
@@ -156,6 +157,7 @@ def test_two_impacts_a_cycle(e: float, least: float) -> None:
     assert min(below) > 0 or max(below) < 0
 
 
+@needs_compiler
 def test_lossless_for_1e5_impacts() -> None:
     """e = 1, no friction, no damping, no rolling resistance: nothing may be lost."""
     damper = dataclasses.replace(
@@ -226,7 +228,7 @@ def test_a_dull_rolling_ball_keeps_pressing_the_wall(e: float) -> None:
     assert run.energy.impact + run.energy.slip == pytest.approx(0.5 * 1.4 * 9.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("zeta", [0.0, 0.01])
+@pytest.mark.parametrize("zeta", [pytest.param(0.0, marks=needs_compiler), 0.01])
 def test_cutoff_is_the_rolling_threshold(zeta: float) -> None:
     """The last moving cycle's amplitude is mu_r / r of the load, within one cycle's decay."""
     damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=zeta)
@@ -237,6 +239,7 @@ def test_cutoff_is_the_rolling_threshold(zeta: float) -> None:
     assert 0.1 <= ratio <= 0.1 / decay**1.3 * (1 + 2e-3)  # 2e-3: where an undamped tremor is called rest
 
 
+@needs_compiler
 def test_bounds_hold() -> None:
     """No cycle loses more than the work bound, nor than two hits of a free ball could take."""
     for e in (0.0, 0.3, 0.5, 0.8, 0.99):

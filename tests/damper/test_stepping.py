@@ -7,12 +7,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from damper import Formulation, ringdown, stepped_ringdown
+from damper import Formulation, ringdown, sample, stepped_ringdown
+from tests.compiler import needs_compiler
 from tests.damper.test_reference import paper_like
 
 RELEASE = (20e-3, 5e-3)
 
 
+@needs_compiler
 @pytest.mark.parametrize("formulation", list(Formulation))
 def test_first_order(formulation: Formulation) -> None:
     """Events noticed at the end of a step are late by half a step on average: the error falls with the step."""
@@ -27,6 +29,24 @@ def test_first_order(formulation: Formulation) -> None:
     rate = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert 0.7 < rate < 1.3
     assert errors[-1] < min(errors[0] / 8, 2e-4)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "restitution"),
+    [(Formulation.CONSISTENT, 0.0), (Formulation.CONSISTENT, 0.5), (Formulation.PRINTED, 0.0)],
+)
+def test_fine_steps_follow_the_exact_motion(formulation: Formulation, restitution: float) -> None:
+    """Hits, reversals and sticking over a cycle, each noticed at most a step late."""
+    damper = dataclasses.replace(paper_like(formulation), ball_mass=0.2, restitution=restitution, friction=0.1)
+    release = (20e-3, 12e-3)
+    stepped = stepped_ringdown(damper, release, 1, 4000)
+    run = ringdown(damper, release, 1, keep_events=True)
+    exact = sample(run, np.minimum(stepped.time, run.duration)).velocity
+    assert stepped.impacts == run.impacts > 3
+    assert stepped.initial == run.energy.initial
+    assert np.abs(stepped.velocity - exact).mean() < 1e-3 * np.abs(exact).max()
+    assert stepped.final == pytest.approx(run.energy.final, rel=5e-4)
+    assert stepped.peak_velocities == pytest.approx(np.hypot(*exact[1:].T).max(), rel=5e-4)
 
 
 def test_forty_steps_make_damping_of_their_own() -> None:

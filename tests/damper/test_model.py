@@ -1,0 +1,158 @@
+"""What a damper is made of: what is refused and how, and the derived quantities of the paper."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from damper import (
+    Formulation,
+    ball_density,
+    ringdown,
+    ringdowns,
+    sample,
+    stepped_ringdown,
+    two_hit_bound,
+    work_bound,
+)
+from tests.damper.test_reference import paper_like
+
+BASE = paper_like(Formulation.CONSISTENT)
+OUTSIDE = {
+    "modal_mass": [0.0, -1.0, math.nan, math.inf],
+    "stiffness": [(0.0, 1.0), (1.0, -1.0), (1.0, math.nan)],
+    "ball_mass": [0.0, math.inf],
+    "ball_radius": [0.0],
+    "cavity": [(2e-3 * (1 - 1e-9), 3e-3), (3e-3, 1e-3), (math.inf, 3e-3)],
+    "centrifugal_acceleration": [-1.0, math.inf],
+    "restitution": [-1e-9, 1 + 1e-9, math.nan],
+    "friction": [-0.1, 1e7],
+    "rolling_friction": [-1e-4],
+    "damping_ratio": [-0.1, 1.0],
+    "sticking_ratio": [-1e-2],
+    "floor_friction": [0.0, -0.1, 1e7],
+}
+INSIDE = {
+    "cavity": (2e-3, 2e-3),
+    "centrifugal_acceleration": 0.0,
+    "restitution": 1.0,
+    "friction": 1e6,
+    "rolling_friction": 0.0,
+    "damping_ratio": 0.0,
+    "sticking_ratio": 0.0,
+    "floor_friction": 1e6,
+}
+NO_NUMBERS = {
+    "modal_mass": ["1", None, True, (1.0,)],
+    "floor_friction": ["0.3", True],
+    "stiffness": [3.0, "33", (1.0,), (1.0, 2.0, 3.0), (1.0, "2"), None],
+    "cavity": [3e-3, [3e-3]],
+}
+
+
+def cases(table: dict[str, list[Any]]) -> list[tuple[str, Any]]:
+    return [(name, value) for name, values in table.items() for value in values]
+
+
+@pytest.mark.parametrize(("name", "value"), cases(OUTSIDE))
+def test_outside_its_range(name: str, value: Any) -> None:
+    """Refused by name, alike for one damper and in a batch."""
+    with pytest.raises(ValueError, match=f"^{name} must be"):
+        dataclasses.replace(BASE, **{name: value})
+    with pytest.raises(ValueError, match=f"^{name} must be"):
+        ringdowns(BASE, [(1e-3, 0.0)], 1, **{name: [value]})
+
+
+@pytest.mark.parametrize(("name", "value"), INSIDE.items())
+def test_edge_of_its_range(name: str, value: Any) -> None:
+    assert getattr(dataclasses.replace(BASE, **{name: value}), name) == value
+
+
+@pytest.mark.parametrize(("name", "value"), cases(NO_NUMBERS))
+def test_not_a_number(name: str, value: Any) -> None:
+    what = "two numbers, along x and y" if name in ("stiffness", "cavity") else "a number"
+    with pytest.raises(ValueError, match=rf"^{name} must be ({what}|a number), got"):
+        dataclasses.replace(BASE, **{name: value})
+
+
+@pytest.mark.parametrize("value", [(1e-3,), 1e-3, (1e-3, 0.0, 0.0), "ab", (None, 0.0)])
+def test_a_release_has_two_numbers(value: Any) -> None:
+    with pytest.raises(ValueError, match=r"release must be (two numbers|a number)"):
+        ringdown(BASE, value, 1)
+    with pytest.raises(ValueError, match=r"release must be (two numbers|a number)"):
+        stepped_ringdown(BASE, value, 1)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"cycles": 0.0}, "cycles must be positive, got 0"),
+        ({"cycles": math.inf}, "cycles must be positive"),
+        ({"max_cycles": 0.0}, "max_cycles must be positive"),
+        ({"max_cycles": math.inf}, "max_cycles must be positive and finite"),
+        ({"max_events": 0}, "max_events must be at least 1"),
+        ({"ball_spin": (1.0,)}, "ball_spin must be two numbers"),
+        ({"ball_position": (0.3e-3, 0.0)}, "ball_position 0.0003 m lies outside the cavity"),
+        ({"velocity": (math.nan, 0.0)}, "the release must be finite, got nan"),
+    ],
+)
+def test_what_cannot_be_run(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ringdown(BASE, (1e-3, 0.0), **keys)
+
+
+def test_a_batch_wants_a_table_of_releases() -> None:
+    for release in ((1e-3, 0.0), [(1e-3,)], 1e-3):
+        with pytest.raises(ValueError, match=r"release must have shape \(n, 2\)"):
+            ringdowns(BASE, release, 1)
+
+
+def test_the_printed_equations_know_no_slip() -> None:
+    with pytest.raises(ValueError, match="know no slip"):
+        dataclasses.replace(BASE, formulation=Formulation.PRINTED, floor_friction=0.3)
+    with pytest.raises(ValueError, match="knows no slip"):
+        stepped_ringdown(dataclasses.replace(BASE, floor_friction=0.3), (1e-3, 0.0), 1)
+    with pytest.raises(ValueError, match="at least 1"):
+        stepped_ringdown(BASE, (1e-3, 0.0), 0)
+    with pytest.raises(ValueError, match="at least 1"):
+        stepped_ringdown(BASE, (1e-3, 0.0), 1, 0)
+
+
+def test_derived_quantities() -> None:
+    """Eqs. (1) to (5) and section 3 of the paper, by hand for M2 = 1 kg, 0.6 %, 219,320 m/s^2."""
+    assert BASE.stuck_mass == 1.006
+    assert BASE.stuck_frequency == pytest.approx(2 * math.pi * 269.5, rel=1e-15)
+    assert BASE.half_gap == pytest.approx((0.25e-3, 0.2e-3), rel=1e-12)
+    assert BASE.rolling_threshold == pytest.approx(21932.0, rel=1e-15)
+    assert (BASE.inertia_ratio, BASE.spin_mass) == (5 / 7, pytest.approx(0.0024, rel=1e-15))
+    printed = paper_like(Formulation.PRINTED)
+    assert (printed.inertia_ratio, printed.spin_mass) == (5 / 2, 0.0)
+    afloat = dataclasses.replace(BASE, centrifugal_acceleration=0.0)
+    assert (afloat.inertia_ratio, afloat.spin_mass, afloat.rolling_threshold) == (1.0, 0.0, 0.0)
+
+
+def test_bounds_in_digits() -> None:
+    """0.16 % at A = 7.6 mm and 14.4 %, for the parameters of Fig. 3; osmium has 22,600 kg/m^3."""
+    assert work_bound(BASE, 7.6e-3) == pytest.approx(4 * 0.006 * 0.5 / 7.6, rel=1e-12)
+    assert two_hit_bound(BASE) == pytest.approx(0.144, rel=1e-12)
+    assert two_hit_bound(dataclasses.replace(BASE, restitution=1.0)) == math.inf
+    assert ball_density(BASE, 10) == pytest.approx(0.0006 / (4.18879020479e-9), rel=1e-9)
+    for amplitude in (0.0, -1.0, math.nan):
+        with pytest.raises(ValueError, match="amplitude must be positive"):
+            work_bound(BASE, amplitude)
+
+
+def test_what_cannot_be_sampled() -> None:
+    with pytest.raises(ValueError, match="kept no events"):
+        sample(ringdown(BASE, (1e-3, 0.0), 1), 0.0)
+    run = ringdown(BASE, (20e-3, 0.0), 1, keep_events=True)
+    for times in (-1e-9, run.duration * 1.001, math.nan):
+        with pytest.raises(ValueError, match="times must lie between 0 and the ring-down's end"):
+            sample(run, times)
+    with pytest.raises(ValueError, match="times must have shape"):
+        sample(run, np.zeros((2, 2)))
+    assert sample(run, []).time.shape == (0,)
