@@ -1,0 +1,190 @@
+"""Nothing in a scene is ever run, nothing is written outside of DIR, and text stays text."""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows.scene_file import SHIPPED
+
+ROOT = Path(__file__).parents[2]
+SOURCES = sorted(path for package in ("fem", "damper", "workflows") for path in (ROOT / package).rglob("*.py"))
+RUNS_TEXT = {"eval", "exec", "compile", "__import__", "execfile", "literal_eval"}
+OF_OS = {"system", "popen"}
+BY_ATTRIBUTE = {"__import__", "literal_eval", "from_pickle", "read_pickle", "to_pickle"}
+LOADS_OBJECTS = {"pickle", "cPickle", "dill", "cloudpickle", "marshal", "shelve", "joblib", "code", "codeop", "pty"}
+
+
+def _faults(text: str) -> Iterator[str]:
+    """What in a source could run text or load objects from a file."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names = {alias.name.split(".")[0] for alias in node.names}
+            yield from sorted(names & LOADS_OBJECTS)
+        elif isinstance(node, ast.ImportFrom):
+            names = {(node.module or "").split(".")[0]} | {alias.name for alias in node.names}
+            yield from sorted(names & (LOADS_OBJECTS | RUNS_TEXT | OF_OS))
+        elif isinstance(node, ast.Name) and node.id in RUNS_TEXT:
+            yield node.id
+        elif isinstance(node, ast.Attribute) and (
+            node.attr in BY_ATTRIBUTE or (node.attr in OF_OS and ast.unparse(node.value) == "os")
+        ):
+            yield node.attr
+        elif isinstance(node, ast.Call):
+            for keyword in node.keywords:
+                on = not (isinstance(keyword.value, ast.Constant) and keyword.value.value is False)
+                if keyword.arg in ("shell", "allow_pickle") and on:
+                    yield f"{keyword.arg}="
+
+
+def test_no_source_runs_text() -> None:
+    assert len(SOURCES) > 50
+    for source in SOURCES:
+        assert not list(_faults(source.read_text(encoding="utf-8"))), source
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "eval('1')",
+        "exec(open('x').read())",
+        "import pickle",
+        "from pickle import loads",
+        "import builtins\nrun = eval",
+        "np.load('x', allow_pickle=True)",
+        "os.system('ls')",
+        "subprocess.run('ls', shell=True)",
+        "pandas.read_pickle('x')",
+        "from os import system",
+    ],
+)
+def test_the_search_finds_what_it_looks_for(text: str) -> None:
+    assert list(_faults(text))
+
+
+def test_archives_hold_no_objects() -> None:
+    """Where NumPy reads an archive, it is left at its default, which refuses objects."""
+    import numpy as np
+
+    assert np.load.__kwdefaults__ is None or not np.load.__kwdefaults__.get("allow_pickle", False)
+    assert "allow_pickle" not in "".join(source.read_text(encoding="utf-8") for source in SOURCES)
+
+
+TITLES = [
+    "../../escaped",
+    "/etc/escaped",
+    "..\\..\\escaped",
+    "~/escaped",
+    "$(touch escaped)",
+    "`touch escaped`; touch escaped",
+    "\u202eescaped",
+    ".",
+    "..",
+    "-rf",
+    "CON",
+    "a" * 200,
+]
+
+
+@pytest.mark.parametrize("title", [title for title in TITLES if title.isprintable()])
+def test_a_title_names_a_folder_here(
+    title: str, spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "deep" / "here"
+    place.mkdir(parents=True)
+    monkeypatch.chdir(place)
+    write(changed(structure, title=title, release__cycles=2), place / "scene.toml")
+    assert spindamp("run", "scene.toml").status == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["deep"]
+    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["here"]
+    others = [path for path in place.iterdir() if path.name != "scene.toml"]
+    assert len(others) == 1
+    assert others[0].name.startswith("spindamp-")
+    assert (others[0] / "report.html").is_file()
+
+
+def test_a_title_that_would_turn_the_line_around(
+    spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene
+) -> None:
+    for title in ("\u202eescaped", "bell\a", "\x1b[31mred", "two\nlines"):
+        write(changed(structure, title=title), tmp_path / "scene.toml")
+        outcome = spindamp("run", "scene.toml")
+        assert outcome.status == 2
+        assert "title = " in outcome.err
+        assert outcome.err.rstrip("\n").isprintable()
+
+
+@pytest.mark.parametrize("mesh", ["../..//etc/passwd", "/etc/passwd", "/proc/self/environ", "/proc/self/mem"])
+def test_a_mesh_elsewhere_is_only_read(
+    mesh: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh=mesh, damper__at=None)
+    write(scene, tmp_path / "scene.toml")
+    before = os.stat("/etc/passwd")
+    outcome = spindamp("run", "scene.toml", "--out", "out")
+    assert outcome.status == 2
+    assert outcome.err.startswith(f"spindamp: scene.toml: [plate] mesh = '{mesh}': ")
+    assert len(outcome.err.splitlines()) == 1
+    assert "root:" not in outcome.err
+    assert os.stat("/etc/passwd").st_mtime == before.st_mtime
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+HOSTILE = """<script>alert(1)</script><img src=x onerror=alert(1)> "'&lt; {{ 7*7 }} {% raw %} ]]> --> $x_1$ \\\\frac%"""
+
+
+def test_text_stays_text_in_every_file(spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene) -> None:
+    import json
+
+    import xarray as xr
+
+    write(changed(structure, title=HOSTILE, release__cycles=2), tmp_path / "scene.toml")
+    assert spindamp("run", "scene.toml", "--out", "out").status == 0
+    out = tmp_path / "out"
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert "<img src=x" not in page
+    assert "&lt;script&gt;" in page
+    assert "{{ 7*7 }}" in page
+    assert json.loads((out / "results.json").read_text(encoding="utf-8"))["title"] == HOSTILE
+    assert json.loads((out / "csv-metadata.json").read_text(encoding="utf-8"))["dc:title"] == HOSTILE
+    with xr.open_dataset(out / "results.nc", engine="h5netcdf") as data:
+        assert data.attrs["title"] == HOSTILE
+
+
+def test_a_mesh_with_a_hostile_name(spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+    name = "<script>alert(1)<!-- --> {{ 7 }}.msh"
+    (tmp_path / name).write_bytes((ROOT / "meshes" / "plate_coarse.msh").read_bytes())
+    keep = {"plate__length": None, "plate__width": None, "damper": None, "release": None, "effects": None}
+    scene = changed(paper, plate__mesh=name, rotor__speeds=[0], rotor__modes=2, **keep)
+    write(scene, tmp_path / "scene.toml")
+    assert spindamp("run", "scene.toml", "--out", "out").status == 0
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert "<!-- -->" not in page
+
+
+def test_modules_in_the_users_folder_are_not_imported(
+    spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    """Neither by a run nor by the process that draws for it."""
+    for name in ("numpy", "pyvista", "matplotlib", "io", "typing", "PIL", "fem"):
+        (tmp_path / f"{name}.py").write_text(
+            "from pathlib import Path\nPath('imported').touch()\nraise SystemExit(9)\n"
+        )
+    scene = changed(paper, rotor__speeds=["0 rpm"], damper=None, release=None, rotor__modes=2)
+    write(scene, tmp_path / "scene.toml")
+    assert spindamp("run", "scene.toml", "--out", "out").status == 0
+    assert not (tmp_path / "imported").exists()
+
+
+def test_shipped_scenes_are_not_the_users(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    """A name is a shipped scene, unless a file of just that name is here."""
+    assert spindamp("check", "paper").status == 0
+    assert spindamp("check", "../paper").status == 2
+    assert spindamp("check", str(SHIPPED / "paper")).status == 2
