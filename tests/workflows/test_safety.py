@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -181,6 +183,19 @@ def test_modules_in_the_users_folder_are_not_imported(
     write(scene, tmp_path / "scene.toml")
     assert spindamp("run", "scene.toml", "--out", "out").status == 0
     assert not (tmp_path / "imported").exists()
+
+
+SCRIPT = Path(sys.executable).with_name("spindamp")
+
+
+@pytest.mark.skipif(not SCRIPT.is_file(), reason="the command is not installed beside this Python")
+def test_folders_of_the_same_name_do_not_hide_the_packages_from_the_command(tmp_path: Path) -> None:
+    for name in ("fem", "damper", "workflows", "numpy"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise SystemExit(9)\n")
+    done = subprocess.run([SCRIPT, "campbell", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("{")
 
 
 def test_shipped_scenes_are_not_the_users(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:

@@ -14,9 +14,10 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why."""
-    from workflows import effects, resolved, scene_file
+    from workflows import effects, needs, resolved, scene_file
 
     source = scene_file.load(scene)
+    needs.check(source)
     decided = effects.resolve(source.scene, source.name)
     sides = None
     if source.mesh is not None:
@@ -30,3 +31,4 @@ def check(
         typer.echo(dumps(resolved.document(source.scene, decided, theory), indent=1, allow_nan=False))
         return
     typer.echo(resolved.as_toml(source.scene, decided, theory))
+    typer.echo(f"\n# A run needs about {needs.in_words(needs.memory(source))} of memory.")

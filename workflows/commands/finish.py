@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from workflows import pipeline, results_json, store, summary
+from workflows import needs, pipeline, results_json, store, summary
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -15,6 +15,7 @@ from workflows.stages import Stages
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
+    needs.check(source)
     if out is not None:
         store.check(out)
     with ExitStack() as stack:
