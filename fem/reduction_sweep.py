@@ -16,7 +16,7 @@ from scipy.linalg import eigh
 
 from fem.operators import with_point_mass
 from fem.reduction import SEARCHED, Reduced, become, check_mass, flap_index, flap_modes, flap_rows, reduce_at, reduced
-from fem.solver import most_alike
+from fem.solver import most_alike, rounding
 from fem.sweep import campbell
 
 if TYPE_CHECKING:
@@ -97,8 +97,14 @@ class _Family:
             values, motions = self._ritz(np.column_stack([solved, flaps]), masses)
             values[nodes], motions[:, nodes] = [known[k][0] for k in nodes], self._motion @ solved
             fresh = {k: self._solve(k, masses[k]) for k in _between(omega**2, nodes)}
-            if all(abs(values[k] / value - 1.0) <= RIGHT for k, (value, _) in fresh.items()):
+            right = max(RIGHT, 4.0 * self._rounding(values[nodes], solved))
+            if all(abs(values[k] / value - 1.0) <= right for k, (value, _) in fresh.items()):
                 return values, motions
+
+    def _rounding(self, values: Array, shapes: Array) -> float:
+        """What double precision leaves uncertain of some squared frequencies (k,) with shapes (n, k), relatively."""
+        stiffness = self._operators.at(float(self._diagram.omega[-1]))
+        return 2.0 * float(rounding(stiffness, shapes, values).max())
 
     def _solve(self, k: int, mass: float) -> tuple[float, Array]:
         """The squared frequency at speed number k and its shape (n,), by the full matrices."""

@@ -100,6 +100,24 @@ def svg(figure: Figure, name: str, description: str) -> str:
     return _for_a_page(out.getvalue(), name, description)
 
 
+def standalone(drawn: str) -> str:
+    """An SVG for a page as a file of its own, in the colours of a light page."""
+    light = {
+        "--ink": "#1c1d20",
+        "--muted": "#6b6d73",
+        "--rule": "#e2dfd6",
+        "--paper": "#ffffff",
+        "--sans": "sans-serif",
+    }
+    light |= {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    for variable, colour in light.items():
+        drawn = drawn.replace(f"var({variable})", colour)
+    width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
+    ground = f'<rect width="{width}" height="{height}" fill="#ffffff"/>'
+    start = drawn.index(">", drawn.index("<svg")) + 1
+    return drawn[: start - 1] + ' xmlns="http://www.w3.org/2000/svg">' + ground + drawn[start:] + "\n"
+
+
 def shades(count: int) -> list[str]:
     """Colours for an ordered family of curves, dark to bright; placeholders like the others."""
     return [f"#0203{i:02x}" for i in range(min(count, 256))] + ["#0203ff"] * (count - 256)

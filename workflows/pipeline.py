@@ -24,8 +24,8 @@ class Structure:
     plate: PlateAnswer | None
 
 
-def structure(source: SceneFile, stages: Stages, *, shapes: bool = True) -> Structure:
-    """Solve the scene's plate, or take its structure as given; with `shapes` the mode shapes are kept.
+def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: int | None = None) -> Structure:
+    """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
     Raises:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
@@ -34,7 +34,7 @@ def structure(source: SceneFile, stages: Stages, *, shapes: bool = True) -> Stru
     if source.scene.plate is None:
         points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, effects, points, None)
-    answer = plate.solve(source, effects, stages, shapes=shapes)
+    answer = plate.solve(source, effects, stages, shapes=shapes, size=size)
     return Structure(source, effects, answer.points, answer)
 
 

@@ -25,8 +25,9 @@ _SHAPES_AT_MOST = 20
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
 
-_BASIS = 1e-3
-"""Error of a frequency that the reduced basis may add, as a part of what the mesh may leave."""
+_BASIS, _LEAST_BASIS = 1e-3, 1e-7
+"""Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
+finer it would be lost in rounding."""
 
 _FOR_BENDING = 4
 """Modes that are looked through for the first bending mode."""
@@ -43,7 +44,7 @@ class PlateAnswer:
 
 
 @dataclass(frozen=True, eq=False)
-class _Discrete:
+class Discrete:
     """Matrices on the mesh chosen, and how it was chosen. `layers`: the error that the layers of a solid leave."""
 
     choice: fem.Choice
@@ -52,8 +53,12 @@ class _Discrete:
     layers: float
 
 
-def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shapes: bool = True) -> PlateAnswer:
+def solve(
+    source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shapes: bool = True, size: int | None = None
+) -> PlateAnswer:
     """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
+
+    `size` is that of a mesh of the planform's ladder; without it, the accuracy asked for chooses.
 
     Speeds at which the plate diverges have no point, as long as any speed has one.
 
@@ -65,7 +70,7 @@ def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shap
 
     try:
         with stages("modes"):
-            discrete = _discretise(source, effects, stages)
+            discrete = discretise(source, effects, stages, size)
             diagram = _sweep(source, discrete)
         with stages("reduction"):
             reduced = _reduce(source, discrete.choice.operators, diagram)
@@ -83,9 +88,12 @@ def solve(source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shap
     return PlateAnswer(points, surface, discrete.theory, beyond)
 
 
-def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -> _Discrete:
-    """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest."""
-    from fem import Effects, MeshError, Rotor, assemble, choose_mesh
+def discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages, size: int | None = None) -> Discrete:
+    """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
+
+    With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
+    """
+    from fem import Choice, Effects, MeshError, Rotor, assemble, choose_mesh
     from fem.theories import solid_theory
 
     scene = source.scene
@@ -109,6 +117,10 @@ def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -
 
     # The mesh's errors hardly depend on these two, which make modes many times dearer.
     plain = replace(switches, coriolis=False, large_deflection=False)
+    if size is not None:
+        unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
+        choice = Choice(build(size, switches), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
+        return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers)
     try:
         tolerance = max(scene.accuracy.frequency - layers, 0.5 * scene.accuracy.frequency)
         choice = choose_mesh(form, lambda size: build(size, plain), scene.rotor.speeds, scene.rotor.modes, tolerance)
@@ -121,10 +133,10 @@ def _discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages) -
     described = plate_mesh.in_words(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
-    return _Discrete(choice, theory, described, layers)
+    return Discrete(choice, theory, described, layers)
 
 
-def _sweep(source: SceneFile, discrete: _Discrete) -> fem.Campbell:
+def _sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
     from fem import campbell
 
@@ -133,7 +145,7 @@ def _sweep(source: SceneFile, discrete: _Discrete) -> fem.Campbell:
     if not operators.effects.large_deflection:
         speeds = np.union1d(speeds, np.linspace(speeds.min(), speeds.max(), _STEPS))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return campbell(operators, speeds, count, tolerance=_BASIS * scene.accuracy.frequency)
+    return campbell(operators, speeds, count, tolerance=max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS))
 
 
 def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
@@ -152,7 +164,7 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
 
 
 def _points(
-    source: SceneFile, discrete: _Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
+    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
     rotor = source.scene.rotor
     radius = rotor.hub_radius + plate_mesh.place(source, discrete.choice.operators.plate.mesh)[0]
@@ -173,7 +185,7 @@ def _points(
     return tuple(points)
 
 
-def _mode(discrete: _Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
+def _mode(discrete: Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
     omega = float(diagram.omega[number])
     error = discrete.choice.errors_at(omega)[k] + discrete.layers + diagram.bounds[number, k]
     turning = discrete.choice.operators.gyroscopic is not None and omega > 0
@@ -197,7 +209,7 @@ def _surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int]
     return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
 
 
-def _beyond(discrete: _Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
+def _beyond(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
     from fem import critical_speed
 

@@ -1,0 +1,118 @@
+"""Ladder of the whole pipeline: the scene for one accuracy after the other, against the finest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from workflows import pipeline
+from workflows.costs.ladder import Chosen, Ladder, Row, measure
+from workflows.records import Results
+from workflows.scene import Accuracy
+from workflows.scene_file import SceneFile
+from workflows.stages import Stages, Step
+
+ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
+_FINEST = 1e-5
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """A headline number of a run, at the speed that the report shows."""
+
+    name: str
+    at: int
+
+    def __call__(self, results: Results) -> float | None:
+        point = results.speeds[self.at]
+        if self.name == "first frequency":
+            return point.reduced.f2_hz if point.reduced is not None else point.modes[0].frequency_hz
+        if point.damping is None:
+            return None
+        return point.damping.cutoff_g if self.name == "cut-off" else point.damping.peak_sdc
+
+
+QUANTITIES = ("first frequency", "cut-off", "peak specific damping capacity")
+
+
+def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chosen]]:
+    """A ladder for each headline number that the scene has; without a plate there is nothing to choose."""
+    theory = _theory(source)
+    step.advance("reference")
+    finest = pipeline.run(_asking(source, _FINEST, theory), Stages(visible=False))
+    shown = pipeline.shown(finest.speeds)
+    accuracies = ASKED if source.scene.plate is not None else ASKED[-2:-1]
+    runs: dict[float, tuple[Row, Results | None]] = {}
+    for asked in accuracies:
+        step.advance(f"accuracy {asked:g}")
+        runs[asked] = _run(_asking(source, asked, theory), asked)
+    found, chosen = [], {}
+    for quantity in (_Quantity(name, shown) for name in QUANTITIES):
+        reference = quantity(finest)
+        if not reference:
+            continue
+        rows = [_judged(row, results, quantity, reference) for row, results in runs.values()]
+        rpm = finest.speeds[shown].rpm
+        found.append(
+            Ladder(
+                f"whole pipeline: {quantity.name}",
+                f"relative error of the {quantity.name} at {rpm:.0f} rpm",
+                f"the same scene and theory with an accuracy of {_FINEST:g}",
+                tuple(rows),
+            )
+        )
+        chosen[f"pipeline: {quantity.name}"] = _chosen(source, quantity, reference, theory)
+    return found, chosen
+
+
+def _run(source: SceneFile, asked: float) -> tuple[Row, Results | None]:
+    kept: list[Results] = []
+
+    def judge(results: Results) -> tuple[int | None, float]:
+        kept.append(results)
+        return None, 0.0
+
+    row = measure("pipeline", f"accuracy {asked:g}", lambda: pipeline.run(source, Stages(visible=False)), judge)
+    return row, kept[0] if kept else None
+
+
+def _judged(row: Row, results: Results | None, quantity: _Quantity, reference: float) -> Row:
+    if results is None:
+        return row
+    value = quantity(results)
+    if value is None:
+        return Row(row.method, row.setting, failed=f"no {quantity.name} came out")
+    return Row(row.method, _setting(row, results), None, row.time_s, row.spread_s, abs(value / reference - 1.0))
+
+
+def _setting(row: Row, results: Results) -> str:
+    return row.setting if results.diagram is None else f"{row.setting}: {results.diagram.mesh}"
+
+
+def _chosen(source: SceneFile, quantity: _Quantity, reference: float, theory: str | None) -> Chosen:
+    results = pipeline.run(_asking(source, None, theory), Stages(visible=False))
+    value = quantity(results)
+    estimate = None
+    if quantity.name == "first frequency" and results.speeds[quantity.at].modes:
+        estimate = results.speeds[quantity.at].modes[0].error_estimate
+    setting = "" if results.diagram is None else results.diagram.mesh
+    return Chosen("pipeline", setting, estimate, None if value is None else abs(value / reference - 1.0))
+
+
+def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> SceneFile:
+    """The scene with another accuracy, its theory held: the error of a theory is not one of accuracy."""
+    changed = source
+    if accuracy is not None:
+        changed = changed.changed(accuracy=Accuracy(frequency=accuracy, damping=accuracy))
+    if theory is not None and source.scene.plate is not None:
+        changed = changed.changed(plate=source.scene.plate.model_copy(update={"theory": theory}))
+    return changed
+
+
+def _theory(source: SceneFile) -> str | None:
+    from workflows import effects, plate_mesh
+
+    if source.scene.plate is None:
+        return None
+    sides = None if source.mesh is None else plate_mesh.planform(source).sides
+    found = effects.theory(source.scene, sides)
+    return None if found is None else found.name

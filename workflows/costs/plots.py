@@ -1,0 +1,89 @@
+"""Pictures of what accuracy and effects cost."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from workflows import drawing
+from workflows.costs.ladder import Chosen, Ladder
+from workflows.costs.switching import Switches
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_SMALLEST = 1e-16
+"""An error of nothing is drawn here, on the axis' edge."""
+
+_NEGLIGIBLE = 1e-12
+"""Changes below this are rounding."""
+
+
+def ladder(found: Ladder, name: str, asked: float | None) -> str:
+    """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
+    with drawing.style():
+        figure, (axes,) = drawing.canvas(3.4, left=0.09, right=0.66, top=0.95, bottom=0.14)
+        _work_precision(axes, found, asked)
+        axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
+        return drawing.svg(figure, name, f"Time against error: {found.quantity}")
+
+
+def overview(ladders: list[Ladder], asked: float | None) -> str:
+    """Some ladders side by side."""
+    with drawing.style():
+        figure, panels = drawing.canvas(3.9, len(ladders), left=0.08, right=0.985, top=0.93, bottom=0.42, wspace=0.24)
+        for axes, found in zip(panels, ladders, strict=True):
+            _work_precision(axes, found, asked)
+            axes.set_title(found.stage)
+            axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
+        return drawing.svg(figure, "overview", "Time against error")
+
+
+def changes(found: Switches, asked: float) -> str:
+    """The largest change that each effect makes to any quantity, beside the time it takes."""
+    with drawing.style():
+        figure: Figure
+        figure, (left, right) = drawing.canvas(3.0, 2, left=0.2, right=0.97, top=0.9, bottom=0.16, wspace=0.12)
+        rows = [row for row in found.rows if row.changes][::-1]
+        for place, row in enumerate(rows):
+            colour = drawing.CATEGORIES[0] if row.on else drawing.CATEGORIES[6]
+            size = max((abs(change) for change in row.changes.values()), default=0.0)
+            if size > _NEGLIGIBLE:
+                left.plot([_NEGLIGIBLE, size], [place, place], color=colour, lw=1.2)
+                left.plot([size], [place], "o", color=colour, ms=4)
+            else:
+                left.text(2 * _NEGLIGIBLE, place, "nothing", va="center", color=drawing.MUTED, fontsize=7)
+            right.barh(place, 100 * (row.time_share or 0.0), color=colour, height=0.5)
+        for axes in (left, right):
+            axes.set_yticks(range(len(rows)), [row.effect.replace("_", " ") for row in rows])
+            axes.set_ylim(-0.6, len(rows) - 0.4)
+        right.set_yticklabels([])
+        left.set(xscale="log", xlim=(_NEGLIGIBLE, 10), title="largest relative change of any quantity")
+        left.axvline(asked, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
+        right.set(title="share of the run's time with it, %")
+        return drawing.svg(figure, "effects", "What each effect changes and costs")
+
+
+def picked(chosen: dict[str, Chosen], found: Ladder) -> Chosen | None:
+    """What the scene's accuracy chose on a ladder."""
+    return chosen.get(found.stage)
+
+
+def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:
+    methods = list(dict.fromkeys(row.method for row in found.rows))
+    for number, method in enumerate(methods):
+        rows = [row for row in found.rows if row.method == method and row.time_s is not None and row.error is not None]
+        if rows:
+            axes.plot(
+                [max(row.error or 0.0, _SMALLEST) for row in rows],
+                [row.time_s or 0.0 for row in rows],
+                color=drawing.CATEGORIES[number % len(drawing.CATEGORIES)],
+                marker=drawing.MARKERS[number % len(drawing.MARKERS)],
+                ls="-" if number < len(drawing.CATEGORIES) else (0, (3, 2)),
+                lw=1.0,
+                label=method,
+            )
+    if asked is not None:
+        axes.axvline(asked, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
+    axes.invert_xaxis()

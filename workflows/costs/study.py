@@ -1,0 +1,79 @@
+"""`spindamp accuracy`: every ladder that a scene has."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from workflows import effects as rules
+from workflows import pipeline, plate, plate_mesh, ringdowns
+from workflows.costs import dampers, pipelines, plates
+from workflows.costs.ladder import Chosen, Ladder, Study
+from workflows.costs.plates import Problem
+from workflows.records import Floats
+from workflows.scene_file import SceneFile
+from workflows.stages import Stages
+
+
+def study(source: SceneFile, stages: Stages | None = None) -> Study:
+    """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
+
+    Raises:
+        BadInput, NoAnswer: see :func:`workflows.plate.solve`.
+    """
+    stages = stages or Stages()
+    ladders: list[Ladder] = []
+    chosen: dict[str, Chosen] = {}
+    effects = rules.resolve(source.scene, source.name)
+    if source.scene.plate is not None:
+        found, picked = _plate(source, stages)
+        ladders += found
+        chosen |= picked
+    if source.scene.damper is not None:
+        with stages("damper", len(dampers.STEPS) + sum(map(len, dampers.METHODS.values())) + 2) as step:
+            points = pipeline.structure(source, Stages(visible=False), shapes=False).points
+            point = points[pipeline.shown(points)]
+            system = ringdowns.particle_damper(source.scene, effects, point)
+            ladder, exact = dampers.ladder(system, ringdowns.released_at(source.scene, point), point, step)
+        ladders.append(ladder)
+        chosen["damper"] = exact
+    with stages("pipeline", len(pipelines.ASKED) + 1) as step:
+        whole, picked = pipelines.ladders(source, step)
+    asked = source.scene.accuracy.model_dump()
+    return Study(source.scene.title, asked, (*ladders, *whole), chosen | picked)
+
+
+def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, Chosen]]:
+    solver = plate.discretise(source, rules.resolve(source.scene, source.name), Stages(visible=False))
+    operators, count = solver.choice.operators, source.scene.rotor.modes
+    plain = replace(operators.effects, coriolis=False, large_deflection=False)
+    problem = Problem(
+        form=plate_mesh.planform(source),
+        plate=lambda mesh: plate_mesh.plate(source, mesh),
+        rotor=operators.rotor,
+        effects=plain,
+        omega=float(solver.choice.probes[-1]),
+        count=count,
+    )
+    steps = 3 + sum(size <= finest for _, _, finest in plates.METHODS for size in problem.form.sizes)
+    with stages("plate", steps) as step:
+        ladders, limits = plates.ladders(problem, step)
+    linear = replace(operators, effects=plain, gyroscopic=None)
+    with stages("speeds", 6) as step:
+        ladder, basis = plates.speeds(linear, problem.omega, count, step)
+    mesh = _chosen(solver, problem, limits)
+    return [*ladders, ladder], {"plate": mesh, "speeds": basis}
+
+
+def _chosen(solver: plate.Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Chosen:
+    """The mesh that the scene's accuracy chose, its estimate, and its error against the limit of its theory."""
+    from fem import solve_modes
+
+    name, error = solver.theory.name, None
+    estimate = float(np.max(solver.choice.errors)) + solver.layers
+    if name in limits:
+        linear = replace(solver.choice.operators, effects=problem.effects, gyroscopic=None)
+        frequencies = solve_modes(linear, problem.omega, problem.count).frequencies_hz
+        error = float(np.abs(frequencies / limits[name][0] - 1.0).max())
+    return Chosen(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)
