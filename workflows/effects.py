@@ -117,7 +117,10 @@ def _coriolis(scene: Scene) -> tuple[bool, str]:
             "the plate is staggered: Coriolis forces couple its bending to motion in its plane, by some parts in a"
             " thousand of a frequency at high speed; coriolis = true takes them in, with complex modes"
         )
-    return False, "at stagger 0 it couples motions in the plate's plane only, and leaves bending alone"
+    return False, (
+        "at stagger 0 it leaves bending alone, and moves lag by some parts in a thousand at high speed; coriolis = true"
+        " takes it in, with complex modes"
+    )
 
 
 def _large_deflection(scene: Scene) -> tuple[bool, str]:

@@ -1,0 +1,254 @@
+"""What accuracy and effects cost: ladders that are true, choices that are kept, effects paid for only when on."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from damper import Formulation, ParticleDamper, ringdown
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import scene_file
+from workflows.costs import plates, timing
+from workflows.costs.by_ivp import by_ivp
+from workflows.costs.ladder import measure
+from workflows.costs.study import study
+from workflows.costs.switching import OF_THE_PLATE, switching
+from workflows.effects import RULES
+from workflows.stages import Stages
+
+RELEASE = (20e-3, 5e-3)
+QUIET = Stages(visible=False)
+
+
+def system(**changes: Any) -> ParticleDamper:
+    stiffness = 1.006 * (2 * np.pi * 269.5) ** 2
+    given: dict[str, Any] = {
+        "modal_mass": 1.0,
+        "stiffness": (stiffness, stiffness),
+        "ball_mass": 0.006,
+        "ball_radius": 1e-3,
+        "cavity": (2.5e-3, 2.4e-3),
+        "centrifugal_acceleration": 219320.0,
+        "restitution": 0.5,
+        "friction": 0.3,
+        "rolling_friction": 1e-4,
+    }
+    return ParticleDamper(**given | changes)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"formulation": Formulation.PRINTED},
+        {"formulation": Formulation.PRINTED, "damping_ratio": 0.01},
+        {"damping_ratio": 0.05, "friction": 0.0, "restitution": 0.9},
+        {"rolling_friction": 0.0, "damping_ratio": 0.01},
+        {"centrifugal_acceleration": 0.0, "restitution": 0.7},
+    ],
+)
+def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
+    """Two programs that share no line, to ten times the tolerance of the integrator."""
+    damper = system(**changes)
+    exact, peer = ringdown(damper, RELEASE, 5), by_ivp(damper, RELEASE, 5, "DOP853", 1e-12)
+    assert peer.impacts == exact.impacts > 0
+    assert peer.final == pytest.approx(exact.energy.final, abs=1e-11 * exact.energy.initial)
+
+
+def test_the_peer_knows_no_slip() -> None:
+    with pytest.raises(ValueError, match="slip"):
+        by_ivp(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
+
+
+@pytest.mark.parametrize(("seconds", "runs"), [(0.01, 6), (1.5, 2), (5.0, 1)])
+def test_a_median_after_a_warm_up(monkeypatch: pytest.MonkeyPatch, seconds: float, runs: int) -> None:
+    clock, calls = [0.0], []
+
+    def work() -> int:
+        calls.append(1)
+        clock[0] += seconds * (10 if len(calls) == 1 and seconds < 1 else 1)
+        return 7
+
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
+    found = timing.timed(work)
+    assert (found.value, len(calls)) == (7, runs)
+    assert found.median == pytest.approx(seconds)
+    assert found.low <= found.median <= found.high
+
+
+def test_what_fails_stays_in_the_table() -> None:
+    def fails() -> int:
+        raise ArithmeticError("the integrator gave up")
+
+    row = measure("a method", "a setting", fails, lambda _: (1, 0.0))
+    assert (row.failed, row.time_s, row.error) == ("the integrator gave up", None, None)
+    row = measure("a method", "a setting", lambda: 1, lambda _: (1, np.nan))
+    assert row.failed == "no number came out"
+
+
+@pytest.fixture(scope="module")
+def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """A small plate with its damper, on few meshes."""
+    source = scene_file.load("paper")
+    plate = source.scene.plate
+    assert plate is not None
+    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 2})
+    few = tuple((method, name, min(finest, 2)) for method, name, finest in plates.METHODS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plates, "METHODS", few)
+        patch.setattr(plates, "_SPEEDS", 20)
+        patch.setattr(plates, "_SOLID_AT_MOST", 12_000)
+        patch.setattr(timing, "_RUNS", 1)
+        return study(source.changed(rotor=rotor), QUIET).document()
+
+
+def rows(document: dict[str, Any], stage: str, method: str) -> list[dict[str, Any]]:
+    (ladder,) = [ladder for ladder in document["ladders"] if ladder["stage"] == stage]
+    return [row for row in ladder["rows"] if row["method"].startswith(method)]
+
+
+def test_ladders_have_what_was_promised(accuracy: dict[str, Any]) -> None:
+    assert {"processor", "cores"} <= accuracy["machine"].keys()
+    stages = [ladder["stage"] for ladder in accuracy["ladders"]]
+    assert stages[:4] == ["plate", "plate, with the error of the theory", "speeds", "damper"]
+    for ladder in accuracy["ladders"]:
+        assert ladder["reference"]
+        assert ladder["rows"]
+        for row in ladder["rows"]:
+            assert row.keys() >= {"method", "setting", "unknowns", "time_s", "error"}
+            assert "failed" in row or (row["time_s"] > 0 and row["error"] >= 0)
+    assert accuracy["chosen"].keys() >= {"plate", "speeds", "damper", "pipeline: first frequency"}
+    for chosen in accuracy["chosen"].values():
+        assert chosen.keys() == {"method", "setting", "error_estimate", "error"}
+    json.dumps(accuracy, allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    "method", ["thin plate, BFS", "thin plate, Argyris", "Mindlin, Q2 rect", "Mindlin, P2", "solid"]
+)
+def test_finer_meshes_are_better(accuracy: dict[str, Any], method: str) -> None:
+    found = rows(accuracy, "plate", method)[:2]
+    assert found[1]["error"] < found[0]["error"]
+    assert found[1]["unknowns"] > found[0]["unknowns"]
+
+
+def test_theories_stop_at_their_own_error(accuracy: dict[str, Any]) -> None:
+    """Against the solid, thin-plate theory keeps 5 % in twist; Mindlin's is within 1 %."""
+    stage = "plate, with the error of the theory"
+    assert rows(accuracy, stage, "thin plate, BFS")[-1]["error"] == pytest.approx(0.05, abs=0.01)
+    assert rows(accuracy, stage, "Mindlin, Q2 rect")[-1]["error"] < 0.01
+
+
+def test_the_damper_ladder(accuracy: dict[str, Any]) -> None:
+    steps = [row["error"] for row in rows(accuracy, "damper", "fixed step")]
+    assert len(steps) == 10
+    assert steps[-1] < 0.01 * steps[0]
+    (exact,) = rows(accuracy, "damper", "exact")
+    assert exact["error"] < 1e-10
+    assert rows(accuracy, "damper", "solve_ivp, DOP853")[-1]["error"] < 1e-9
+
+
+def test_choices_keep_their_word(accuracy: dict[str, Any]) -> None:
+    chosen, asked = accuracy["chosen"], accuracy["asked"]["frequency"]
+    assert chosen["plate"]["error"] <= asked
+    assert chosen["plate"]["error"] / 3 <= chosen["plate"]["error_estimate"] <= max(3 * chosen["plate"]["error"], asked)
+    assert chosen["speeds"]["error"] <= chosen["speeds"]["error_estimate"] <= 1e-6
+    assert chosen["pipeline: first frequency"]["error"] <= asked
+
+
+def test_accuracy_of_a_known_structure(
+    spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a plate there are the damper's ladder and the pipeline's; files are whole."""
+    monkeypatch.setattr(timing, "_RUNS", 1)
+    outcome = spindamp("accuracy", "structure", "--out", "out")
+    assert outcome.status == 0
+    assert "exact events" in outcome.out
+    folder = tmp_path / "out"
+    assert {p.name for p in folder.iterdir()} >= {"accuracy.json", "accuracy.csv", "accuracy.svg", "report.html"}
+    found = json.loads((folder / "accuracy.json").read_text())
+    assert found["ladders"][0]["stage"] == "damper"
+    assert ET.fromstring((folder / "accuracy.svg").read_text()).tag.endswith("svg")
+    assert "var(" not in (folder / "accuracy.svg").read_text()
+
+
+def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
+    changes = {"rotor__speeds": ["10000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 2}
+    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    outcome = spindamp("effects", scene, "--json")
+    assert outcome.status == 0, outcome.err
+    found = {row["effect"]: row for row in json.loads(outcome.out)["rows"]}
+    assert list(found) == list(RULES)
+    run = json.loads(spindamp("campbell", scene, "--json").out)
+    frequency, n = run["speeds"][0]["modes"][0]["frequency_hz"], 10000 / 60
+    expected = frequency / np.sqrt(frequency**2 + n**2) - 1
+    assert found["spin_softening"]["changes"]["frequency_1"] == pytest.approx(expected, rel=1e-3)
+    assert found["stress_stiffening"]["changes"]["frequency_1"] > 0.1
+    assert -0.01 < found["rotary_inertia"]["changes"]["frequency_1"] < 0
+    assert found["rolling_resistance"]["changes"]["frequency_1"] == 0
+    assert all(row.keys() >= {"called_for", "why", "changes", "time_s", "time_share"} for row in found.values())
+
+
+def test_effects_that_cannot_be_switched_say_so(
+    structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
+) -> None:
+    scene = write(changed(structure, damper__formulation="printed"), tmp_path / "scene.toml")
+    outcome = spindamp("effects", scene, "--out", "out")
+    assert outcome.status == 0
+    found = {row["effect"]: row for row in json.loads((tmp_path / "out" / "effects.json").read_text())["rows"]}
+    assert "printed equations know no slip" in found["ball_slip"]["failed"]
+    assert all(found[name]["changes"] == {} for name in OF_THE_PLATE)
+    assert found["impact_friction"]["changes"]["ball_share"] != 0
+
+
+COSTS = {
+    "stress_stiffening": ("fem.operators._stiffening",),
+    "spin_softening": ("fem.rotor.Rotor.projector",),
+    "coriolis": ("fem.rotor.Rotor.spin", "fem.gyroscopic.solve_gyroscopic"),
+    "large_deflection": ("fem.statics.equilibrium", "fem.statics.tangent"),
+}
+"""What an effect takes that nothing else needs."""
+
+
+@pytest.mark.parametrize("effect", COSTS)
+@pytest.mark.parametrize("on", [False, True])
+def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Counted in calls; and switched on it does make them, or the count would mean nothing."""
+    import importlib
+
+    from workflows import pipeline
+
+    calls: list[str] = []
+    for target in COSTS[effect]:
+        head, _, name = target.rpartition(".")
+        try:
+            owner: Any = importlib.import_module(head)
+        except ModuleNotFoundError:
+            module, _, kind = head.rpartition(".")
+            owner = getattr(importlib.import_module(module), kind)
+        plain = getattr(owner, name)
+        if isinstance(plain, property):
+            counted: Any = property(lambda self, get=plain.fget, name=name: (calls.append(name), get(self))[1])
+        else:
+            counted = lambda *a, work=plain, name=name, **k: (calls.append(name), work(*a, **k))[1]  # noqa: E731
+        monkeypatch.setattr(owner, name, counted)
+    source = scene_file.load("paper")
+    switches = dict.fromkeys(OF_THE_PLATE, False) | {effect: on}
+    switches["stress_stiffening"] |= effect == "large_deflection" and on
+    effects = source.scene.effects.model_copy(update=switches)
+    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2, "stagger": 0.3})
+    pipeline.structure(source.changed(effects=effects, rotor=rotor, damper=None, release=None), QUIET, shapes=False)
+    assert bool(calls) == on
+
+
+def test_effects_study_is_deterministic_but_for_times() -> None:
+    source = scene_file.load("structure")
+    first, second = (switching(source, QUIET) for _ in range(2))
+    assert [row.changes for row in first.rows] == [row.changes for row in second.rows]
