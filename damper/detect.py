@@ -55,7 +55,7 @@ def look(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
         tau, kind = _set_off(axis, laws, ball), START
     else:
         tau, kind = end_of_pressing(axis, laws[STUCK], ball)
-    axis.next = axis.start + tau
+    axis.next, axis.due = axis.start + tau, tau
     axis.kind = kind if tau < np.inf else NOTHING
 
 
@@ -263,7 +263,7 @@ def _root(axis: Record, law: Record, order: int, low: float, high: float, tau: f
         new = tau + step
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - tau) <= 4e-16 * high:
+        if abs(new - tau) <= 4e-16 * new:
             return new
         tau = new
     return tau

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _SHORT = 0.1
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
 _TERMS = 10
+_NODES = tuple(float(0.5 * (1.0 + x)) for x in np.polynomial.legendre.leggauss(5)[0])
+_WEIGHTS = tuple(float(0.5 * w) for w in np.polynomial.legendre.leggauss(5)[1])
 _RECIPROCALS = tuple(1.0 / max(k, 1) for k in range(_TERMS + 2))
 
 
@@ -114,6 +116,11 @@ def viscous_loss(axis: Record, law: Record, tau: float) -> float:
     """Work of the structure's dashpot over a flight of length tau, c * integral of v**2 [J]."""
     if law.damping == 0.0:
         return 0.0
+    if law.frequency * tau <= _SHORT and law.decay * tau <= _SHORT:  # the closed form would cancel: by Gauss
+        square = 0.0
+        for k in range(5):
+            square += _WEIGHTS[k] * (axis.v + increments(axis, law, _NODES[k] * tau)[1]) ** 2
+        return float(law.damping * tau * square)
     p = law.frequency * axis.b - law.decay * axis.a
     q = -law.frequency * axis.a - law.decay * axis.b
     alpha, omega = law.decay, law.frequency

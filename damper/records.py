@@ -65,6 +65,7 @@ AXIS = _record(
     ("ahead", "f8"),
     ("half_gap", "f8"),
     ("next", "f8"),  # when the next event of this axis happens, inf if never; of kind NOTHING: when to look again
+    ("due", "f8"),  # the flight time until then, free of the rounding of the clock
     ("kind", "i8"),  # and what it is
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass

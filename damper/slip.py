@@ -93,6 +93,8 @@ def _wall(axis: Record, law: Record, low: float, high: float) -> float:
     if end == begin or side * end < axis.half_gap:
         return np.inf
     axis.heading = side
+    if side * begin >= axis.half_gap:  # a hit of the other wall found it there, perhaps by rounding beyond
+        return low
     return _zero(axis, law, _POSITION, side * axis.half_gap, low, high)
 
 
@@ -127,7 +129,7 @@ def _zero(axis: Record, law: Record, order: int, target: float, low: float, high
         new = tau - f / motion[rate] if motion[rate] != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - tau) <= 4e-16 * high:
+        if abs(new - tau) <= 4e-16 * new:
             return new
         tau = new
     return tau

@@ -87,7 +87,7 @@ def test_increments_are_differences(regime: int, zeta: float) -> None:
 def test_viscous_loss_is_an_integral(zeta: float, tau: float) -> None:
     axis, law, _ = flight(ROLLING, zeta)
     integral = quad(lambda t: law.damping * structure(axis, law, t)[1] ** 2, 0, tau, epsrel=1e-12)[0]
-    assert viscous_loss(axis, law, tau) == pytest.approx(integral, rel=1e-6 if tau < 1e-8 else 1e-9)
+    assert viscous_loss(axis, law, tau) == pytest.approx(integral, rel=1e-11 if tau < 1e-4 else 1e-9)
 
 
 @pytest.mark.parametrize("order", [0, 1, 2])

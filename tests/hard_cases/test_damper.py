@@ -90,6 +90,32 @@ def test_corner() -> None:
     assert hits["time"][1] - hits["time"][0] < 1e-15
 
 
+@pytest.mark.parametrize("load", [0.003, 6.0, 250.0])
+@pytest.mark.parametrize("ratio", [0.006, 1.0, 9.0])
+def test_corner_with_slip(load: float, ratio: float) -> None:
+    """A hit of one wall makes the ball slide along while it touches the other: that touch must not be missed."""
+    amplitude, square = 1e-2, BASE.stuck_frequency**2
+    changes = {"floor_friction": 0.3, "cavity": (2e-3 + 2 * amplitude,) * 2, "rolling_friction": 1e-7}
+    result = run(
+        (-amplitude, amplitude), 10, centrifugal_acceleration=load * square * amplitude, ball_mass=ratio, **changes
+    )
+    sound(result)
+    assert result.impacts > 2
+
+
+@pytest.mark.parametrize("clearance", [1e-10, 1e-5, 1e-3])
+def test_flights_far_shorter_than_a_cycle(clearance: float) -> None:
+    """A strong grip on the floor ends slip after a billionth of a cycle: the clock's rounding must not make energy."""
+    changes = {"friction": 20.0, "floor_friction": 20.0, "restitution": 0.999, "damping_ratio": 0.8}
+    load = 200 * BASE.stuck_frequency**2 * RELEASE[0]
+    cavity = (2e-3 + clearance, 2e-3)
+    result = run(
+        cycles=3, ball_mass=700.0, centrifugal_acceleration=load, cavity=cavity, rolling_friction=1e-7, **changes
+    )
+    assert result.impacts > 10
+    assert abs(result.energy.residual) <= 2e-13 * result.energy.initial
+
+
 def test_grazing() -> None:
     """The ball reaches the wall with no speed left: a touch is a hit, takes nothing, and must not stall."""
     far = 1.0

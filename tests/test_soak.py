@@ -1,0 +1,57 @@
+"""The soak in short, and that it notices what it is there to notice."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import workflows
+from damper import Outcome
+from tests.compiler import needs_compiler
+from tests.soak import rings
+from tests.soak.__main__ import as_toml, main
+from tests.soak.dice import Seeded
+
+
+@needs_compiler
+def test_short_soak(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    status = main(["--ringdowns", "1000", "--plates", "10", "--seed", "1", "--out", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert status == 0, said
+    assert "scenes tried: 1000 ring-downs, 10 plates" in said
+    assert "failures: 0" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_faults_are_noticed() -> None:
+    dice = Seeded(3)
+    kind = rings.Kind("consistent", False, 2.0)
+    batch = rings.run([rings.scene(dice, kind) for _ in range(3)])
+    assert [rings.faults(batch, k, kind, 1.0) for k in range(3)] == [[], [], []]
+    broken = {
+        "final": (np.nan, "final is nan"),
+        "impact": (1e-6, "the energy books miss"),
+        "structure": (-1e-6, "structure gives"),
+    }
+    for name, (value, message) in broken.items():
+        wrong = dataclasses.replace(batch, **{name: getattr(batch, name) + value * batch.initial})
+        assert any(message in fault for k in range(3) for fault in rings.faults(wrong, k, kind, 1.0))
+    capped = np.full(3, Outcome.EVENT_CAP, dtype=object)
+    stalled = dataclasses.replace(batch, outcome=capped, events=10 * batch.impacts + 1)
+    assert any("stalls" in fault for fault in rings.faults(stalled, 1, kind, 1.0))
+
+
+def test_a_scene_written_down_is_the_scene(tmp_path: Path) -> None:
+    """What a failure leaves is read by the commands, and stands for the very same damper."""
+    dice = Seeded(5)
+    for _ in range(5):
+        kind = rings.kind(dice)
+        scene = rings.scene(dice, kind)
+        path = tmp_path / "scene.toml"
+        path.write_text(as_toml(scene))
+        assert workflows.load(path).scene.damper is not None
+        assert rings.damper_of(tomllib.loads(path.read_text())) == rings.damper_of(scene)
