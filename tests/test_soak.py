@@ -40,7 +40,7 @@ def test_faults_are_noticed() -> None:
     for name, (value, message) in broken.items():
         wrong = dataclasses.replace(batch, **{name: getattr(batch, name) + value * batch.initial})
         assert any(message in fault for k in range(3) for fault in rings.faults(wrong, k, kind, 1.0))
-    capped = np.full(3, Outcome.EVENT_CAP, dtype=object)
+    capped = np.array([Outcome.EVENT_CAP] * 3, dtype=object)
     stalled = dataclasses.replace(batch, outcome=capped, events=10 * batch.impacts + 1)
     assert any("stalls" in fault for fault in rings.faults(stalled, 1, kind, 1.0))
 
