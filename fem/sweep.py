@@ -1,7 +1,8 @@
 """The Campbell diagram: frequencies over speed, for about the price of one modal analysis.
 
 With a linear prestress every speed is answered by a reduced basis (`fem.adaptive`) with a bound on the error
-of every frequency. With large deflection the modes are solved speed by speed, each from the state before.
+of every frequency. With large deflection the modes are solved speed by speed, each from the state before; so they are
+for many modes at few speeds.
 """
 
 from __future__ import annotations
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
 
 SHY = 1e-9
 """Relative distance from the critical speed within which a speed counts as critical."""
+
+
+FEW = 12
+"""Modes up to which a reduced basis is cheaper than solving as many speeds one by one; beyond, its bounds are dear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +96,7 @@ def campbell(
         raise ValueError("campbell needs at least one speed, finite and not negative")
     if count < 1 or not 0.0 < tolerance < 1.0:
         raise ValueError(f"count must be at least 1 and tolerance between 0 and 1, got {count!r} and {tolerance!r}")
-    if operators.effects.large_deflection:
+    if operators.effects.large_deflection or _hardly_any(asked.size, count):
         parts = _speed_by_speed(operators, asked, count, damping_ratio)
     else:
         parts = _below_critical(operators, asked, count, tolerance, damping_ratio)
@@ -109,6 +114,11 @@ def campbell(
         sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
         parts=tuple(parts),
     )
+
+
+def _hardly_any(speeds: int, count: int) -> bool:
+    """Whether so few speeds are asked for that each is best solved by itself."""
+    return speeds == 1 or (count > FEW and speeds <= count)
 
 
 def _below_critical(

@@ -25,6 +25,9 @@ _SHAPES_AT_MOST = 20
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
 
+_MODES_FOLLOWED = 12
+"""Modes up to which that is so."""
+
 _BASIS, _LEAST_BASIS = 1e-3, 1e-7
 """Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
 finer it would be lost in rounding."""
@@ -142,7 +145,7 @@ def _sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
 
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
-    if not operators.effects.large_deflection:
+    if not operators.effects.large_deflection and scene.rotor.modes <= _MODES_FOLLOWED:
         speeds = np.union1d(speeds, np.linspace(speeds.min(), speeds.max(), _STEPS))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(operators, speeds, count, tolerance=max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS))
