@@ -30,8 +30,9 @@ def test_short_soak(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
 def test_faults_are_noticed() -> None:
     dice = Seeded(3)
     kind = rings.Kind("consistent", False, 2.0)
-    batch = rings.run([rings.scene(dice, kind) for _ in range(3)])
-    assert [rings.faults(batch, k, kind, 1.0) for k in range(3)] == [[], [], []]
+    scenes = [rings.scene(dice, kind) for _ in range(3)]
+    batch = rings.run(scenes)
+    assert [rings.faults(batch, k, scenes[k]) for k in range(3)] == [[], [], []]
     broken = {
         "final": (np.nan, "final is nan"),
         "impact": (1e-6, "the energy books miss"),
@@ -39,10 +40,10 @@ def test_faults_are_noticed() -> None:
     }
     for name, (value, message) in broken.items():
         wrong = dataclasses.replace(batch, **{name: getattr(batch, name) + value * batch.initial})
-        assert any(message in fault for k in range(3) for fault in rings.faults(wrong, k, kind, 1.0))
+        assert any(message in fault for k in range(3) for fault in rings.faults(wrong, k, scenes[k]))
     capped = np.array([Outcome.EVENT_CAP] * 3, dtype=object)
-    stalled = dataclasses.replace(batch, outcome=capped, events=10 * batch.impacts + 1)
-    assert any("stalls" in fault for fault in rings.faults(stalled, 1, kind, 1.0))
+    stalled = dataclasses.replace(batch, outcome=capped, events=10 * batch.impacts + 3000)
+    assert any("stalls" in fault for fault in rings.faults(stalled, 1, scenes[1]))
 
 
 def test_a_scene_written_down_is_the_scene(tmp_path: Path) -> None:

@@ -93,6 +93,10 @@ def test_sparse_and_dense_agree():
     np.testing.assert_allclose(solve_modes(operators, TOP, 20).frequencies_hz, expected, rtol=1e-9)
 
 
+@pytest.mark.hard(
+    why="double eigenvalues: a Krylov space from one vector sees one of them",
+    keeps="both are found, and no third",
+)
 def test_double_modes_are_found_whole():
     """A square-section beam has flap and lag at the same frequency; both must come, and no third."""
     plate = Plate(rectangle(1.0, 0.02, 20, 1), 0.02, Material(2e11, 0.0, 7850.0))
@@ -117,6 +121,10 @@ def test_a_thousand_speeds_for_the_price_of_one():
     np.testing.assert_allclose(coarse, fine, rtol=1e-3)
 
 
+@pytest.mark.hard(
+    why="modes that cross along a sweep",
+    keeps="each keeps its name and branch",
+)
 def test_families_and_branches_through_a_crossing():
     """The paper's plate: lag falls through the second flap mode near 17000 rpm; each keeps its name and branch."""
     operators = assemble(paper_plate(), Rotor(), Effects())
@@ -142,6 +150,10 @@ def test_follow_crossing_and_veering():
     assert veerings[0].likeness == (0.5, 0.5)
 
 
+@pytest.mark.hard(
+    why="modes that veer: who is who has no answer",
+    keeps="the step is flagged; fine steps need no flag",
+)
 def test_veering_is_flagged():
     """Under stagger flap and lag couple and veer; a step across the veering cannot tell who is who."""
     plate = Plate(rectangle(0.2, 0.02, 16, 2), 0.018, STEEL)

@@ -77,8 +77,7 @@ def batch_of_rings(seed: int, number: int, size: int, out: Path | None, tally: T
     tally.capped += int((batch.outcome == Outcome.EVENT_CAP).sum())
     tally.events = max(tally.events, int(batch.events.max()))
     for k, scene in enumerate(scenes):
-        ratio = scene["damper"]["mass_ratio"]
-        found = rings.faults(batch, k, kind, ratio)
+        found = rings.faults(batch, k, scene)
         tally.cycles = max(tally.cycles, float(batch.duration[k]) * scene["structure"]["frequency"])
         if kind.formulation == "consistent":
             tally.residual = max(tally.residual, abs(float(batch.residual[k] / batch.initial[k])))

@@ -17,8 +17,7 @@ from workflows.scene_file import parse
 Scene = dict[str, Any]
 
 BOOKS = 1e-10
-"""Largest share of the energy that the books may leave unexplained, or what rounding leaves over very many events."""
-EPSILON = float(np.finfo(float).eps)
+"""Largest share of the energy that the books may leave unexplained."""
 INSIDE = 1e-12
 """Largest overlap of ball and wall, over the gap and the structure's amplitude, which rounding goes by."""
 EVENTS = 200_000
@@ -113,18 +112,19 @@ def run(scenes: list[Scene], threads: int | None = None) -> Batch:
     return ringdowns(dampers[0], releases, cycles, threads=threads, max_cycles=CYCLES, max_events=EVENTS, **varied)
 
 
-def faults(batch: Batch, k: int, kind: Kind, mass_ratio: float) -> list[str]:
-    """What ring-down k of a batch did not keep."""
+def faults(batch: Batch, k: int, given: Scene) -> list[str]:
+    """What ring-down k of a batch, that of a scene, did not keep."""
+    cycles, events = given["structure"]["frequency"] * batch.duration[k], int(batch.events[k])
     numbers = ("duration", "initial", "final", "structure", "rolling", "impact", "slip", "peak_sdc")
     values = {name: float(getattr(batch, name)[k]) for name in numbers}
     found = [f"{name} is {value}" for name, value in values.items() if not math.isfinite(value)]
-    if batch.outcome[k] is Outcome.EVENT_CAP and 10 * batch.impacts[k] < batch.events[k]:
-        found.append(f"stalls: {EVENTS} events, of which only {batch.impacts[k]} are hits")
-    if kind.cycles != "auto" and batch.outcome[k] not in (Outcome.CYCLES_DONE, Outcome.EVENT_CAP):
+    if batch.outcome[k] is Outcome.EVENT_CAP and events > max(1000 * cycles, 10 * batch.impacts[k]):
+        found.append(f"stalls: {events} events in {cycles:.2g} cycles, of which only {batch.impacts[k]} are hits")
+    if given["release"]["cycles"] != "auto" and batch.outcome[k] not in (Outcome.CYCLES_DONE, Outcome.EVENT_CAP):
         found.append(f"ended with {batch.outcome[k].name} before its cycles were done")
-    if kind.formulation == "consistent":
+    if given["damper"]["formulation"] == "consistent":
         initial = values["initial"]
-        if abs(batch.residual[k]) > initial * max(BOOKS, EPSILON * float(batch.events[k]) * (1 + mass_ratio)):
+        if abs(batch.residual[k]) > initial * BOOKS:
             found.append(f"the energy books miss {batch.residual[k] / initial:.2g}")
         if values["final"] > initial * (1 + BOOKS):
             found.append(f"energy rose by {values['final'] / initial - 1:.2g}")

@@ -1,0 +1,66 @@
+"""Plates that lock, lose digits or lose modes in finite elements; more of them in tests/fem."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from fem import Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
+
+STEEL = Material(2e11, 0.3, 7850.0)
+# Converged thin-plate values of a square cantilever, omega a^2 sqrt(rho h / D).
+SQUARE = np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
+
+
+@pytest.mark.hard(
+    why="h/L = 1e-5: bending is 1e10 times softer than stretching, and double precision has 16 digits",
+    keeps="the literature's frequencies to 1 % in every theory for thin plates",
+)
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+@pytest.mark.parametrize("ratio", [1e-3, 1e-5])
+def test_thinner_and_thinner(theory: str, ratio: float) -> None:
+    plate = Plate(rectangle(1.0, 1.0, 10, 10), ratio, STEEL)
+    bending = STEEL.youngs_modulus * ratio**3 / 12 / (1 - STEEL.poissons_ratio**2)
+    unit = np.sqrt(bending / STEEL.density / ratio) / (2 * np.pi)
+    found = solve_modes(assemble(plate, Rotor(), Effects(), theory), 0.0, 6).frequencies_hz / unit
+    np.testing.assert_allclose(found, SQUARE, rtol=1e-2)
+
+
+@pytest.mark.hard(
+    why="a square section: bending modes come in pairs of nearly one frequency",
+    keeps="as many modes as a dense solver finds, at rest and at speed",
+)
+@pytest.mark.parametrize("omega", [0.0, 500.0])
+def test_pairs_of_modes(omega: float) -> None:
+    plate = Plate(rectangle(0.2, 0.02, 10, 2), 0.02, Material(2e11, 0.0, 7850.0))
+    operators = assemble(plate, Rotor(), Effects(), "solid")
+    dense = scipy.linalg.eigh(operators.at(omega).toarray(), operators.mass.toarray(), eigvals_only=True)[:8]
+    np.testing.assert_allclose(solve_modes(operators, omega, 8).eigenvalues, dense, rtol=1e-6)
+
+
+@pytest.mark.hard(
+    why="a point mass a million times as heavy as the plate: the plate is a spring, its own modes are far above",
+    keeps="the lowest mode is that of the mass on the plate's static compliance",
+)
+def test_point_mass_far_heavier_than_the_plate() -> None:
+    size, weight = (0.2, 0.05, 0.004), 7850.0 * 0.2 * 0.05 * 0.004
+    plate = Plate(rectangle(size[0], size[1], 10, 3), size[2], Material(2e11, 0.0, 7850.0), 1e6 * weight, (0.2, 0.0))
+    found = solve_modes(assemble(plate, Rotor(), Effects()), 0.0, 1).eigenvalues[0]
+    beam = 3 * 2e11 * size[1] * size[2] ** 3 / 12 / size[0] ** 3  # 3 EI / L^3 of a beam
+    assert found == pytest.approx(beam / (1e6 * weight), rel=2e-2)
+
+
+@pytest.mark.hard(
+    why="Omega -> 0: differences between spinning and resting plate drown in rounding",
+    keeps="the frequencies at rest, to rounding, with every effect on",
+)
+@pytest.mark.parametrize("coriolis", [False, True])
+def test_hardly_spinning(coriolis: bool) -> None:
+    plate = Plate(rectangle(0.2, 0.08, 8, 4), 0.01, STEEL)
+    operators = assemble(plate, Rotor(0.1, 0.5), Effects(coriolis=coriolis))
+    rest = solve_modes(operators, 0.0, 5).frequencies_hz
+    for omega in (1e-300, 1e-150, 1e-12, 1e-6):
+        np.testing.assert_allclose(solve_modes(operators, omega, 5).frequencies_hz, rest, rtol=1e-9)
+    swept = campbell(operators, np.array([0.0, 1e-12, 1e-6]), 5)
+    np.testing.assert_allclose(swept.frequencies_hz, np.tile(rest, (3, 1)), rtol=1e-8)

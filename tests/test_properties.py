@@ -1,0 +1,148 @@
+"""Counterexamples sought, over the same space of scenes as the soak's, and shrunk where one is found."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from damper import Formulation, Outcome, ringdown
+from fem import solve_modes
+from tests.compiler import COMPILED
+from tests.damper.test_reference import paper_like
+from tests.soak import plates, rings
+
+T = TypeVar("T")
+ringdowns = settings(
+    max_examples=150 if COMPILED else 5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+)
+slow = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+
+
+class Drawn:
+    """Dice that hypothesis throws."""
+
+    def __init__(self, draw: st.DrawFn) -> None:
+        self._draw = draw
+
+    def between(self, low: float, high: float) -> float:
+        return self._draw(st.floats(low, high, allow_nan=False))
+
+    def one_of(self, choices: Sequence[T]) -> T:
+        return choices[self._draw(st.integers(0, len(choices) - 1))]
+
+
+@st.composite
+def ring_scenes(draw: st.DrawFn) -> rings.Scene:
+    dice = Drawn(draw)
+    kind = rings.kind(dice)
+    return rings.scene(dice, dataclasses.replace(kind, cycles=min(kind.cycles, 20.0) if kind.cycles != "auto" else 3.0))
+
+
+@st.composite
+def plate_scenes(draw: st.DrawFn) -> tuple[plates.Scene, object]:
+    dice = Drawn(draw)
+    scene = plates.scene(dice)
+    return scene, plates.mesh(dice, scene)
+
+
+@ringdowns
+@given(ring_scenes())
+def test_ring_downs(scene: rings.Scene) -> None:
+    """Finite; events capped; energy never rising in the consistent equations; the ball inside its cavity."""
+    assert rings.faults(rings.run([scene], threads=1), 0, scene) == []
+    assert rings.overlap(scene, cycles=5.0) <= rings.INSIDE
+
+
+@ringdowns
+@given(ring_scenes())
+def test_event_times_and_peaks_are_in_order(scene: rings.Scene) -> None:
+    damper, release, cycles = rings.damper_of(scene)
+    run = ringdown(damper, release, min(cycles or 5.0, 5.0), keep_events=True, max_events=5000)
+    assert run.rows is not None
+    assert (np.diff(run.rows["time"]) >= 0).all()
+    assert (np.diff(run.peak_times) > 0).all()
+    assert (run.peak_velocities >= 0).all()
+    if damper.formulation is Formulation.CONSISTENT:  # energy at a peak bounds its speed
+        assert (0.5 * damper.modal_mass * run.peak_velocities**2 <= run.energy.initial * (1 + 1e-9)).all()
+
+
+@slow
+@given(plate_scenes())
+def test_plates(drawn: tuple[plates.Scene, object]) -> None:
+    """Frequencies real and ordered, or Divergence; independent of how many are asked for."""
+    scene, mesh = drawn
+    operators, omega = plates.operators_of(scene, mesh), scene["rotor"]["speeds"][0]
+    assert (operators.mass.diagonal() >= 0.0).all()
+    found, ending = plates.faults(scene, mesh)
+    sweeps = [fault for fault in found if fault.startswith("a sweep is off")]  # at the edge of double precision
+    assert [fault for fault in found if fault not in sweeps] == []
+    if ending == "modes":
+        assert (solve_modes(operators, omega, 3).eigenvalues > 0.0).all()
+
+
+@slow
+@given(plate_scenes())
+def test_speed_to_zero(drawn: tuple[plates.Scene, object]) -> None:
+    """Omega -> 0 is the plate at rest."""
+    scene, mesh = drawn
+    operators = plates.operators_of(scene, mesh)
+    rest = solve_modes(operators, 0.0, 3)
+    slowly = solve_modes(operators, 1e-7 * math.sqrt(rest.eigenvalues[0]), 3)
+    uncertain = plates.rounding(operators.stiffness, np.abs(rest.shapes), rest.eigenvalues)
+    np.testing.assert_array_less(np.abs(slowly.eigenvalues / rest.eigenvalues - 1), plates.EXACT + 4 * uncertain)
+
+
+@slow
+@given(st.floats(0.0, 1.0), st.floats(1e-3, 0.02), st.sampled_from(list(Formulation)))
+def test_mass_to_zero(restitution: float, release: float, formulation: Formulation) -> None:
+    """m_p -> 0: what the ball takes falls with its mass."""
+    base = dataclasses.replace(paper_like(formulation), restitution=restitution)
+    for mass in (1e-6, 1e-9):
+        stiffness = (1 + mass) * base.stuck_frequency**2
+        light = dataclasses.replace(base, ball_mass=mass, stiffness=(stiffness, stiffness))
+        energy = ringdown(light, (release, 0.0), 5).energy
+        assert abs(energy.final / energy.initial - 1) <= 20 * mass
+
+
+@slow
+@given(st.floats(0.0, 1.0), st.floats(1e-3, 0.02))
+def test_rolling_resistance_to_zero(restitution: float, release: float) -> None:
+    """a_r -> 0: rolling loses no more than its resistance times a path of a few amplitudes a cycle."""
+    base = dataclasses.replace(paper_like(Formulation.CONSISTENT), restitution=restitution)
+    for lever in (1e-12, 0.0):
+        damper = dataclasses.replace(base, rolling_friction=lever)
+        lost = ringdown(damper, (release, 0.0), 3).energy.rolling
+        assert 0 <= lost <= damper.ball_mass * damper.rolling_threshold * 3 * 10 * release
+
+
+@slow
+@given(st.floats(1e-6, 1.0), st.floats(1e-3, 0.02))
+def test_load_to_infinity(share: float, release: float) -> None:
+    """A ball pressed so hard that the threshold is above the release never moves, whatever else."""
+    base = paper_like(Formulation.CONSISTENT)
+    needed = base.stuck_frequency**2 * release / 0.1
+    held = dataclasses.replace(base, centrifugal_acceleration=needed * (1 + share))
+    run = ringdown(held, (release, 0.0))
+    assert run.outcome is Outcome.AT_REST
+    assert run.events == 0
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
+def test_thickness_to_zero(theory: str) -> None:
+    """h -> 0: at speed a plate becomes a membrane, whose frequencies no longer depend on its thickness."""
+    from fem import Effects, Plate, Rotor, assemble, rectangle
+
+    found = []
+    for thickness in (1e-4, 1e-5, 1e-6):
+        plate = Plate(rectangle(0.2, 0.08, 8, 3), thickness, plates.Material(2e11, 0.3, 7850.0))
+        found.append(solve_modes(assemble(plate, Rotor(0.1), Effects(), theory), 300.0, 3).frequencies_hz)
+    far, near = (np.abs(found[k] / found[2] - 1).max() for k in (0, 1))
+    assert near < 0.2 * far
+    assert near < 0.05
