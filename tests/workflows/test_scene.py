@@ -10,10 +10,12 @@ import jsonschema
 import pytest
 
 from tests.workflows.conftest import Scene, changed, write
-from workflows import effects, resolved
+from workflows import effects, pipeline, resolved
 from workflows.scene_file import SHIPPED, load, parse, shipped, slug
 from workflows.scene_schema import schema
+from workflows.stages import Stages
 
+ROOT = Path(__file__).parents[2]
 PUBLISHED = Path(effects.__file__).with_name("scene.schema.json")
 
 
@@ -126,3 +128,15 @@ def test_slug() -> None:
     assert slug("The paper's plate") == "the-papers-plate"
     assert slug("../../etc") == "etc"
     assert slug("ζ") == "run"
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "meshes").glob("*.toml")), ids=lambda path: path.stem)
+def test_scenes_with_meshes_are_solved(path: Path) -> None:
+    """The mesh is found beside the scene, split until it is fine enough, and says so."""
+    source = load(path)
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0,)})
+    results = pipeline.run(source.changed(rotor=rotor, damper=None, release=None), Stages(visible=False))
+    assert results.diagram is not None
+    assert path.stem in results.diagram.mesh
+    errors = [mode.error_estimate for mode in results.speeds[0].modes]
+    assert all(error is not None and 0 < error <= 1e-3 for error in errors)
