@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from workflows import effects as rules
-from workflows import plate, ringdowns
+from workflows import needs, plate, ringdowns
 from workflows.effects import Effect
 from workflows.notes import remarks
 from workflows.plate import PlateAnswer
@@ -64,6 +64,7 @@ def results(found: Structure, stages: Stages) -> Results:
 
 def run(source: SceneFile, stages: Stages | None = None) -> Results:
     """The whole of a run, nothing written."""
+    needs.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)
 
