@@ -143,3 +143,32 @@ def test_refusals():
         assemble(skew, Rotor(), Effects(), "kirchhoff/bfs")
     with pytest.raises(ValueError, match="theory must be"):
         assemble(skew, Rotor(), Effects(), "reissner")
+
+
+@pytest.mark.parametrize(
+    ("theory", "triangles", "thickness", "sizes", "order", "finest"),
+    [
+        ("kirchhoff/bfs", False, 1e-3, (2, 4, 8), 4.0, 1e-5),
+        ("kirchhoff/argyris", True, 1e-3, (1, 2, 4), 4.5, 1e-5),
+        ("kirchhoff/morley", True, 1e-3, (4, 8, 16), 2.0, 1e-2),
+        ("mindlin", False, 0.05, (2, 4, 8), 4.0, 3e-5),
+        ("mindlin", True, 0.05, (2, 4, 8), 3.6, 1e-4),
+    ],
+)
+def test_rates_on_the_square_cantilever(theory, triangles, thickness, sizes, order, finest):
+    """Six modes on cells graded towards the edges, singular corners and edge layers included.
+
+    Cubic and quadratic elements should fall with the fourth power of the cell size, Morley's with the second; that
+    Argyris's, of degree five, do not reach the eighth is the corners' doing. The limit is that of a far finer mesh.
+    """
+
+    def frequencies(name, size, triangles):
+        mesh = Rectangle(1.0, 1.0).mesh(size)
+        plate = Plate(mesh.to_meshtri() if triangles else mesh, thickness, STEEL)
+        return solve_modes(assemble(plate, Rotor(), Effects(), name), 0.0, 6).frequencies_hz
+
+    limit = frequencies("mindlin", 20, False) if theory == "mindlin" else frequencies("kirchhoff/bfs", 14, False)
+    errors = [np.abs(frequencies(theory, size, triangles) / limit - 1.0).max() for size in sizes]
+    rate = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert rate == pytest.approx(order, abs=0.4)
+    assert errors[-1] < finest
