@@ -69,7 +69,7 @@ def run(
             return FULL
         if time >= clock.end:
             for j in range(2):
-                _fly(axes[j], laws[j], ball, books, time, time - axes[j].start)
+                _fly(axes[j], laws[j], ball, books, time - axes[j].start)
             resume(cycle, clock.last_motion)
             clock.time = time
             return DONE
@@ -108,7 +108,7 @@ def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, b
     """The next event of axis i: fly to it, resolve it, start the flights that follow."""
     axis, other = axes[i], axes[1 - i]
     kind = axis.kind
-    _fly(axis, laws[i], ball, books, clock.time, axis.due)
+    _fly(axis, laws[i], ball, books, axis.due)
     before = axis.w
     if kind == START and axis.spin != 0.0:
         slip(axis)
@@ -122,7 +122,7 @@ def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, b
         clock.impacts += 1
         impulse = hit(axis, ball, books)
         if ball.friction > 0.0 and other.regime != STUCK:
-            _fly(other, laws[1 - i], ball, books, clock.time, clock.time - other.start)
+            _fly(other, laws[1 - i], ball, books, clock.time - other.start)
             sliding = other.w
             rub(other, impulse, laws[1 - i], ball, books)
             _restart(1 - i, RUB, sliding, clock, axes, laws, ball, rows)
@@ -141,8 +141,8 @@ def _grip(axis: Record, laws: Records, ball: Record) -> None:
 
 
 @kernel
-def _fly(axis: Record, laws: Records, ball: Record, books: Record, time: float, tau: float) -> None:
-    """Bring an axis to `time`, a flight time tau after its start: its state there, and the work done on the way."""
+def _fly(axis: Record, laws: Records, ball: Record, books: Record, tau: float) -> None:
+    """Bring an axis to a flight time tau after its start: its state there, and the work done on the way."""
     law = laws[axis.regime]
     books.structure += viscous_loss(axis, law, tau)
     du, dv, acceleration = increments(axis, law, tau)
@@ -164,7 +164,6 @@ def _fly(axis: Record, laws: Records, ball: Record, books: Record, time: float, 
         axis.spin = spin
     axis.u += axis.v * tau + du
     axis.v += dv
-    axis.start = time
 
 
 @kernel

@@ -139,7 +139,7 @@ def test_corner_with_slip(load: float, ratio: float) -> None:
     why="flights shorter than the clock resolves, forces that dwarf the spring",
     keeps="books closed to 2e-13",
 )
-@pytest.mark.parametrize("clearance", [1e-10, 1e-5, 1e-3])
+@pytest.mark.parametrize("clearance", [1e-10, 1e-5, pytest.param(1e-3, marks=needs_compiler)])
 def test_flights_far_shorter_than_a_cycle(clearance: float) -> None:
     """A strong grip on the floor ends slip after a billionth of a cycle: the clock's rounding must not make energy."""
     changes = {"friction": 20.0, "floor_friction": 20.0, "restitution": 0.999, "damping_ratio": 0.8}

@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem import Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
+from fem import (
+    Divergence,
+    Effects,
+    Material,
+    NoEquilibrium,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    equilibrium,
+    rectangle,
+    solve_modes,
+)
 
 STEEL = Material(2e11, 0.3, 7850.0)
 # Converged thin-plate values of a square cantilever, omega a^2 sqrt(rho h / D).
@@ -64,3 +76,23 @@ def test_hardly_spinning(coriolis: bool) -> None:
         np.testing.assert_allclose(solve_modes(operators, omega, 5).frequencies_hz, rest, rtol=1e-9)
     swept = campbell(operators, np.array([0.0, 1e-12, 1e-6]), 5)
     np.testing.assert_allclose(swept.frequencies_hz, np.tile(rest, (3, 1)), rtol=1e-8)
+
+
+@pytest.mark.hard(
+    why="large deflection, pressed inwards beyond what the plate can carry: Newton's method has nothing to find",
+    keeps="NoEquilibrium with the speed, or a state that its modes call unstable; never a nan",
+)
+@pytest.mark.parametrize(
+    ("thickness", "omega", "stagger", "expected"),
+    [(1e-3, 3e4, 0.7, NoEquilibrium), (1e-4, 100.0, np.pi / 2, Divergence)],
+)
+def test_pressed_beyond_equilibrium(
+    thickness: float, omega: float, stagger: float, expected: type[ArithmeticError]
+) -> None:
+    mesh = rectangle(0.2, 0.08, 6, 3).translated((-0.2, 0.0))
+    operators = assemble(Plate(mesh, thickness, STEEL), Rotor(0.0, stagger), Effects(large_deflection=True))
+    with pytest.raises(expected) as caught:
+        solve_modes(operators, omega, 2)
+    assert caught.value.omega == omega
+    slow = equilibrium(operators, 1.0)
+    assert np.isfinite(slow).all()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import traceback
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -96,7 +97,9 @@ def one_plate(seed: int, number: int, out: Path | None, tally: Tally) -> None:
     mesh = plates.mesh(dice, scene)
     tally.plates += 1
     try:
-        found, ending = plates.faults(scene, mesh)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found, ending = plates.faults(scene, mesh)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         found, ending = [f"{type(error).__name__} in {Path(where.filename).name}:{where.lineno}: {error}"], "error"
