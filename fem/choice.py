@@ -112,7 +112,11 @@ def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: flo
 
 
 class _Search:
-    """Matrices and frequencies of the sizes tried so far."""
+    """Matrices and frequencies of the sizes tried so far.
+
+    The first two meshes are solved at every probe, later ones only where the errors were largest; the others' are
+    taken to fall in proportion.
+    """
 
     def __init__(
         self, planform: Planform, build: Callable[[int], Operators], probes: tuple[float, ...], count: int
@@ -121,8 +125,10 @@ class _Search:
         self._build = build
         self._probes = probes
         self._count = count
+        self._worst: int | None = None
+        self._shares = np.ones(len(probes))
         self._operators: dict[int, Operators] = {}
-        self._frequencies: dict[int, list[Array]] = {}
+        self._frequencies: dict[int, dict[int, Array]] = {}
         self.tried: dict[int, float] = {}
 
     @property
@@ -134,9 +140,16 @@ class _Search:
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated errors (probes, count) on a coarse mesh and on a finer one."""
-        pairs = zip(self._solve(coarse), self._solve(fine), strict=False)
+        here, there = self._solve(fine), self._solve(coarse)
         growth = (fine / coarse) ** self._order(coarse, fine)
-        errors = np.array([extrapolated_errors(there, here, growth) for there, here in pairs])
+        if self._worst is None:
+            errors = np.array([extrapolated_errors(there[k], here[k], growth) for k in here if k in there])
+            largest = errors.max(axis=1)
+            self._worst = int(largest.argmax())
+            self._shares = largest / max(largest.max(), np.finfo(float).tiny)
+        else:
+            worst = extrapolated_errors(there[self._worst], here[self._worst], growth)
+            errors = self._shares[:, None] * worst
         return growth * errors, errors
 
     def end(self, size: int, errors: Array, tolerance: float) -> Choice:
@@ -146,7 +159,7 @@ class _Search:
     def unknown(self, tolerance: float) -> Choice:
         """The only mesh there is, with errors that nothing tells."""
         size = self._planform.sizes[0]
-        errors = np.array([np.full_like(found, np.nan) for found in self._solve(size)])
+        errors = np.array([np.full_like(found, np.nan) for found in self._solve(size).values()])
         return self.end(size, errors, tolerance)
 
     def _order(self, coarse: int, fine: int) -> float:
@@ -162,18 +175,20 @@ class _Search:
         return float(orders[np.abs(falls * second - first).argmin()])
 
     def _apart(self, coarse: int, fine: int) -> float:
-        pairs = zip(self._solve(coarse), self._solve(fine), strict=False)
-        return max(float(np.abs(there / here - 1.0).max()) for there, here in pairs)
+        there, here = self._solve(coarse), self._solve(fine)
+        return max(float(np.abs(there[k] / here[k] - 1.0).max()) for k in here if k in there)
 
-    def _solve(self, size: int) -> list[Array]:
-        """Frequencies (count,) in Hz at the probes, as far as there are any."""
+    def _solve(self, size: int) -> dict[int, Array]:
+        """Frequencies (count,) in Hz by number of the probe, as far as there are any."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found = self._frequencies[size] = []
-            for speed in self._probes:
+            found: dict[int, Array] = {}
+            wanted = range(len(self._probes)) if self._worst is None else [self._worst]
+            for k in wanted:
                 try:
-                    found.append(solve_modes(operators, speed, self._count).frequencies_hz)
+                    found[k] = solve_modes(operators, self._probes[k], self._count).frequencies_hz
                 except (Divergence, NoEquilibrium):
                     if not found:
                         raise
+            self._frequencies[size] = found
         return self._frequencies[size]
