@@ -1,8 +1,8 @@
 """What a thousand speeds cost: `python tests/benchmarks/price_of_speed.py` prints processor times as JSON.
 
 The paper's plate on the coarsest even mesh whose six frequencies are good to 1e-3, and on a graded one that is as good.
-One solve is assembly, prestress and six modes at one speed; the sweep is assembly, prestress and six modes at 1000 speeds. One BLAS thread,
-least of several turns.
+One solve is assembly, prestress and six modes at one speed; the sweep is assembly, prestress and six modes at 1000
+speeds. One BLAS thread, least of several turns.
 """
 
 import json
