@@ -6,6 +6,12 @@ from workflows import paper
 from workflows.records import Results
 
 
+_PRESTRESS = {
+    False: "The centrifugal stress is that of the flat plate; vibrations are small about it.",
+    True: "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections.",
+}
+
+
 def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
@@ -13,7 +19,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     if scene.plate is not None:
         found += [
             ("The plate is linear elastic and perfectly clamped at the root.", "ours"),
-            ("The centrifugal stress is that of the flat plate; vibrations are small about it.", "ours"),
+            (_PRESTRESS[results.effects["large_deflection"].on], "ours"),
         ]
     if scene.damper is not None:
         found += [

@@ -77,7 +77,9 @@ def solve(
             diagram = _sweep(source, discrete)
         with stages("reduction"):
             reduced = _reduce(source, discrete.choice.operators, diagram)
-    except (Divergence, NoEquilibrium) as error:
+    except Divergence as error:
+        raise NoAnswer(f"{source.name}: {error}; no speed asked for is below the critical one") from error
+    except NoEquilibrium as error:
         raise NoAnswer(f"{source.name}: {error}") from error
     except (RuntimeError, FloatingPointError, np.linalg.LinAlgError) as error:  # SuperLU: "Factor is exactly singular"
         raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
