@@ -5,7 +5,6 @@ from __future__ import annotations
 from workflows import paper
 from workflows.records import Results
 
-
 _PRESTRESS = {
     False: "The centrifugal stress is that of the flat plate; vibrations are small about it.",
     True: "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections.",

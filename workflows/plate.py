@@ -8,19 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import effects as rules
-from workflows import plate_mesh
+from workflows import plate_mesh, plate_records
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
-from workflows.records import Diagram, Floats, Mode, Reduced, SpeedPoint, Surface
-from workflows.ringdowns import rpm
+from workflows.plate_records import Discrete
+from workflows.records import Diagram, Reduced, SpeedPoint, Surface
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
-
-_SHAPES_AT_MOST = 20
-"""Speeds whose mode shapes are kept for pictures and files."""
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
@@ -44,16 +41,6 @@ class PlateAnswer:
     surface: Surface | None
     theory: Theory
     diagram: Diagram
-
-
-@dataclass(frozen=True, eq=False)
-class Discrete:
-    """Matrices on the mesh chosen, and how it was chosen. `layers`: the error that the layers of a solid leave."""
-
-    choice: fem.Choice
-    theory: Theory
-    mesh: str
-    layers: float
 
 
 def solve(
@@ -87,9 +74,13 @@ def solve(
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
     numbers = [known[omega] for omega in asked if omega in known]
     with stages("modes"):
-        points = _points(source, discrete, diagram, numbers, reduced)
-        surface = _surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes) if shapes else None
-        beyond = _beyond(discrete, diagram, source.scene.rotor.modes, asked)
+        points = plate_records.points(source, discrete, diagram, numbers, reduced)
+        surface = (
+            plate_records.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes)
+            if shapes
+            else None
+        )
+        beyond = plate_records.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
     return PlateAnswer(points, surface, discrete.theory, beyond)
 
 
@@ -166,87 +157,3 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
     except ValueError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.floor_tilt) for r in found]
-
-
-def _points(
-    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
-) -> tuple[SpeedPoint, ...]:
-    rotor = source.scene.rotor
-    radius = rotor.hub_radius + plate_mesh.place(source, discrete.choice.operators.plate.mesh)[0]
-    families = diagram.families
-    points = []
-    for number in numbers:
-        omega = float(diagram.omega[number])
-        points.append(
-            SpeedPoint(
-                omega=omega,
-                rpm=rpm(omega),
-                radius=radius,
-                load_g=omega**2 * radius / rotor.gravity,
-                modes=tuple(_mode(discrete, diagram, families, number, k) for k in range(rotor.modes)),
-                reduced=reduced[number],
-            )
-        )
-    return tuple(points)
-
-
-def _mode(discrete: Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
-    omega = float(diagram.omega[number])
-    error = discrete.choice.errors_at(omega)[k] + discrete.layers + diagram.bounds[number, k]
-    turning = discrete.choice.operators.gyroscopic is not None and omega > 0
-    return Mode(
-        frequency_hz=float(diagram.frequencies_hz[number, k]),
-        family=families[number][k],
-        error_estimate=float(error) if np.isfinite(error) else None,
-        damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
-        branch=int(diagram.branches[number, k]),
-    )
-
-
-def _surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
-    from fem import displacement
-
-    kept = _kept(len(numbers))
-    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
-    mesh = operators.plate.mesh
-    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
-    kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
-    return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
-
-
-def _beyond(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
-    """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
-    from fem import critical_speed
-
-    operators, families = discrete.choice.operators, diagram.families
-    known = set(diagram.omega.tolist())
-    lost = tuple(sorted(rpm(omega) for omega in asked if omega not in known))
-    linear = not operators.effects.large_deflection
-    veerings = []
-    for veering in diagram.veerings:
-        low, high = (rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
-        names = [families[veering.step][k] for k in veering.modes if k < count]
-        veerings.append((low, high, tuple(names)))
-    return Diagram(
-        mesh=discrete.mesh,
-        bound=float(diagram.bounds[:, :count].max()),
-        bases=diagram.sizes,
-        veerings=tuple(veering for veering in veerings if veering[2]),
-        lost=lost,
-        critical=rpm(critical_speed(operators)) if lost and linear else None,
-    )
-
-
-def _upright(shapes: Floats) -> Floats:
-    """Complex shapes at the phase at which their largest unknown peaks; real ones as they are."""
-    if not np.iscomplexobj(shapes):
-        return shapes
-    largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
-    return np.asarray((shapes * (np.abs(largest) / largest)).real)
-
-
-def _kept(count: int) -> tuple[int, ...]:
-    """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
-    if count <= _SHAPES_AT_MOST:
-        return tuple(range(count))
-    return tuple(np.unique(np.linspace(0, count - 1, _SHAPES_AT_MOST).round().astype(int)).tolist())

@@ -11,6 +11,7 @@ from workflows import pipeline, plate, plate_mesh, ringdowns
 from workflows.costs import dampers, pipelines, plates
 from workflows.costs.ladder import Chosen, Ladder, Study
 from workflows.costs.plates import Problem
+from workflows.plate_records import Discrete
 from workflows.records import Floats
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -66,7 +67,7 @@ def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, C
     return [*ladders, ladder], {"plate": mesh, "speeds": basis}
 
 
-def _chosen(solver: plate.Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Chosen:
+def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Chosen:
     """The mesh that the scene's accuracy chose, its estimate, and its error against the limit of its theory."""
     from fem import solve_modes
 

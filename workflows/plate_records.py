@@ -1,0 +1,116 @@
+"""From modes over speed to the records that a run hands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows import plate_mesh
+from workflows.effects import Theory
+from workflows.records import Diagram, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.ringdowns import rpm
+from workflows.scene_file import SceneFile
+
+if TYPE_CHECKING:
+    import fem
+
+_SHAPES_AT_MOST = 20
+"""Speeds whose mode shapes are kept for pictures and files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Discrete:
+    """Matrices on the mesh chosen, and how it was chosen. `layers`: the error that the layers of a solid leave."""
+
+    choice: fem.Choice
+    theory: Theory
+    mesh: str
+    layers: float
+
+
+def points(
+    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
+) -> tuple[SpeedPoint, ...]:
+    """Modes and reduced parameters at the speeds of these numbers in the sweep."""
+    rotor = source.scene.rotor
+    radius = rotor.hub_radius + plate_mesh.place(source, discrete.choice.operators.plate.mesh)[0]
+    families = diagram.families
+    found = []
+    for number in numbers:
+        omega = float(diagram.omega[number])
+        found.append(
+            SpeedPoint(
+                omega=omega,
+                rpm=rpm(omega),
+                radius=radius,
+                load_g=omega**2 * radius / rotor.gravity,
+                modes=tuple(_mode(discrete, diagram, families, number, k) for k in range(rotor.modes)),
+                reduced=reduced[number],
+            )
+        )
+    return tuple(found)
+
+
+def _mode(discrete: Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
+    omega = float(diagram.omega[number])
+    error = discrete.choice.errors_at(omega)[k] + discrete.layers + diagram.bounds[number, k]
+    turning = discrete.choice.operators.gyroscopic is not None and omega > 0
+    return Mode(
+        frequency_hz=float(diagram.frequencies_hz[number, k]),
+        family=families[number][k],
+        error_estimate=float(error) if np.isfinite(error) else None,
+        damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
+        branch=int(diagram.branches[number, k]),
+    )
+
+
+def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
+    """The mid-surface with the shapes of some of the speeds of these numbers."""
+    from fem import displacement
+
+    kept = _kept(len(numbers))
+    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
+    mesh = operators.plate.mesh
+    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
+    kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
+    return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
+
+
+def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
+    """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
+    from fem import critical_speed
+
+    operators, families = discrete.choice.operators, diagram.families
+    known = set(diagram.omega.tolist())
+    lost = tuple(sorted(rpm(omega) for omega in asked if omega not in known))
+    linear = not operators.effects.large_deflection
+    veerings = []
+    for veering in diagram.veerings:
+        low, high = (rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
+        names = [families[veering.step][k] for k in veering.modes if k < count]
+        veerings.append((low, high, tuple(names)))
+    return Diagram(
+        mesh=discrete.mesh,
+        bound=float(diagram.bounds[:, :count].max()),
+        bases=diagram.sizes,
+        veerings=tuple(veering for veering in veerings if veering[2]),
+        lost=lost,
+        critical=rpm(critical_speed(operators)) if lost and linear else None,
+    )
+
+
+def _upright(shapes: Floats) -> Floats:
+    """Complex shapes at the phase at which their largest unknown peaks; real ones as they are."""
+    if not np.iscomplexobj(shapes):
+        return shapes
+    largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
+    return np.asarray((shapes * (np.abs(largest) / largest)).real)
+
+
+def _kept(count: int) -> tuple[int, ...]:
+    """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
+    if count <= _SHAPES_AT_MOST:
+        return tuple(range(count))
+    return tuple(np.unique(np.linspace(0, count - 1, _SHAPES_AT_MOST).round().astype(int)).tolist())
