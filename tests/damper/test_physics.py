@@ -18,7 +18,7 @@ from damper import (
     two_hit_bound,
     work_bound,
 )
-from damper.records import GRIP, HIT, REVERSAL, STUCK
+from damper.records import GRIP, HIT, REVERSAL, ROLLING, STUCK
 from tests.compiler import needs_compiler
 from tests.damper.test_reference import paper_like
 
@@ -248,3 +248,21 @@ def test_bounds_hold() -> None:
         bounds = [work_bound(damper, v / damper.stuck_frequency) for v in result.peak_velocity]
         assert (result.sdc < np.array(bounds) * (1 + 0.02)).all()
         assert result.sdc.max() < two_hit_bound(damper)
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.2])
+@pytest.mark.parametrize("formulation", list(Formulation))
+def test_rolling_demand_is_what_accelerates_the_ball(zeta: float, formulation: Formulation) -> None:
+    """Between hits only the floor pushes the ball: m q'' over its load, by differences of the sampled velocity."""
+    damper = dataclasses.replace(paper_like(formulation), damping_ratio=zeta, ball_mass=0.05, restitution=0.9)
+    run = ringdown(damper, (20e-3, 7e-3), 1, keep_events=True)
+    assert run.impacts > 2
+    found = 0.0
+    times = np.unique(run.rows["time"])
+    for begin, end in zip(times, [*times[1:], run.duration], strict=True):
+        inside = begin + (end - begin) * np.linspace(1e-6, 1 - 1e-6, 60)
+        at = sample(run, inside)
+        rate = np.diff(at.velocity + at.relative_velocity, axis=0) / np.diff(inside)[:, None]
+        rolls = (at.regime[:-1] == ROLLING) & (end - begin > 1e-9)
+        found = max(found, np.abs(rate[rolls]).max(initial=0.0))
+    assert run.largest_rolling_demand == pytest.approx(found / damper.centrifugal_acceleration, rel=2e-2)

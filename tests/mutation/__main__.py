@@ -30,7 +30,7 @@ TESTS = (
 """Those that are quick without the compiler, the sharpest first."""
 ASIDE = ("compiled.py", "arrays.py", "__init__.py")
 """Files without physics."""
-PATIENCE = 180
+PATIENCE = 90
 """Seconds of processor time after which a mutant counts as hanging, and so as noticed."""
 
 
