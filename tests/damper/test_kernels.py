@@ -173,7 +173,7 @@ def test_no_trap_is_sprung(seed: int, slip: bool) -> None:
     ("row", "axis", "speed"), [(0, 0, 2e-3 * 1693.3), (0, 1, 2e-3 * 1693.3), (1, 1, 2e-3), (2, 0, 0.0), (3, 0, 2e-3)]
 )
 def test_floor_of_sticking_goes_by_the_release(row: int, axis: int, speed: float) -> None:
-    """A billionth of the fastest that the release can make anything move: by u, u' or the ball's speed, not its place."""
+    """A billionth of the fastest that the release can make anything move; the place of the ball has no say."""
     start = np.zeros((1, 5, 2))
     start[0, row, axis] = 2e-3 if row != 2 else 1e-4
     one = prepare(paper_like(Formulation.CONSISTENT).parameters, start, 1.0, 1.0)

@@ -10,6 +10,7 @@ import pytest
 
 from damper import (
     Formulation,
+    Outcome,
     ParticleDamper,
     capacity,
     intrinsic_sdc,
@@ -266,3 +267,34 @@ def test_rolling_demand_is_what_accelerates_the_ball(zeta: float, formulation: F
         rolls = (at.regime[:-1] == ROLLING) & (end - begin > 1e-9)
         found = max(found, np.abs(rate[rolls]).max(initial=0.0))
     assert run.largest_rolling_demand == pytest.approx(found / damper.centrifugal_acceleration, rel=2e-2)
+
+
+@pytest.mark.parametrize("mass", [0.2, 7.0])
+def test_dashpot_of_a_structure_of_any_mass(mass: float) -> None:
+    """c = 2 zeta sqrt(K M2): with a ball of no weight the ratio is zeta itself."""
+    base = paper_like(Formulation.CONSISTENT)
+    damper = dataclasses.replace(base, modal_mass=mass, ball_mass=1e-12, damping_ratio=0.03)
+    exact = 1 - math.exp(-4 * math.pi * 0.03 / math.sqrt(1 - 0.03**2))
+    assert intrinsic_sdc(damper) == pytest.approx(exact, rel=1e-9)
+
+
+def test_a_tremor_is_rest() -> None:
+    """Without damping a ball a hair above the threshold nears it for ever: the run ends soon, and it counts as rest."""
+    base = paper_like(Formulation.CONSISTENT)
+    amplitude = base.rolling_threshold / base.stuck_frequency**2
+    run = ringdown(base, (amplitude * 1.0005, 0.0))
+    assert run.outcome is Outcome.TREMBLES
+    assert run.rested
+    assert run.duration * base.stuck_frequency < 2 * math.pi * 20
+    assert capacity(run).cutoff == pytest.approx(base.rolling_threshold, rel=2e-3)
+    assert ringdown(base, (amplitude * 1.0005, 0.0), 30).outcome is Outcome.CYCLES_DONE
+
+
+def test_a_vibration_dies_out() -> None:
+    """A ball afloat never rests; once the structure does, the run ends, without a cut-off."""
+    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), centrifugal_acceleration=0.0, damping_ratio=0.2)
+    run = ringdown(damper, (2e-3, 0.0))
+    assert run.outcome is Outcome.DIED_OUT
+    assert not run.rested
+    assert capacity(run).cutoff is None
+    assert run.peak_velocities[-1] < 1e-5 * run.peak_velocities[0]
