@@ -2,7 +2,7 @@
 """From a fresh checkout and nothing but Python to results: makes .venv, installs the project there, runs it.
 
     python3 go.py run [ARGS]    runs `spindamp run ARGS`
-    python3 go.py test [ARGS]   runs ruff, mypy and pytest (ARGS go to pytest)
+    python3 go.py test [ARGS]   runs ruff, mypy and pytest on all cores (ARGS go to pytest)
 
 Any other command is handed to spindamp: `python3 go.py check paper`.
 """
@@ -46,7 +46,7 @@ def test(arguments):
         ("ruff check", [PYTHON, "-m", "ruff", "check", *PACKAGES]),
         ("ruff format", [PYTHON, "-m", "ruff", "format", "--check", *PACKAGES]),
         ("mypy", [PYTHON, "-m", "mypy"]),
-        ("pytest", [PYTHON, "-m", "pytest", *arguments]),
+        ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *arguments]),
     ]
     failed = []
     for name, command in steps:
