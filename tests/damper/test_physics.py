@@ -298,3 +298,16 @@ def test_a_vibration_dies_out() -> None:
     assert not run.rested
     assert capacity(run).cutoff is None
     assert run.peak_velocities[-1] < 1e-5 * run.peak_velocities[0]
+
+
+def test_a_sliding_ball_goes_from_wall_to_wall() -> None:
+    """On a floor too slippery to turn it, it hits the walls in turn, after the time that its speed asks for."""
+    gap, speed = 1e-2, 3.0
+    damper = slippery(1.0, floor_friction=1e-9, cavity=(2 * (gap + 1e-3),) * 2)
+    period = 2 * math.pi / damper.stuck_frequency
+    run = ringdown(
+        damper, (0.0, 0.0), 0.035 / period, ball_velocity=(speed, 0.0), ball_spin=(0.0, 0.0), keep_events=True
+    )
+    hits = run.rows[run.rows["kind"] == HIT]
+    assert hits["s"] == pytest.approx([gap, -gap, gap, -gap, gap], rel=1e-12)
+    assert hits["time"] == pytest.approx([(2 * k + 1) * gap / speed for k in range(5)], rel=1e-6)
