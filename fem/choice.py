@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.accuracy import extrapolated_errors
 from fem.modes import Divergence, solve_modes
 from fem.statics import NoEquilibrium
 
@@ -34,6 +33,9 @@ MARGIN = 1.25
 
 STEP = 2.0
 """Largest ratio of sizes from one mesh to the next: estimates from coarse meshes reach no further."""
+
+SLOWEST, SLOW = 0.5, 1.0
+"""Orders: the least an error is taken to fall at, and that below which three meshes are believed to show it."""
 
 FIRST = 0.6
 """Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured yet."""
@@ -112,11 +114,7 @@ def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: flo
 
 
 class _Search:
-    """Matrices and frequencies of the sizes tried so far.
-
-    The first two meshes are solved at every probe, later ones only where the errors were largest; the others' are
-    taken to fall in proportion.
-    """
+    """Matrices and frequencies of the sizes tried so far."""
 
     def __init__(
         self, planform: Planform, build: Callable[[int], Operators], probes: tuple[float, ...], count: int
@@ -125,10 +123,8 @@ class _Search:
         self._build = build
         self._probes = probes
         self._count = count
-        self._worst: int | None = None
-        self._shares = np.ones(len(probes))
         self._operators: dict[int, Operators] = {}
-        self._frequencies: dict[int, dict[int, Array]] = {}
+        self._frequencies: dict[int, Array] = {}
         self.tried: dict[int, float] = {}
 
     @property
@@ -140,16 +136,8 @@ class _Search:
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated errors (probes, count) on a coarse mesh and on a finer one."""
-        here, there = self._solve(fine), self._solve(coarse)
-        growth = (fine / coarse) ** self._order(coarse, fine)
-        if self._worst is None:
-            errors = np.array([extrapolated_errors(there[k], here[k], growth) for k in here if k in there])
-            largest = errors.max(axis=1)
-            self._worst = int(largest.argmax())
-            self._shares = largest / max(largest.max(), np.finfo(float).tiny)
-        else:
-            worst = extrapolated_errors(there[self._worst], here[self._worst], growth)
-            errors = self._shares[:, None] * worst
+        growth = (fine / coarse) ** self._orders(coarse, fine)
+        errors = self._apart(coarse, fine) / (growth - 1.0)
         return growth * errors, errors
 
     def end(self, size: int, errors: Array, tolerance: float) -> Choice:
@@ -159,36 +147,42 @@ class _Search:
     def unknown(self, tolerance: float) -> Choice:
         """The only mesh there is, with errors that nothing tells."""
         size = self._planform.sizes[0]
-        errors = np.array([np.full_like(found, np.nan) for found in self._solve(size).values()])
-        return self.end(size, errors, tolerance)
+        return self.end(size, np.full_like(self._solve(size), np.nan), tolerance)
 
-    def _order(self, coarse: int, fine: int) -> float:
-        """The order at which errors fall, from the size tried before, or the least where these are the first two."""
+    def _orders(self, coarse: int, fine: int) -> Array:
+        """The order (probes, count) at which each error falls, by the size tried before; the least without one.
+
+        All together are taken to fall within the planform's range. A single error may fall more slowly, down to
+        SLOWEST: a point force in the plane has no limit at all.
+        """
         least, most = self._planform.orders
+        second = self._apart(coarse, fine)
         before = [size for size in self._frequencies if size < coarse]
         if not before:
-            return least
-        first = self._apart(max(before), coarse)
-        second = self._apart(coarse, fine)
-        orders = np.linspace(least, most, 16)
+            return np.full_like(second, least)
+        first = self._apart(max(before), coarse)[: len(second)]
+        orders = np.linspace(SLOWEST, most, 36)
         falls = ((coarse / max(before)) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
-        return float(orders[np.abs(falls * second - first).argmin()])
+        each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
+        together = orders[np.abs(falls * second.max() - first.max()).argmin()]
+        return np.asarray(np.where(each < SLOW, each, max(together, least)))
 
-    def _apart(self, coarse: int, fine: int) -> float:
+    def _apart(self, coarse: int, fine: int) -> Array:
+        """Relative differences (probes, count) between two meshes."""
         there, here = self._solve(coarse), self._solve(fine)
-        return max(float(np.abs(there[k] / here[k] - 1.0).max()) for k in here if k in there)
+        common = min(len(there), len(here))
+        return np.asarray(np.abs(there[:common] / here[:common] - 1.0))
 
-    def _solve(self, size: int) -> dict[int, Array]:
-        """Frequencies (count,) in Hz by number of the probe, as far as there are any."""
+    def _solve(self, size: int) -> Array:
+        """Frequencies (probes, count) in Hz, for as many probes as have any."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found: dict[int, Array] = {}
-            wanted = range(len(self._probes)) if self._worst is None else [self._worst]
-            for k in wanted:
+            found: list[Array] = []
+            for speed in self._probes:
                 try:
-                    found[k] = solve_modes(operators, self._probes[k], self._count).frequencies_hz
+                    found.append(solve_modes(operators, speed, self._count).frequencies_hz)
                 except (Divergence, NoEquilibrium):
                     if not found:
                         raise
-            self._frequencies[size] = found
+            self._frequencies[size] = np.array(found)
         return self._frequencies[size]

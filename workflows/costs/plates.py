@@ -21,7 +21,7 @@ _TIMED_SPEEDS = 5
 
 _SPEEDS = 1000
 _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
-_SOLID_AT_MOST = 60_000
+_SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""
 
 METHODS = (
@@ -74,19 +74,27 @@ class Problem:
         return rectangle(*self.form.sides, *self.form.cells(size))
 
 
+def sizes(problem: Problem, finest: int) -> list[int]:
+    """The meshes on which a method is tried: of a file's mesh, itself and one finer."""
+    from fem import Rectangle
+
+    every = problem.form.sizes if isinstance(problem.form, Rectangle) else problem.form.sizes[:2]
+    return [size for size in every if size <= finest]
+
+
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
     found = {}
     for theory, method in (("kirchhoff", _thin(problem)), ("mindlin", "mindlin"), ("solid", "solid/4")):
-        sizes = _finest(problem, method)
+        pair = _finest(problem, method)
         step.advance(f"limit of {theory}")
-        if len(sizes) < 2:
+        if len(pair) < 2:
             continue
-        (_, before), (_, last) = (problem.solve(method, size) for size in sizes)
-        growth = (sizes[1] / sizes[0]) ** min(problem.form.orders)
+        (_, before), (_, last) = (problem.solve(method, size) for size in pair)
+        growth = (pair[1] / pair[0]) ** min(problem.form.orders)
         limit = last + (last - before) / (growth - 1.0)
         if theory == "solid":
-            limit = limit * _more_layers(problem, sizes[0])
+            limit = limit * _more_layers(problem, pair[0])
         found[theory] = limit, float(np.abs(limit / last - 1.0).max())
     return found
 
@@ -97,7 +105,7 @@ def ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple
     own, solid = [], []
     for method, name, finest in METHODS:
         limit, _ = known.get(method.partition("/")[0].split()[0].strip(","), (None, 0.0))
-        for size in (size for size in problem.form.sizes if size <= finest):
+        for size in sizes(problem, finest):
             step.advance(f"{name}, {size}")
             row, frequencies = _row(problem, method, name, size, limit)
             own.append(row)
@@ -207,11 +215,15 @@ def _thin(problem: Problem) -> str:
 
 def _finest(problem: Problem, method: str) -> list[int]:
     """The two sizes from which a limit is extrapolated."""
+    from fem import Rectangle
+
     most = {"kirchhoff/bfs": 12, "mindlin": 16}.get(method, 6)
-    sizes = [size for size in problem.form.sizes if size <= most]
+    if not isinstance(problem.form, Rectangle):
+        most = 4 if method == "mindlin" else 2
+    tried = [size for size in problem.form.sizes if size <= most]
     if method.startswith("solid"):
-        sizes = [size for size in sizes if _unknowns(problem, method, size) <= _SOLID_AT_MOST]
-    return sizes[-3::2] if len(sizes) > 2 else sizes[-2:]
+        tried = [size for size in tried if _unknowns(problem, method, size) <= _SOLID_AT_MOST]
+    return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, Rectangle) else tried[-2:]
 
 
 def _more_layers(problem: Problem, size: int) -> Floats:
@@ -223,5 +235,6 @@ def _more_layers(problem: Problem, size: int) -> Floats:
 
 def _unknowns(problem: Problem, method: str, size: int) -> int:
     """About how many unknowns a solid has."""
-    cells = problem.form.mesh(1).t.shape[1] * size**2
+    mesh = problem.form.mesh(1)
+    cells = mesh.t.shape[1] * size**2 * (3 if mesh.t.shape[0] == 3 else 1)
     return int(cells * 4 * (2 * int(method.partition("/")[2]) + 1) * 3)

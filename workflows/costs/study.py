@@ -57,7 +57,7 @@ def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, C
         omega=float(solver.choice.probes[-1]),
         count=count,
     )
-    steps = 3 + sum(size <= finest for _, _, finest in plates.METHODS for size in problem.form.sizes)
+    steps = 3 + sum(len(plates.sizes(problem, finest)) for _, _, finest in plates.METHODS)
     with stages("plate", steps) as step:
         ladders, limits = plates.ladders(problem, step)
     linear = replace(operators, effects=plain, gyroscopic=None)
