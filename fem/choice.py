@@ -40,8 +40,8 @@ SLOWEST, SLOW = 0.5, 1.0
 FIRST = 0.6
 """Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured yet."""
 
-MOST_UNKNOWNS = {"mindlin": 250_000, "kirchhoff": 250_000, "solid": 60_000}
-"""Unknowns beyond which no finer mesh is tried, by theory: a factor then takes ten seconds and a gigabyte."""
+MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
+"""Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def choose_mesh(
         if search.tried[coarse] <= safe:
             return search.end(coarse, before, tolerance)
         following = _next(planform, search.unknowns(fine), search.theory, fine, search.tried[fine] / tolerance)
-        if search.tried[fine] <= safe or following is None:
+        if search.tried[fine] <= safe or following is None or search.slow:
             return search.end(fine, errors, tolerance)
         coarse, fine = fine, following
 
@@ -126,6 +126,7 @@ class _Search:
         self._operators: dict[int, Operators] = {}
         self._frequencies: dict[int, Array] = {}
         self.tried: dict[int, float] = {}
+        self.slow = False
 
     @property
     def theory(self) -> str:
@@ -165,6 +166,8 @@ class _Search:
         falls = ((coarse / max(before)) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
         together = orders[np.abs(falls * second.max() - first.max()).argmin()]
+        # Where the largest errors hardly fall, finer meshes are not worth their price: the estimate says what is left.
+        self.slow = bool((each < SLOW)[second >= 0.3 * second.max()].any())
         return np.asarray(np.where(each < SLOW, each, max(together, least)))
 
     def _apart(self, coarse: int, fine: int) -> Array:

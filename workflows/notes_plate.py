@@ -49,7 +49,7 @@ def mesh_error(results: Results) -> str | None:
     verdict = (
         "within the {} % asked for"
         if max(known) <= asked
-        else "more than the {} % asked for: it is the finest that is tried"
+        else "more than the {} % asked for, and finer ones gain too little for their price"
     ).format(significant(100 * asked))
     return (
         f"The mesh ({mesh}) leaves an estimated error of {significant(100 * first, 1)} % in the first frequency and of"
