@@ -37,6 +37,9 @@ STEP = 2.0
 SLOWEST, SLOW = 0.5, 1.0
 """Orders: the least an error is taken to fall at, and that below which three meshes are believed to show it."""
 
+PATIENCE = 4
+"""Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
+
 FIRST = 0.6
 """Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured yet."""
 
@@ -93,7 +96,7 @@ def choose_mesh(
         if search.tried[coarse] <= safe:
             return search.end(coarse, before, tolerance)
         following = _next(planform, search.unknowns(fine), search.theory, fine, search.tried[fine] / tolerance)
-        if search.tried[fine] <= safe or following is None or search.slow:
+        if search.tried[fine] <= safe or following is None or (search.slow and len(search.tried) > PATIENCE):
             return search.end(fine, errors, tolerance)
         coarse, fine = fine, following
 
