@@ -1,9 +1,11 @@
 """A reduced basis for a range of speeds: small matrices that answer for every speed in it.
 
 The matrices are affine: K(Omega) = K_r + (Omega² - Omega_r²) K_1, with one factor, at a reference speed r. The
-basis V starts with the modes there. Everything a residual can be made of lies in span(V, K_r^-1 K_1 V,
-K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors in K_r, dual norms of residuals cost r³ at any
-speed (`fem.bounds`). New vectors are the dominant parts of the residuals' own representers.
+basis V, orthonormal in K_r, starts with the modes there; in the axes of K_1 the small stiffness is diagonal at every
+speed, so that the lowest frequencies keep their digits however stiff the highest. Everything a residual can be
+made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors in K_r, dual
+norms of residuals cost r³ at any speed (`fem.bounds`). New vectors are the dominant parts of the residuals' own
+representers.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from fem.solver import orthonormal, rounding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csc_array
 
     from fem.modes import Modes
     from fem.operators import Operators
@@ -29,62 +32,76 @@ SAFETY = 2.0
 
 @dataclass(frozen=True, eq=False)
 class ReducedBasis:
-    """Small matrices over a basis (n, r) that is orthonormal in the mass.
+    """Small matrices over a basis V (n, r) that is orthonormal in K_r.
 
-    reference: speed in rad/s of the factor. images: K_0 V, M V, K_1 V and with Coriolis G V. representers:
-    K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V. elastic, stiffening, coriolis: V'K_0 V, V'K_1 V, V'G V.
+    reference: speed in rad/s of the factor. images: K_r V, M V, K_1 V and with Coriolis G V. representers:
+    K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V. mass, coriolis: V'M V and V'G V. stretches: eigenvalues (r,) of V'K_1 V,
+    ascending, and axes (r, r) its eigenvectors.
     gram: (b r, b r), of V and the representers in K_r. outside: of the representers' parts outside V.
-    known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V. stretch: extreme
-    eigenvalues of (K_1, K_r). stretch_outside: the largest outside V in magnitude, doubled. rounding: what
-    double precision leaves uncertain of a frequency, relatively.
+    known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V. stretch_outside: the
+    largest stretch outside V in magnitude, doubled. rounding: what double precision leaves uncertain of each
+    vector's energy, (r,).
     """
 
     reference: float
     vectors: Array
     images: tuple[Array, ...]
     representers: tuple[Array, ...]
-    elastic: Array
-    stiffening: Array
+    mass: Array
     coriolis: Array | None
+    stretches: Array
+    axes: Array
     gram: Array
     outside: Array
     known: Array
-    stretch: tuple[float, float]
     stretch_outside: float
-    rounding: float
+    rounding: Array
 
     @property
     def size(self) -> int:
         """Number of vectors."""
         return int(self.vectors.shape[1])
 
+    def shift(self, omega: Array) -> Array:
+        """Omega² (k,) less that of the reference, rad²/s²."""
+        return np.asarray(omega**2 - self.reference**2)
 
-def begin(operators: Operators, modes: Modes) -> ReducedBasis:
-    """Make the basis of real modes at one speed; the last of them only says what lies above the basis."""
-    shapes = modes.shapes[:, :-1]
-    images, representers = _columns(operators, modes, shapes, operators.mass @ shapes)
-    uncertain = rounding(operators.at(modes.omega), shapes, modes.eigenvalues[:-1])
-    return _project(operators, modes, shapes, images, representers, float(uncertain.max()))
+    def held(self, omega: Array) -> Array:
+        """Eigenvalues (k, r) of V'K(Omega) V along the axes: what speed leaves of the stiffness at the reference."""
+        return np.asarray(1.0 + self.shift(omega)[:, None] * self.stretches)
 
 
-def enrich(operators: Operators, modes: Modes, basis: ReducedBasis, more: Array) -> ReducedBasis:
+def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBasis:
+    """Make the basis of a stiffness's real modes; the last of them only says what lies above the basis."""
+    empty = np.empty((modes.shapes.shape[0], 0))
+    shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
+    block, energy, _, _ = orthonormal(shapes, empty, empty, stiffness)
+    images, representers = _columns(operators, modes, block, energy)
+    return _project(operators, modes, block, images, representers, _uncertain(stiffness, block))
+
+
+def enrich(operators: Operators, stiffness: csc_array, modes: Modes, basis: ReducedBasis, more: Array) -> ReducedBasis:
     """Add vectors (n, k) to a basis that began with these modes."""
-    scaled = more / np.linalg.norm(more, axis=0)
-    block, heavy, _, _ = orthonormal(scaled, basis.vectors, basis.images[1], operators.mass)
-    fresh = _columns(operators, modes, block, heavy)
+    block, energy, _, _ = orthonormal(more, basis.vectors, basis.images[0], stiffness)
+    fresh = _columns(operators, modes, block, energy)
     images, representers = (
         tuple(np.hstack(pair) for pair in zip(old, new, strict=True))
         for old, new in zip((basis.images, basis.representers), fresh, strict=True)
     )
-    vectors = np.hstack([basis.vectors, block])
-    return _project(operators, modes, vectors, images, representers, basis.rounding)
+    uncertain = np.append(basis.rounding, _uncertain(stiffness, block))
+    return _project(operators, modes, np.hstack([basis.vectors, block]), images, representers, uncertain)
+
+
+def _uncertain(stiffness: csc_array, vectors: Array) -> Array:
+    """What rounding leaves uncertain of the energies (k,) of vectors (n, k) of unit energy."""
+    return rounding(stiffness, vectors, np.ones(vectors.shape[1]))
 
 
 def _columns(
-    operators: Operators, modes: Modes, vectors: Array, heavy: Array
+    operators: Operators, modes: Modes, vectors: Array, energy: Array
 ) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Images and representers of new vectors (n, k) with mass image (n, k)."""
-    images = [operators.stiffness @ vectors, heavy, operators.spinning @ vectors]
+    """Images and representers of new vectors (n, k) whose image under K_r is given (n, k)."""
+    images = [energy, operators.mass @ vectors, operators.spinning @ vectors]
     if operators.gyroscopic is not None:
         images.append(operators.gyroscopic @ vectors)
     loads = [images[2], images[1], *images[3:]]
@@ -98,28 +115,27 @@ def _project(
     vectors: Array,
     images: tuple[Array, ...],
     representers: tuple[Array, ...],
-    uncertain: float,
+    uncertain: Array,
 ) -> ReducedBasis:
-    elastic, heavy, spinning, *turning = images
+    energy, heavy, spinning, *turning = images
     r = vectors.shape[1]
     span = np.hstack([vectors, *representers])
-    dual = np.hstack([elastic + modes.omega**2 * spinning, spinning, heavy, *turning])
-    gram = _symmetric(span.T @ dual)
-    slope = np.linalg.solve(gram[:r, :r], gram[:r, r:])
-    outside = gram[r:, r:] - gram[r:, :r] @ slope
-    left = representers[0] - vectors @ slope[:, :r]
+    gram = _symmetric(span.T @ np.hstack([energy, spinning, heavy, *turning]))
+    outside = gram[r:, r:] - gram[r:, :r] @ gram[:r, r:]
+    left = representers[0] - vectors @ gram[:r, r : 2 * r]
+    stretches, axes = np.linalg.eigh(gram[:r, r : 2 * r])
     return ReducedBasis(
         reference=modes.omega,
         vectors=vectors,
         images=images,
         representers=representers,
-        elastic=_symmetric(vectors.T @ elastic),
-        stiffening=_symmetric(vectors.T @ spinning),
+        mass=_symmetric(vectors.T @ heavy),
         coriolis=vectors.T @ turning[0] if turning else None,
+        stretches=stretches,
+        axes=axes,
         gram=gram,
         outside=outside,
         known=modes.eigenvalues,
-        stretch=_extremes(gram[:r, r : 2 * r], gram[:r, :r]),
         stretch_outside=SAFETY * max(map(abs, _extremes(left.T @ (operators.spinning @ left), outside[:r, :r]))),
         rounding=uncertain,
     )

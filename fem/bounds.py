@@ -30,6 +30,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.galerkin import LEAST, still, turning
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -40,6 +42,12 @@ if TYPE_CHECKING:
 ALONE = 1.5
 """The factor c of a mode that stands alone."""
 
+PRECISION = float(np.finfo(float).eps)
+"""Relative rounding of a product."""
+
+ROUNDED = 4.0
+"""A bound of so many times what rounding leaves uncertain is as good as any."""
+
 
 @dataclass(frozen=True, eq=False)
 class ReducedModes:
@@ -47,9 +55,9 @@ class ReducedModes:
 
     omega: (k,) speeds in rad/s. rates: (k, q) circular frequencies in rad/s, ascending. vectors: (k, r, q),
     mass-normalised, complex with Coriolis; the wanted ones come first. residuals: (k, q), rho.
-    bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
-    diverged: (k,), whether the stiffness has a negative eigenvalue. floor: (k,), least ratio of
-    the stiffness to that at the reference speed.
+    bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown. rounding:
+    (k, wanted), what double precision leaves uncertain, which the bounds contain. floor: (k,), least ratio of the
+    stiffness to that at the reference speed; not positive where the plate diverges.
     """
 
     omega: Array
@@ -57,30 +65,37 @@ class ReducedModes:
     vectors: NDArray[Any]
     residuals: Array
     bounds: Array
-    diverged: NDArray[np.bool_]
+    rounding: Array
     floor: Array
+
+    def within(self, tolerance: float) -> NDArray[np.bool_]:
+        """Which speeds (k,) have every frequency to a tolerance, or as well as rounding allows."""
+        return np.asarray((self.bounds <= np.maximum(tolerance, ROUNDED * self.rounding)).all(axis=1))
 
 
 def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
-    rates, vectors = _galerkin(basis, omega)
-    diverged, floor = rates[:, 0] <= 0.0, _floor(basis, omega)
-    q = min(basis.known.size, rates.shape[1]) - 1
-    above = np.minimum(rates[:, wanted : q + 1], np.sqrt(basis.known[wanted : q + 1]))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
+    q = min(basis.known.size, basis.size) - 1
+    if basis.coriolis is None:
+        rates, vectors = still(basis, omega, q + 1)
+    else:
+        rates, vectors = turning(basis, basis.coriolis, omega, q + 1)
+    above = np.minimum(rates[:, wanted:], np.sqrt(basis.known[wanted : q + 1]))
+    last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
     gap = _gap(basis, omega, rates, last)
     rates, vectors = rates[:, :q], vectors[:, :, :q]
+    floor = basis.held(omega).min(axis=1)
+    rounding = (np.abs(vectors).transpose(0, 2, 1) @ np.sqrt(basis.rounding) / rates) ** 2
     residuals = _residuals(basis, omega, rates, vectors)
     inside = np.arange(q) < last[:, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         spread = np.where(inside, residuals**2 / (rates * (1.0 - rates / gap[:, None])), 0.0)
         top = 1.0 / gap + spread.sum(axis=1)
         amount = np.where(inside, residuals**2 / (1.0 - top[:, None] * rates), 0.0)
         error = _factor(rates, amount, last, inside) * amount
         good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
-    bounds = np.where(good, error + basis.rounding, np.inf)[:, :wanted]
-    return ReducedModes(omega, rates, vectors, residuals, bounds, diverged, floor)
+    bounds = np.where(good, error + rounding, np.inf)[:, :wanted]
+    return ReducedModes(omega, rates, vectors, residuals, bounds, rounding[:, :wanted], floor)
 
 
 def _factor(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
@@ -97,7 +112,7 @@ def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64
     k = np.arange(omega.size)
     below = rates[k, last - 1]
     above = np.minimum(rates[k, last], np.sqrt(basis.known[last]))
-    raised = _floor(basis, omega) * basis.known[last]
+    raised = basis.held(omega).min(axis=1) * basis.known[last]
     drag = omega if basis.coriolis is not None else np.zeros_like(omega)
     coarse = np.sqrt(drag**2 + np.maximum(raised, 0.0)) - drag
     middle = np.sqrt(below * above)
@@ -114,9 +129,9 @@ def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, toler
 
     The squares of what they leave out add up to at most the tolerance, relative to the modes.
     """
-    coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :, :wanted]
-    size = np.sqrt(2.0) * modes.rates[:, None, :wanted]
-    flat = (coefficients / size).transpose(1, 0, 2).reshape(coefficients.shape[1], -1)
+    coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :wanted]
+    size = np.sqrt(2.0) * modes.rates[:, :wanted, None]
+    flat = (coefficients / size).reshape(-1, coefficients.shape[2]).T
     flat = np.hstack([flat.real, flat.imag]) if np.iscomplexobj(flat) else flat
     weights, directions = np.linalg.eigh(flat.T @ basis.gram @ flat)
     keep = np.cumsum(np.maximum(weights, 0.0)) > tolerance
@@ -124,63 +139,36 @@ def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, toler
     return np.asarray(span @ (flat @ directions[:, keep]))
 
 
-def _galerkin(basis: ReducedBasis, omega: Array) -> tuple[Array, NDArray[Any]]:
-    """All reduced frequencies (k, r) and mass-normalised vectors (k, r, r)."""
-    stiffness = basis.elastic + omega[:, None, None] ** 2 * basis.stiffening
-    if basis.coriolis is None:
-        values, vectors = np.linalg.eigh(stiffness)
-        return np.sqrt(np.maximum(values, 0.0)), vectors
-    r = basis.size
-    lower = _root(stiffness)
-    state = np.zeros((omega.size, 2 * r, 2 * r), dtype=complex)
-    state[:, :r, r:] = -1j * lower.transpose(0, 2, 1)
-    state[:, r:, :r] = 1j * lower
-    state[:, r:, r:] = 1j * omega[:, None, None] * basis.coriolis
-    values, vectors = np.linalg.eigh(state)
-    moving = vectors[:, r:, r:]
-    return values[:, r:], moving / np.linalg.norm(moving, axis=1, keepdims=True)
-
-
-def _root(stiffness: Array) -> Array:
-    """Factors L (k, r, r) with L L' = stiffness, whose negative eigenvalues are taken as zero."""
-    values, vectors = np.linalg.eigh(stiffness)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :])
-
-
 def _coefficients(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Coordinates (k, b r, q) of the residuals' representers in [V, K_r^-1 K_1 V, K_r^-1 M V, ...]."""
-    shift = (omega**2 - basis.reference**2)[:, None, None]
-    parts = [vectors, shift * vectors, -(rates[:, None, :] ** 2) * vectors]
+    """Coordinates (k, q, b r) of the residuals' representers in [V, K_r^-1 K_1 V, K_r^-1 M V, ...]."""
+    rows = vectors.transpose(0, 2, 1)
+    parts = [rows, basis.shift(omega)[:, None, None] * rows, -(rates[:, :, None] ** 2) * rows]
     if basis.coriolis is not None:
-        parts.append(1j * omega[:, None, None] * rates[:, None, :] * vectors)
-    return np.concatenate(parts, axis=1)
+        parts.append(1j * omega[:, None, None] * rates[:, :, None] * rows)
+    return np.concatenate(parts, axis=2)
 
 
 def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> Array:
-    """Relative residuals rho (k, q)."""
+    """Relative residuals rho (k, q), with what rounding leaves uncertain of them."""
     c = _coefficients(basis, omega, rates, vectors)
-    squared = np.einsum("kbq,kbq->kq", c.conj(), basis.gram @ c).real
-    stiffness = basis.elastic + omega[:, None, None] ** 2 * basis.stiffening
-    energy = np.einsum("krq,krq->kq", vectors.conj(), stiffness @ vectors).real + rates**2
-    floor = _floor(basis, omega)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rho = np.sqrt(np.maximum(squared, 0.0) / energy / floor[:, None])
-    return np.where(floor[:, None] > 0.0, rho, np.inf)
-
-
-def _floor(basis: ReducedBasis, omega: Array) -> Array:
-    """Least ratio (k,) of K(Omega) to K_r."""
-    shift = omega**2 - basis.reference**2
-    return np.asarray(1.0 + np.minimum(shift * basis.stretch[0], shift * basis.stretch[1]))
+    moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
+    squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
+    lost = PRECISION * (np.abs(c) @ np.sqrt(np.diagonal(basis.gram))) ** 2
+    held = basis.held(omega)
+    energy = rates**2
+    if basis.coriolis is not None:
+        energy = 0.5 * (energy + (held[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
+    floor = held.min(axis=1)[:, None]
+    squared = (np.maximum(squared, 0.0) + lost) / (2.0 * energy * np.maximum(floor, LEAST))
+    return np.where(floor > 0.0, np.sqrt(squared), np.inf)
 
 
 def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:
     """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
     r = basis.size
-    shift = omega**2 - basis.reference**2
+    shift = basis.shift(omega)
     weights: list[NDArray[Any]] = [shift, -(rates**2)]
-    form = basis.elastic + (omega**2)[:, None, None] * basis.stiffening
-    form = form - (rates**2)[:, None, None] * np.eye(r)
+    form = np.eye(r) + shift[:, None, None] * basis.gram[:r, r : 2 * r] - (rates**2)[:, None, None] * basis.mass
     drag = rates**2
     if basis.coriolis is not None:
         weights.append(1j * omega * rates)

@@ -81,15 +81,17 @@ def _project(
 
     empty = np.empty((shapes.shape[0], 0))
     span = np.hstack([complex_shapes.real, complex_shapes.imag, shapes])
-    basis, image, _, _ = orthonormal(span, empty, empty, mass)
-    felt = image.T @ shapes
+    basis, _, _, _ = orthonormal(span, empty, empty, stiffness)
+    heavy = mass @ basis
+    felt = heavy.T @ shapes
     damping = basis.T @ (coriolis @ basis) + 2.0 * (felt * rates) @ felt.T
-    m = basis.shape[1]
-    companion = np.block([[np.zeros((m, m)), np.eye(m)], [-(basis.T @ (stiffness @ basis)), -damping]])
-    values, vectors = np.linalg.eig(companion)
-    up = values.imag > 0.0
-    small = vectors[:m, up]
-    small = small / np.linalg.norm(small, axis=0)
+    # In energy coordinates, of x and of the velocity, the largest 1 / lambda are the lowest frequencies.
+    squares, directions = np.linalg.eigh(0.5 * (basis.T @ heavy + heavy.T @ basis))
+    root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
+    values, vectors = np.linalg.eig(np.block([[-damping, -root.T], [root, np.zeros_like(root)]]))
+    up = values.imag < 0.0
+    small = vectors[: basis.shape[1], up]
+    small = small / np.linalg.norm(root @ small, axis=0)
     # Turn each shape so that as much of it as possible is real.
-    phase = np.exp(-0.5j * np.angle(np.einsum("ij,ij->j", small, small)))
-    return values[up], basis @ (small * phase)
+    phase = np.exp(-0.5j * np.angle(np.einsum("ij,ij->j", small, basis.T @ heavy @ small)))
+    return 1.0 / values[up], basis @ (small * phase)

@@ -171,7 +171,8 @@ def _likeness(operators: Operators, parts: list[Answer]) -> Array:
     steps = []
     for here, following in zip(parts, [*parts[1:], None], strict=True):
         vectors = here.vectors[:, :, :q]
-        steps.append(np.swapaxes(vectors[:-1].conj(), 1, 2) @ vectors[1:])
+        mass = here.basis.conj().T @ (operators.mass @ here.basis)
+        steps.append(np.swapaxes(vectors[:-1].conj(), 1, 2) @ mass @ vectors[1:])
         if following is not None:
             cross = here.basis.conj().T @ (operators.mass @ following.basis)
             steps.append((vectors[-1].conj().T @ cross @ following.vectors[0, :, :q])[None])

@@ -165,6 +165,7 @@ def _of_sweep(operators: Any, omega: float, modes: Any) -> list[str]:
     if not swept.omega.size or swept.omega[-1] != omega:
         return ["a sweep leaves out a speed that has modes"]
     error = np.abs(swept.frequencies_hz[-1] / modes.frequencies_hz - 1.0)
-    if (error > swept.bounds[-1] + 1e-8).any():
-        return [f"a sweep is off by {error.max():.2g}, beyond its bound {swept.bounds[-1].max():.2g}"]
+    worst = int(np.argmax(error - swept.bounds[-1]))
+    if error[worst] > swept.bounds[-1][worst] + 1e-8:
+        return [f"a sweep is off by {error[worst]:.2g} in mode {worst + 1}, its bound is {swept.bounds[-1][worst]:.2g}"]
     return []
