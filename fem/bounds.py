@@ -153,7 +153,7 @@ def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray
     c = _coefficients(basis, omega, rates, vectors)
     moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
     squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
-    lost = PRECISION * (np.abs(c) @ np.sqrt(np.diagonal(basis.gram))) ** 2
+    lost = PRECISION * (np.abs(c) @ np.sqrt(np.maximum(np.diagonal(basis.gram), 0.0))) ** 2
     held = basis.held(omega)
     energy = rates**2
     if basis.coriolis is not None:
