@@ -37,6 +37,9 @@ STEP = 2.0
 SLOWEST, SLOW = 0.5, 1.0
 """Orders: the least an error is taken to fall at, and that below which three meshes are believed to show it."""
 
+EARLY_SLOWEST, EARLY_SLOW = 2.5, 3.0
+"""The same for the first three meshes, the coarsest of which may have come close by chance."""
+
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
 
@@ -92,10 +95,10 @@ def choose_mesh(
     while True:
         before, errors = search.errors(coarse, fine)
         search.tried[coarse], search.tried[fine] = float(before.max()), float(errors.max())
-        safe = tolerance * (FIRST if len(search.tried) == 2 else 1.0)
+        safe = tolerance * search.trust
         if search.tried[coarse] <= safe:
             return search.end(coarse, before, tolerance)
-        following = _next(planform, search.unknowns(fine), search.theory, fine, search.tried[fine] / tolerance)
+        following = _next(planform, search.unknowns(fine), search.theory, fine, search.hoped / tolerance)
         if search.tried[fine] <= safe or following is None or (search.slow and len(search.tried) > PATIENCE):
             return search.end(fine, errors, tolerance)
         coarse, fine = fine, following
@@ -130,6 +133,19 @@ class _Search:
         self._frequencies: dict[int, Array] = {}
         self.tried: dict[int, float] = {}
         self.slow = False
+        self.hoped = np.inf
+
+    @property
+    def trust(self) -> float:
+        """Part of the tolerance that an estimate must meet."""
+        if len(self.tried) > 2:
+            return 1.0
+        return 0.0 if self._pointed else FIRST
+
+    @property
+    def _pointed(self) -> bool:
+        """Whether a point mass pulls at the plate: under a point force in its plane, no mesh is fine enough."""
+        return next(iter(self._operators.values())).plate.tip_mass > 0.0
 
     @property
     def theory(self) -> str:
@@ -140,8 +156,11 @@ class _Search:
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated errors (probes, count) on a coarse mesh and on a finer one."""
-        growth = (fine / coarse) ** self._orders(coarse, fine)
-        errors = self._apart(coarse, fine) / (growth - 1.0)
+        apart, orders = self._apart(coarse, fine), self._orders(coarse, fine)
+        growth = (fine / coarse) ** orders
+        errors = apart / (growth - 1.0)
+        usual = np.maximum(orders, self._planform.orders[0]) if self._early(coarse) else orders
+        self.hoped = float((apart / ((fine / coarse) ** usual - 1.0)).max())
         return growth * errors, errors
 
     def end(self, size: int, errors: Array, tolerance: float) -> Choice:
@@ -156,8 +175,8 @@ class _Search:
     def _orders(self, coarse: int, fine: int) -> Array:
         """The order (probes, count) at which each error falls, by the size tried before; the least without one.
 
-        All together are taken to fall within the planform's range. A single error may fall more slowly, down to
-        SLOWEST: a point force in the plane has no limit at all.
+        All together are taken to fall within the planform's range. A single error may fall more slowly: the motion
+        under a point force in the plane has no limit at all.
         """
         least, most = self._planform.orders
         second = self._apart(coarse, fine)
@@ -165,13 +184,18 @@ class _Search:
         if not before:
             return np.full_like(second, least)
         first = self._apart(max(before), coarse)[: len(second)]
-        orders = np.linspace(SLOWEST, most, 36)
+        slowest, slow = (EARLY_SLOWEST, EARLY_SLOW) if self._early(coarse) else (SLOWEST, SLOW)
+        orders = np.linspace(slowest, most, 36)
         falls = ((coarse / max(before)) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
         together = orders[np.abs(falls * second.max() - first.max()).argmin()]
         # Where the largest errors hardly fall, finer meshes are not worth their price: the estimate says what is left.
-        self.slow = bool((each < SLOW)[second >= 0.3 * second.max()].any())
-        return np.asarray(np.where(each < SLOW, each, max(together, least)))
+        self.slow = bool((each < slow)[second >= 0.3 * second.max()].any())
+        return np.asarray(np.where(each < slow, each, max(together, least)))
+
+    def _early(self, coarse: int) -> bool:
+        """Whether no more than one mesh came before this one, and orders are hardly known."""
+        return sum(size < coarse for size in self._frequencies) < 2 and not self._pointed
 
     def _apart(self, coarse: int, fine: int) -> Array:
         """Relative differences (probes, count) between two meshes."""
