@@ -69,8 +69,9 @@ def accuracy_text(found: Study) -> str:
     lines = []
     for ladder in found.ladders:
         lines += [f"{ladder.stage}: {ladder.quantity}", f"  against {ladder.reference}", ""]
-        lines.append(f"  {'method':<30} {'setting':<22} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
-        lines += [f"  {row.method:<30} {row.setting[:22]:<22} {_numbers(row)}" for row in ladder.rows]
+        wide = max(22, *(len(row.setting) for row in ladder.rows))
+        lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
+        lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in ladder.rows]
         lines.append("")
     lines += ["chosen by the scene's accuracy"]
     for stage, chosen in found.chosen.items():
