@@ -14,12 +14,13 @@ import pytest
 from damper import Formulation, ParticleDamper, ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import scene_file
-from workflows.costs import plates, timing
+from workflows.costs import pipelines, plates, timing
 from workflows.costs.by_ivp import by_ivp
 from workflows.costs.ladder import measure
 from workflows.costs.study import study
 from workflows.costs.switching import OF_THE_PLATE, switching
 from workflows.effects import RULES
+from workflows.scene import Accuracy
 from workflows.stages import Stages
 
 RELEASE = (20e-3, 5e-3)
@@ -106,6 +107,23 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         patch.setattr(plates, "_SOLID_AT_MOST", 12_000)
         patch.setattr(timing, "_RUNS", 1)
         return study(source.changed(rotor=rotor), QUIET).document()
+
+
+def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What shares the reference's mesh shares its error, and looks better than it is."""
+    monkeypatch.setattr(timing, "_RUNS", 1)
+    monkeypatch.setattr(pipelines, "ASKED", (0.5, 1e-4))
+    monkeypatch.setattr(pipelines, "_FINEST", 1e-4)
+    source = scene_file.load("campbell")
+    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
+    with QUIET("pipeline", 3) as step:
+        (ladder,), chosen = pipelines.ladders(source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step)
+    coarse, same = ladder.rows
+    assert coarse.error is not None
+    assert 0.0 < coarse.error < 0.5
+    assert (same.error, same.failed) == (None, "the reference's own mesh")
+    assert "good to about" in ladder.reference
+    assert chosen["pipeline: first frequency"].error == coarse.error
 
 
 def rows(document: dict[str, Any], stage: str, method: str) -> list[dict[str, Any]]:

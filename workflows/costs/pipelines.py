@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from workflows import pipeline
 from workflows.costs.ladder import Chosen, Ladder, Row, measure
@@ -10,6 +10,7 @@ from workflows.records import Results
 from workflows.scene import Accuracy
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages, Step
+from workflows.wording import significant
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
 _FINEST = 1e-5
@@ -47,20 +48,19 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chos
         runs[asked] = _run(_asking(source, asked, theory), asked)
     found, chosen = [], {}
     for quantity in (_Quantity(name, shown) for name in QUANTITIES):
-        reference = quantity(finest)
-        if not reference:
+        if not quantity(finest):
             continue
-        rows = [_judged(row, results, quantity, reference) for row, results in runs.values()]
+        rows = [_judged(row, results, quantity, finest) for row, results in runs.values()]
         rpm = finest.speeds[shown].rpm
         found.append(
             Ladder(
                 f"whole pipeline: {quantity.name}",
                 f"relative error of the {quantity.name} at {rpm:.0f} rpm",
-                f"the same scene and theory with an accuracy of {_FINEST:g}",
+                f"the same scene and theory with an accuracy of {_FINEST:g}{_trust(finest, shown)}",
                 tuple(rows),
             )
         )
-        chosen[f"pipeline: {quantity.name}"] = _chosen(source, quantity, reference, theory)
+        chosen[f"pipeline: {quantity.name}"] = _chosen(source, quantity, finest, theory)
     return found, chosen
 
 
@@ -75,27 +75,50 @@ def _run(source: SceneFile, asked: float) -> tuple[Row, Results | None]:
     return row, kept[0] if kept else None
 
 
-def _judged(row: Row, results: Results | None, quantity: _Quantity, reference: float) -> Row:
+def _trust(finest: Results, shown: int) -> str:
+    """What the reference was solved on, and how far its first frequency can be trusted."""
+    modes = finest.speeds[shown].modes
+    if finest.diagram is None or not modes:
+        return ""
+    estimate = modes[0].error_estimate
+    good = "" if estimate is None else f", its first frequency good to about {significant(estimate, 1)}"
+    return f" ({finest.diagram.mesh}{good})"
+
+
+def _judged(row: Row, results: Results | None, quantity: _Quantity, finest: Results) -> Row:
     if results is None:
         return row
-    value = quantity(results)
-    if value is None:
+    if quantity(results) is None:
         return Row(row.method, row.setting, failed=f"no {quantity.name} came out")
-    return Row(row.method, _setting(row, results), None, row.time_s, row.spread_s, abs(value / reference - 1.0))
+    row = replace(row, setting=_setting(row, results), unknowns=None, error=_error(results, finest, quantity))
+    return row if row.error is not None else replace(row, failed="the reference's own mesh")
+
+
+def _error(results: Results, finest: Results, quantity: _Quantity) -> float | None:
+    """Relative error against the finest run; None on its own mesh, whose error it shares."""
+    value, reference = quantity(results), quantity(finest)
+    if value is None or reference is None or _same_mesh(results, finest):
+        return None
+    return abs(value / reference - 1.0)
+
+
+def _same_mesh(results: Results, finest: Results) -> bool:
+    if results.diagram is None or finest.diagram is None:
+        return False
+    return results.diagram.mesh == finest.diagram.mesh
 
 
 def _setting(row: Row, results: Results) -> str:
     return row.setting if results.diagram is None else f"{row.setting}: {results.diagram.mesh}"
 
 
-def _chosen(source: SceneFile, quantity: _Quantity, reference: float, theory: str | None) -> Chosen:
+def _chosen(source: SceneFile, quantity: _Quantity, finest: Results, theory: str | None) -> Chosen:
     results = pipeline.run(_asking(source, None, theory), Stages(visible=False))
-    value = quantity(results)
     estimate = None
     if quantity.name == "first frequency" and results.speeds[quantity.at].modes:
         estimate = results.speeds[quantity.at].modes[0].error_estimate
     setting = "" if results.diagram is None else results.diagram.mesh
-    return Chosen("pipeline", setting, estimate, None if value is None else abs(value / reference - 1.0))
+    return Chosen("pipeline", setting, estimate, _error(results, finest, quantity))
 
 
 def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> SceneFile:

@@ -195,6 +195,8 @@ def _row(problem: Problem, method: str, name: str, size: int, limit: Floats | No
     if method.startswith("solid") and _unknowns(problem, method, size) > _SOLID_AT_MOST:
         reason = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
         return Row(name, _setting(problem, size), failed=reason), None
+    if method == "mindlin" and problem.form.mesh(1).t.shape[0] == 3:
+        return Row(name, _setting(problem, size), failed="the mesh is of triangles"), None
     row = measure(name, _setting(problem, size), lambda: problem.solve(method, size), judge)
     return row, found[0] if found else None
 
