@@ -22,6 +22,7 @@ class Structure:
     effects: dict[str, Effect]
     points: tuple[SpeedPoint, ...]
     plate: PlateAnswer | None
+    mesh_sha256: str | None = None
 
 
 def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: int | None = None) -> Structure:
@@ -35,7 +36,7 @@ def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: i
         points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, effects, points, None)
     answer = plate.solve(source, effects, stages, shapes=shapes, size=size)
-    return Structure(source, effects, answer.points, answer)
+    return Structure(source, effects, answer.points, answer, source.mesh_sha256)
 
 
 def damped(found: Structure, stages: Stages) -> Structure:
@@ -57,6 +58,7 @@ def results(found: Structure, stages: Stages) -> Results:
         surface=None if answer is None else answer.surface,
         theory=None if answer is None else answer.theory,
         diagram=None if answer is None else answer.diagram,
+        mesh_sha256=found.mesh_sha256,
         timings=stages.timings(),
     )
     return replace(gathered, notes=remarks(gathered))

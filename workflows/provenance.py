@@ -1,4 +1,4 @@
-"""Where numbers come from: the hash of the scene and the versions that computed them, for every file of a run."""
+"""Where numbers come from, for every file of a run: hashes of scene and mesh, versions of what computed them."""
 
 from __future__ import annotations
 
@@ -17,11 +17,18 @@ _PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba")
 def scene_sha256(results: Results) -> str:
     """SHA-256 of the resolved scene in its canonical form: JSON in UTF-8, keys sorted, no spaces, SI.
 
-    The same scene, however it was written, has the same hash; a mesh file counts by its name.
+    The same scene, however it was written, has the same hash. A mesh file counts by its name here; its bytes have a
+    hash of their own.
     """
     scene = resolved.scene(results.scene, results.effects, results.theory)
     canonical = json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def hashes(results: Results) -> dict[str, str]:
+    """What this was computed from, by the names that every file gives them."""
+    found = {"scene_sha256": scene_sha256(results)}
+    return found if results.mesh_sha256 is None else found | {"mesh_sha256": results.mesh_sha256}
 
 
 @cache
@@ -41,6 +48,6 @@ def versions() -> dict[str, str]:
 
 
 def line(results: Results) -> str:
-    """Both in one line of text, for files that take a remark."""
-    found = ", ".join(f"{name} {number}" for name, number in versions().items())
-    return f"scene_sha256 {scene_sha256(results)}; {found}"
+    """All in one line of text, for files that take a remark."""
+    given, found = (", ".join(f"{name} {value}" for name, value in d.items()) for d in (hashes(results), versions()))
+    return f"{given}; {found}"

@@ -155,7 +155,7 @@ class Diagram:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """A finished run, before anything is written."""
+    """A finished run, before anything is written. mesh_sha256: of the mesh file, if the scene names one."""
 
     scene: Scene
     effects: dict[str, Effect]
@@ -163,5 +163,6 @@ class Results:
     surface: Surface | None = None
     theory: Theory | None = None
     diagram: Diagram | None = None
+    mesh_sha256: str | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)

@@ -10,7 +10,7 @@ from typing import Any
 from workflows import answer, drawing, figures, paper, resolved, wording
 from workflows.assumptions import assumptions
 from workflows.mode_shape import Picture
-from workflows.provenance import scene_sha256, versions
+from workflows.provenance import hashes, versions
 from workflows.records import Results, SpeedPoint
 
 _TEMPLATES = Path(__file__).with_name("templates")
@@ -73,7 +73,7 @@ def render(results: Results, drawings: Drawings) -> str:
         shape_point=_shape_point(results),
         assumptions=assumptions(results),
         versions=versions(),
-        scene_sha256=scene_sha256(results),
+        hashes=hashes(results),
         settings=_settings(resolved.scene(results.scene, results.effects, results.theory)),
     )
 

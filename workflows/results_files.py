@@ -69,7 +69,7 @@ def dataset(results: Results) -> xr.Dataset:
         attrs={
             "title": results.scene.title,
             "source": "spindamp",
-            "scene_sha256": provenance.scene_sha256(results),
+            **provenance.hashes(results),
             "versions": ", ".join(f"{name} {number}" for name, number in provenance.versions().items()),
         },
     )

@@ -18,7 +18,7 @@ def document(results: Results) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "title": results.scene.title,
         "scene": resolved.scene(results.scene, results.effects, results.theory),
-        "scene_sha256": provenance.scene_sha256(results),
+        **provenance.hashes(results),
         "versions": provenance.versions(),
         "timings": {name: _number(seconds) for name, seconds in results.timings.items()},
         "notes": list(results.notes),

@@ -79,7 +79,7 @@ def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint)
         return ParticleDamper(
             modal_mass=reduced.M2,
             stiffness=(reduced.K1, reduced.K1),
-            ball_mass=reduced.M1 - reduced.M2,
+            ball_mass=ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
             cavity=given.cavity,
             centrifugal_acceleration=point.omega**2 * point.radius,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import stat
@@ -9,6 +10,7 @@ import tomllib
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +39,14 @@ class SceneFile:
         """The mesh file the plate names, relative to the scene's folder."""
         plate = self.scene.plate
         return None if plate is None or plate.mesh is None else self.folder / plate.mesh
+
+    @cached_property
+    def mesh_sha256(self) -> str | None:
+        """SHA-256 of the mesh file's bytes, where the plate names one; read once."""
+        if self.mesh is None:
+            return None
+        with self.mesh.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
 
     def changed(self, **tables: Table | None) -> SceneFile:
         """The same scene with some of its tables replaced."""

@@ -6,14 +6,16 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import effects, provenance
 from workflows.records import Results
 from workflows.scene_file import parse
@@ -79,6 +81,27 @@ def test_a_scene_has_one_hash_however_it_is_written(structure: Scene) -> None:
     assert _hash(dict(reversed(same.items()))) == _hash(structure)
     assert _hash(changed(structure, damper__radius=0.0010000001)) != _hash(structure)
     assert _hash(changed(structure, effects={"impact_friction": False})) != _hash(structure)
+
+
+def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    import xarray as xr
+
+    mesh = Path(__file__).parents[2] / "meshes" / "blade.msh"
+    shutil.copy(mesh, tmp_path / "blade.msh")
+    scene = {
+        "plate": {"mesh": "blade.msh", "thickness": 2e-3},
+        "material": {"youngs_modulus": 1e11, "poissons_ratio": 0.3, "density": 4400.0},
+        "rotor": {"speeds": [100.0], "modes": 1},
+        "accuracy": {"frequency": 0.5},
+    }
+    out = tmp_path / "out"
+    assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", out).status == 0
+    found = hashlib.sha256(mesh.read_bytes()).hexdigest()
+    assert json.loads((out / "results.json").read_text(encoding="utf-8"))["mesh_sha256"] == found
+    for name in ("report.html", "modes.vtu", "csv-metadata.json"):
+        assert found in (out / name).read_text(encoding="utf-8"), name
+    with xr.open_dataset(out / "results.nc", engine="h5netcdf") as data:
+        assert data.attrs["mesh_sha256"] == found
 
 
 def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -> None:
