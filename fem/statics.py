@@ -35,8 +35,11 @@ CONVERGED = 1e-14
 STALLED = 1e-10
 """Energy from which a step that gains nothing on the one before counts as rounding."""
 
-SMALLEST_PART = 1e-3
+SMALLEST_PART = 1e-4
 """Smallest part of the load that is tried before giving up."""
+
+WILD = 3
+"""Newton steps after which energies must fall; before, a plate bent too far at first is pulled back by its stretch."""
 
 
 class NoEquilibrium(ArithmeticError):
@@ -81,10 +84,17 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
 
 
 def _newton(operators: Operators, load: float, state: Array, unstable: bool = False) -> Array | None:
+    """Equilibrium near a state, or None.
+
+    Unless an unstable one will do, it is given up as soon as it strays: off the stable branch, or on to another one,
+    Newton's method is as content as on it; smaller parts of the load are not.
+    """
     before = np.inf
-    for _ in range(ITERATIONS):
+    for number in range(ITERATIONS):
         residual, stiffness = _respond(operators, load, state)
         factor = factorise(stiffness)
+        if factor.negative and not unstable:
+            return None
         step = factor.solve(residual)
         if not np.isfinite(step).all():
             return None
@@ -92,8 +102,9 @@ def _newton(operators: Operators, load: float, state: Array, unstable: bool = Fa
         work = float(abs(load * operators.load @ state))
         energy = float(abs(step @ residual))
         if energy <= CONVERGED * work or (0.1 * before <= energy <= STALLED * work):
-            # Off the stable branch Newton's method is as content as on it; smaller parts of the load are not.
-            return None if factor.negative and not unstable else state
+            return state
+        if number >= WILD and energy > before and not unstable:
+            return None
         before = energy
     return None
 
