@@ -57,11 +57,13 @@ HALVINGS = 6
 class Answer:
     """Modes at k speeds.
 
-    rates: circular frequencies (k, count) in rad/s. bounds: on their relative error. damping: ratios (k, count).
+    omega: the speeds (k,) in rad/s. rates: circular frequencies (k, count) in rad/s. bounds: on their relative error.
+    damping: ratios (k, count).
     shares: (k, 5, count), see `fem.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
     reduced: whether from a reduced basis. state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
+    omega: Array
     rates: Array
     bounds: Array
     damping: Array
@@ -143,9 +145,8 @@ def _collect(
     damping = np.full(rates.shape, damping_ratio)
     if basis.coriolis is not None and damping_ratio > 0.0:
         damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
-    return Answer(
-        rates, found.bounds, damping, shares / shares.sum(axis=1, keepdims=True), found.vectors, basis.vectors, True
-    )
+    parts = shares / shares.sum(axis=1, keepdims=True)
+    return Answer(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True)
 
 
 def _shared_damping(

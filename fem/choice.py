@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.modes import Divergence, solve_modes
+from fem.singular import drift, layer_errors, unseen
 from fem.statics import NoEquilibrium
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.levels import Planform
+    from fem.modes import Modes
     from fem.operators import Operators
 
     Array = NDArray[np.float64]
@@ -131,6 +133,7 @@ class _Search:
         self._count = count
         self._operators: dict[int, Operators] = {}
         self._frequencies: dict[int, Array] = {}
+        self._drifts: dict[int, Array] = {}
         self.tried: dict[int, float] = {}
         self.slow = False
         self.hoped = np.inf
@@ -144,8 +147,8 @@ class _Search:
 
     @property
     def _pointed(self) -> bool:
-        """Whether a point mass pulls at the plate: under a point force in its plane, no mesh is fine enough."""
-        return next(iter(self._operators.values())).plate.tip_mass > 0.0
+        """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
+        return self.theory.startswith("solid") and next(iter(self._operators.values())).plate.tip_mass > 0.0
 
     @property
     def theory(self) -> str:
@@ -157,14 +160,23 @@ class _Search:
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated errors (probes, count) on a coarse mesh and on a finer one."""
         apart, orders = self._apart(coarse, fine), self._orders(coarse, fine)
-        growth = (fine / coarse) ** orders
-        errors = apart / (growth - 1.0)
         usual = np.maximum(orders, self._planform.orders[0]) if self._early(coarse) else orders
-        self.hoped = float((apart / ((fine / coarse) ** usual - 1.0)).max())
-        return growth * errors, errors
+        layer = self._layer(apart, coarse, fine)
+        likely, errors = (np.maximum(apart / ((fine / coarse) ** order - 1.0), layer) for order in (usual, orders))
+        self.hoped = float(likely.max())
+        return apart + errors, errors
+
+    def _layer(self, apart: Array, coarse: int, fine: int) -> Array:
+        """What the cells of the finer mesh miss of the layer along the edges, in a theory that has one."""
+        if self.theory.startswith("kirchhoff"):
+            return np.zeros_like(apart)
+        thickness = self._operators[fine].plate.thickness
+        before, after = (unseen(self._planform.edge(size), thickness) for size in (coarse, fine))
+        return layer_errors(apart, before, after, thickness / min(self._planform.sides))
 
     def end(self, size: int, errors: Array, tolerance: float) -> Choice:
         probes = np.array(self._probes[: len(errors)])
+        errors = np.maximum(errors, self._drifts[size][: len(errors)])
         return Choice(self._operators[size], size, probes, errors, tolerance, tuple(sorted(self.tried.items())))
 
     def unknown(self, tolerance: float) -> Choice:
@@ -175,8 +187,7 @@ class _Search:
     def _orders(self, coarse: int, fine: int) -> Array:
         """The order (probes, count) at which each error falls, by the size tried before; the least without one.
 
-        All together are taken to fall within the planform's range. A single error may fall more slowly: the motion
-        under a point force in the plane has no limit at all.
+        All together are taken to fall within the planform's range. A single error may fall more slowly.
         """
         least, most = self._planform.orders
         second = self._apart(coarse, fine)
@@ -198,21 +209,23 @@ class _Search:
         return sum(size < coarse for size in self._frequencies) < 2 and not self._pointed
 
     def _apart(self, coarse: int, fine: int) -> Array:
-        """Relative differences (probes, count) between two meshes."""
+        """Relative differences (probes, count) between two meshes, apart from what never ends under a point mass."""
         there, here = self._solve(coarse), self._solve(fine)
         common = min(len(there), len(here))
-        return np.asarray(np.abs(there[:common] / here[:common] - 1.0))
+        drift = self._drifts[fine][:common] * np.log(fine / coarse)
+        return np.asarray(np.abs(there[:common] / here[:common] - 1.0 - drift))
 
     def _solve(self, size: int) -> Array:
         """Frequencies (probes, count) in Hz, for as many probes as have any."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found: list[Array] = []
+            found: list[Modes] = []
             for speed in self._probes:
                 try:
-                    found.append(solve_modes(operators, speed, self._count).frequencies_hz)
+                    found.append(solve_modes(operators, speed, self._count))
                 except (Divergence, NoEquilibrium):
                     if not found:
                         raise
-            self._frequencies[size] = np.array(found)
+            self._frequencies[size] = np.array([modes.frequencies_hz for modes in found])
+            self._drifts[size] = np.array([drift(operators, modes) for modes in found])
         return self._frequencies[size]

@@ -43,7 +43,8 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     mesh = plate.mesh if element == "bfs" or plate.mesh.t.shape[0] == 3 else plate.mesh.to_meshtri()
     quadrature = get_quadrature(mesh.elem.refdom, ORDER[element])
     membrane = Basis(mesh, ElementQuad2() if element == "bfs" else ElementTriP2(), quadrature=quadrature)
-    bending, clamped, bare = _bending(mesh, element, quadrature)
+    size = float(np.sqrt(membrane.dx.sum(axis=1).mean()))
+    bending, clamped, bare = _bending(mesh, element, quadrature, size)
     root = membrane.get_dofs(root_facets(mesh)).flatten()
     tables, total = number([(membrane, root), (membrane, root), (bending, clamped)])
     u, v = (Space(membrane, t) for t in tables[:2])
@@ -77,27 +78,27 @@ def is_rectangles(mesh: Any) -> bool:
     return bool((np.abs(sides).min(axis=0) <= 1e-9 * np.abs(sides).max()).all())
 
 
-def _bending(mesh: Any, element: str, quadrature: Any) -> tuple[Any, NDArray[np.int64], Space]:
-    """The basis of w, its clamped unknowns, and a space over it that still lacks its numbers.
+def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any, NDArray[np.int64], Space]:
+    """The unknowns of w, those that are clamped, and a space over them that still lacks its numbers.
 
     The shape functions are computed cell by cell in coordinates centred on the cell and measured in cell
     sizes, where the monomials they are made of are far better conditioned than in global ones.
     """
-    from skfem import Basis, ElementQuadBFS, ElementTriArgyris, ElementTriMorley
+    from skfem import Basis, Dofs, ElementQuadBFS, ElementTriArgyris, ElementTriMorley
 
     kind = {"bfs": ElementQuadBFS, "argyris": ElementTriArgyris, "morley": ElementTriMorley}[element]
-    basis = Basis(mesh, kind(), quadrature=quadrature)
-    held = basis.get_dofs(root_facets(mesh), skip=["u_xx"]).flatten()
+    dofs = Dofs(mesh, kind())
+    held = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
     corners = mesh.p[:, mesh.t]
-    size = float(np.sqrt(np.abs(basis.dx.sum(axis=1)).mean()))
     local = (corners - corners.mean(axis=1, keepdims=True)) / size
     count, ncell = mesh.t.shape
     numbers = np.arange(count * ncell).reshape(ncell, count).T
     apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
+    basis = Basis(apart, kind(), quadrature=quadrature)
     signs = np.ones((ncell, basis.Nbfun))
     if element != "bfs":
         # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.
         second = mesh.f2t[1, mesh.t2f] == np.arange(ncell)
         signs[:, -3:] = np.where(second, -1.0, 1.0).T
     unnumbered = np.empty((0, 0), dtype=np.int64)
-    return basis, held, Space(Basis(apart, kind(), quadrature=quadrature), unnumbered, scale=size, signs=signs)
+    return dofs, held, Space(basis, unnumbered, scale=size, signs=signs)

@@ -51,6 +51,10 @@ class Planform(Protocol):
         """The mesh of one size of the ladder."""
         ...
 
+    def edge(self, size: int) -> float:
+        """How wide the cells along its edges are, in m."""
+        ...
+
 
 @dataclass(frozen=True)
 class Rectangle:
@@ -75,6 +79,10 @@ class Rectangle:
         """The mesh of one size, an `skfem.MeshQuad`."""
         return graded(self.length, self.width, *self.cells(size))
 
+    def edge(self, size: int) -> float:
+        """How wide the cells along the sides are, in m."""
+        return 0.5 * self.width * float(np.diff(crowded(self.cells(size)[1]))[0])
+
 
 @dataclass(frozen=True, eq=False)
 class Given:
@@ -98,6 +106,16 @@ class Given:
     def mesh(self, size: int) -> Any:
         """The mesh with its edges split."""
         return self.given if size == 1 else self.given.refined(int(np.log2(size)))
+
+    def edge(self, size: int) -> float:
+        """How wide the cells along the edges are, in m; the median."""
+        mesh = self.given
+        facets = mesh.boundary_facets()
+        along = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
+        corners = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]]
+        turned = np.roll(corners, -1, axis=1)
+        twice = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
+        return float(np.median(twice / along)) / (size if mesh.t.shape[0] == 3 else 2 * size)
 
 
 def graded(length: float, width: float, nx: int, ny: int) -> Any:

@@ -17,7 +17,7 @@ from fem.critical import critical_speed
 from fem.family import FAMILIES, energy_shares
 from fem.modes import Divergence, solve_modes
 from fem.solver import CONVERGED, rounding
-from fem.statics import NoEquilibrium
+from fem.statics import NoEquilibrium, tangent
 from fem.tracking import Veering, follow
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def campbell(
     else:
         parts = _below_critical(operators, asked, count, tolerance, damping_ratio)
     below = asked[: sum(part.rates.shape[0] for part in parts)]
-    branches, veerings = follow(_likeness(operators, parts), count)
+    branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
     return Campbell(
         omega=below,
         frequencies_hz=np.vstack([part.rates for part in parts]) / (2.0 * np.pi),
@@ -153,7 +153,7 @@ def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_rati
         shares = energy_shares(operators, kept)[None]
         damping = modes.damping_ratios[None, :count]
         one = np.eye(modes.shapes.shape[1])[None]
-        parts.append(Answer(rates, error, damping, shares, one, modes.shapes, False, modes.state))
+        parts.append(Answer(np.array([speed]), rates, error, damping, shares, one, modes.shapes, False, modes.state))
     return parts
 
 
@@ -177,3 +177,21 @@ def _likeness(operators: Operators, parts: list[Answer]) -> Array:
             cross = here.basis.conj().T @ (operators.mass @ following.basis)
             steps.append((vectors[-1].conj().T @ cross @ following.vectors[0, :, :q])[None])
     return np.asarray(np.abs(np.concatenate(steps)) ** 2)
+
+
+def _coupling(operators: Operators, parts: list[Answer], step: int) -> Array:
+    """What a step's change of speed does between the modes (count, q) before it, relative to each one's stiffness."""
+    ends = [(part, row) for part in parts for row in range(part.omega.size)][step : step + 2]
+    (here, row), (there, following) = ends
+    slow, fast = here.omega[row], there.omega[following]
+    shapes = here.basis @ here.vectors[row]
+    rates = here.rates[row][:, None]
+    if here.state is not None and there.state is not None:
+        moved = (tangent(operators, fast, there.state) - tangent(operators, slow, here.state)) @ shapes
+    else:
+        moved = (fast**2 - slow**2) * (operators.spinning @ shapes)
+    coupled = shapes[:, : rates.size].conj().T @ moved
+    if operators.gyroscopic is not None:
+        turned = shapes[:, : rates.size].conj().T @ (operators.gyroscopic @ shapes)
+        coupled = coupled + 1j * (fast - slow) * rates * turned
+    return np.asarray(np.abs(coupled) / rates**2)

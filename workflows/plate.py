@@ -111,8 +111,8 @@ def discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages, si
         with stages("prestress"):
             return assemble(plate, rotor, effects, model)
 
-    # The mesh's errors hardly depend on these two, which make modes many times dearer.
-    plain = replace(switches, coriolis=False, large_deflection=False)
+    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
+    plain = replace(switches, coriolis=False)
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = Choice(build(size, switches), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +28,13 @@ def planform(source: SceneFile) -> fem.Rectangle | fem.Given:
         raise ValueError("the scene has no plate")
     if source.mesh is not None:
         return Given(_from_file(source))
-    return Rectangle(given.length or 0.0, given.width or 0.0)
+    form = Rectangle(given.length or 0.0, given.width or 0.0)
+    return _with_a_node_in_the_middle(form) if given.tip_mass else form
+
+
+def _with_a_node_in_the_middle(form: fem.Rectangle) -> fem.Rectangle:
+    """Only grids with an even number of cells across: a point mass on a node and one between two are two problems."""
+    return replace(form, sizes=tuple(size for size in form.sizes if form.cells(size)[1] % 2 == 0))
 
 
 def plate(source: SceneFile, mesh: Any) -> fem.Plate:

@@ -138,13 +138,16 @@ def test_families_and_branches_through_a_crossing():
 
 
 def test_follow_crossing_and_veering():
-    """Two modes that exchange places pair off by likeness; two that mix half and half are flagged."""
+    """Two modes that exchange places pair off by likeness; two that mix half and half, or are coupled, are flagged."""
     eye, swap = np.eye(3), np.eye(3)[[1, 0, 2]]
     half = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
-    branches, veerings = follow(np.stack([eye, swap, eye]), 2)
+    alone = lambda step: np.zeros((3, 3))  # noqa: E731
+    branches, veerings = follow(np.stack([eye, swap, eye]), 2, alone)
     assert branches.tolist() == [[0, 1], [0, 1], [1, 0], [1, 0]]
     assert veerings == ()
-    _, veerings = follow(np.stack([eye, half]), 3)
+    _, veerings = follow(np.stack([eye, swap]), 3, lambda step: np.full((3, 3), 1e-2))
+    assert [(v.step, v.modes, v.likeness) for v in veerings] == [(1, (0, 1), (1.0, 1.0))]
+    _, veerings = follow(np.stack([eye, half]), 3, alone)
     assert [(v.step, v.modes) for v in veerings] == [(1, (0, 1))]
     assert veerings[0].likeness == (0.5, 0.5)
 
@@ -161,6 +164,26 @@ def test_veering_is_flagged():
     fine = campbell(operators, np.linspace(0.0, rpm(40000), 400), 2)
     assert coarse.veerings
     assert not fine.veerings
+
+
+@pytest.mark.hard(
+    why="two modes veer within less than a step and look as if they had crossed",
+    keeps="coupled modes that change places are flagged at any step, crossing ones of a symmetric plate at none",
+)
+@pytest.mark.parametrize("coriolis", [False, True])
+@pytest.mark.parametrize("speeds", [6, 41, 101, 201])
+def test_sharp_veering_is_flagged(speeds, coriolis):
+    """The second flap and the first lag come within 0.9 Hz under stagger and cross without one."""
+    plate = Plate(rectangle(0.3, 0.03, 12, 2), 0.002, STEEL)
+    found = {}
+    for stagger in (0.0, 0.6):
+        operators = assemble(plate, Rotor(0.15, stagger), Effects(coriolis=coriolis))
+        found[stagger] = campbell(operators, np.linspace(0.0, 1500.0, speeds), 6)
+    assert (1, 2) in [v.modes for v in found[0.6].veerings]
+    assert (1, 2) not in [v.modes for v in found[0.0].veerings]
+    if not coriolis:  # which couples all of them a little
+        assert found[0.0].veerings == ()
+        assert len(found[0.6].veerings) == 1
 
 
 def test_critical_speed():
