@@ -42,6 +42,9 @@ SLOWEST, SLOW = 0.5, 1.0
 EARLY_SLOWEST, EARLY_SLOW = 2.5, 3.0
 """The same for the first three meshes, the coarsest of which may have come close by chance."""
 
+MISSED = 0.1
+"""Part of the edge layer that a mesh misses if its errors fall slowly for that reason."""
+
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
 
@@ -167,12 +170,15 @@ class _Search:
         return apart + errors, errors
 
     def _layer(self, apart: Array, coarse: int, fine: int) -> Array:
-        """What the cells of the finer mesh miss of the layer along the edges, in a theory that has one."""
+        """What the cells of the finer mesh miss of the layer along the edges."""
+        slenderness = self._operators[fine].plate.thickness / min(self._planform.sides)
+        return layer_errors(apart, self._unseen(coarse), self._unseen(fine), slenderness)
+
+    def _unseen(self, size: int) -> float:
+        """Part of the layer along the edges that a mesh misses, in a theory that has one."""
         if self.theory.startswith("kirchhoff"):
-            return np.zeros_like(apart)
-        thickness = self._operators[fine].plate.thickness
-        before, after = (unseen(self._planform.edge(size), thickness) for size in (coarse, fine))
-        return layer_errors(apart, before, after, thickness / min(self._planform.sides))
+            return 0.0
+        return unseen(self._planform.edge(size), self._operators[size].plate.thickness)
 
     def end(self, size: int, errors: Array, tolerance: float) -> Choice:
         probes = np.array(self._probes[: len(errors)])
@@ -200,6 +206,9 @@ class _Search:
         falls = ((coarse / max(before)) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
         together = orders[np.abs(falls * second.max() - first.max()).argmin()]
+        if not self._early(coarse) and self._unseen(coarse) > MISSED:  # slow for a reason that has an estimate
+            self.slow = False
+            return np.full_like(each, max(together, least))
         # Where the largest errors hardly fall, finer meshes are not worth their price: the estimate says what is left.
         self.slow = bool((each < slow)[second >= 0.3 * second.max()].any())
         return np.asarray(np.where(each < slow, each, max(together, least)))
