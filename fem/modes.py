@@ -69,20 +69,38 @@ def solve_modes(
     """Find the count lowest modes at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, to warm-start a large deflection. damping_ratio: viscous
-    damping of each mode of the plate, which Coriolis forces then share out.
-    Raises ValueError for a count below one or a negative ratio, Divergence past the critical speed and
-    NoEquilibrium where a large deflection has none.
+    damping of each mode of the plate, below 1, which Coriolis forces then share out.
+    Raises ValueError for a speed that is not one finite number, a count that the plate does not have, and a ratio
+    at which modes do not oscillate; Divergence past the critical speed and NoEquilibrium where a large deflection
+    has none.
     """
     from fem.gyroscopic import solve_gyroscopic
 
-    if count < 1:
-        raise ValueError(f"count of modes must be at least 1, got {count!r}")
-    if not damping_ratio >= 0.0:
-        raise ValueError(f"damping_ratio must be zero or more, got {damping_ratio!r}")
+    check_count(operators, count)
+    check_damping(damping_ratio)
     stiffness, state = linearise(operators, omega, start)
     if operators.gyroscopic is not None and omega != 0.0:
         return solve_gyroscopic(operators, omega, stiffness, count, state, damping_ratio)
     return solve_real(operators, omega, stiffness, count, state, damping_ratio)
+
+
+def check_speed(omega: float) -> None:
+    """Raise ValueError unless omega is one finite speed in rad/s."""
+    if np.ndim(omega) != 0 or not np.isfinite(omega):
+        raise ValueError(f"omega must be one finite speed in rad/s, got {omega!r}")
+
+
+def check_count(operators: Operators, count: int) -> None:
+    """Raise ValueError unless count is a whole number of modes that the model can have."""
+    n = operators.mass.shape[0]
+    if not hasattr(count, "__index__") or not 1 <= count <= n:
+        raise ValueError(f"count of modes must be a whole number from 1 to the model's {n} unknowns, got {count!r}")
+
+
+def check_damping(ratio: float) -> None:
+    """Raise ValueError unless modes of a damping ratio oscillate."""
+    if not 0.0 <= ratio < 1.0:
+        raise ValueError(f"damping_ratio must be zero or more and below 1, got {ratio!r}")
 
 
 def solve_real(
@@ -101,23 +119,27 @@ def solve_real(
         raise Divergence(omega, 0.0) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
     if factor.negative:
-        raise Divergence(omega, _lowest(stiffness, operators.mass, values), factor.negative)
+        raise Divergence(omega, lowest(stiffness, operators.mass, values), factor.negative)
     order = np.argsort(values)
     ratios = np.full(order.size, damping_ratio)
     return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
 
 
 def linearise(operators: Operators, omega: float, start: Array | None = None) -> tuple[csc_array, Array | None]:
-    """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large."""
+    """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
+
+    Raises ValueError for a speed that is not one finite number.
+    """
     from fem.statics import equilibrium, tangent
 
+    check_speed(omega)
     if not operators.effects.large_deflection:
         return operators.at(omega), None
     state = equilibrium(operators, omega, start)
     return tangent(operators, omega, state), state
 
 
-def _lowest(stiffness: csc_array, mass: csc_array, values: Array) -> float:
+def lowest(stiffness: csc_array, mass: csc_array, values: Array) -> float:
     """Find the lowest of eigenvalues that are known to reach below zero, by shifting all above it."""
     shift = 2.0 * float(np.abs(values).max())
     while (factor := factorise((stiffness + shift * mass).tocsc())).negative:

@@ -101,8 +101,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
 def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
     """Stick a point mass (kg) to the plate at a place (x, y) in m.
 
-    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate.
+    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate, and
+    for a mass that is negative or not finite.
     """
+    if not (np.isfinite(mass) and mass >= 0.0):
+        raise ValueError(f"mass must be zero or more kg, got {mass!r}")
     model, rotor = operators.model, operators.rotor
     rows = point_rows(model, at)
     place = np.array([at[0] + rotor.hub_radius, at[1], 0.0])

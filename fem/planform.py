@@ -18,11 +18,16 @@ def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
     """Structured `skfem.MeshQuad` of nx by ny cells on 0 <= x <= length, |y| <= width/2 (m)."""
     from skfem import MeshQuad
 
-    if not (length > 0.0 and width > 0.0):
-        raise ValueError(f"length and width must be positive, got {length!r} and {width!r}")
+    check_sides(length, width)
     if nx < 1 or ny < 1:
         raise ValueError(f"a rectangle needs at least one cell each way, got {nx} x {ny}")
     return MeshQuad.init_tensor(np.linspace(0.0, length, nx + 1), np.linspace(-0.5 * width, 0.5 * width, ny + 1))
+
+
+def check_sides(length: float, width: float) -> None:
+    """Raise ValueError unless a rectangle can have these sides (m)."""
+    if not (0.0 < length < np.inf and 0.0 < width < np.inf):
+        raise ValueError(f"length and width must be positive and finite, got {length!r} and {width!r}")
 
 
 def root_facets(mesh: Any) -> NDArray[np.int64]:

@@ -57,7 +57,8 @@ class Effects:
 
     rotary_inertia: that of turning sections, in plates; a solid always has it.
 
-    Raises ValueError for large deflection without stress stiffening, which is part of it.
+    Raises TypeError for a switch that is neither True nor False, and ValueError for large deflection without stress
+    stiffening, which is part of it.
     """
 
     stress_stiffening: bool = True
@@ -67,5 +68,8 @@ class Effects:
     rotary_inertia: bool = True
 
     def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            if not isinstance(getattr(self, name), bool):
+                raise TypeError(f"{name} must be True or False, got {getattr(self, name)!r}")
         if self.large_deflection and not self.stress_stiffening:
             raise ValueError("large_deflection needs stress_stiffening, which is part of it")
