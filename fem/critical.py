@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modes import check_rest
 from fem.solver import factorise, krylov, lanczos, random_block
 
 if TYPE_CHECKING:
@@ -19,10 +20,12 @@ NEVER = 1e-6
 def critical_speed(operators: Operators) -> float:
     """Lowest speed in rad/s at which K(Omega) is singular; infinity where it never is.
 
-    Prestress is taken as linear in Omega², also where the effects ask for large deflection.
+    Prestress is taken as linear in Omega², also where the effects ask for large deflection. Raises Unresolved for a
+    plate too thin for its theory.
     """
     if operators.softening is None and operators.geometric is None:
         return np.inf
+    check_rest(operators)
     loss = -operators.spinning
     factor = factorise(operators.stiffness)
     start = factor.solve(loss @ random_block(loss.shape[0]))

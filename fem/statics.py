@@ -54,10 +54,10 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up
-    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, and ValueError for a
-    speed that is not one finite number or a start that is not (n,).
+    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a
+    plate too thin for its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
     """
-    from fem.modes import check_speed
+    from fem.modes import check_rest, check_speed
 
     check_speed(omega)
     if start is not None and np.shape(start) != operators.load.shape:
@@ -77,6 +77,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
             if part < SMALLEST_PART:
                 found = _newton(operators, target, state, unstable=True)
                 if found is None:
+                    check_rest(operators)
                     raise NoEquilibrium(omega)
                 return found
         else:
