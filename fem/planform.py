@@ -69,6 +69,16 @@ def check_mesh(mesh: Any) -> None:
         )
 
 
+def check_root(mesh: Any, hub_radius: float) -> None:
+    """Raise `MeshError` where a mesh begins beyond the spin axis, hub_radius (m) inside x = 0."""
+    root = float(mesh.p[0].min())
+    if root + hub_radius < -1e-9 * float(np.ptp(mesh.p[0])):
+        raise MeshError(
+            f"the root, at x = {root:.6g} m, lies beyond the spin axis, at x = {-hub_radius:.6g} m: "
+            "x = 0 is the hub's surface and x points outwards"
+        )
+
+
 def corner_areas(p: NDArray[np.float64], t: NDArray[np.int64], k: int) -> NDArray[np.float64]:
     """Twice the signed area (ncell,) of the triangle at corner k of each cell."""
     n = t.shape[0]

@@ -168,3 +168,11 @@ def test_locate(triangles):
         np.testing.assert_allclose(back, place, atol=1e-12)
     with pytest.raises(ValueError, match="does not lie on the plate"):
         locate(mesh, (0.21, 0.0))
+
+
+def test_a_root_beyond_the_axis():
+    mesh = rectangle(0.2, 0.08, 2, 1).translated((-0.05, 0.0))
+    plate = Plate(mesh, 0.01, STEEL)
+    assemble(plate, Rotor(hub_radius=0.05), Effects())
+    with pytest.raises(MeshError, match=r"root, at x = -0.05 m, lies beyond the spin axis, at x = -0.04 m"):
+        assemble(plate, Rotor(hub_radius=0.04), Effects())
