@@ -7,6 +7,11 @@ each.
 Unknowns off the mid-surface are displacements relative to the mid-surface below or above them. The stiffness through
 the thickness exceeds that of bending by (L/h)^4 and would drown it in rounding; of displacements that a section has
 in common it sees nothing, and shear is left, by (L/h)^2.
+
+Solids are the reference on rectangles. On other cells, and so on triangles, thin ones lock: the transverse shear of
+bricks does not vanish when they bend, and frequencies come out too high. On a square of 8 x 8 cells, inner nodes
+moved by up to a quarter of a cell, the first three by at most 0.07 % at h/L = 0.1, 0.6 % at 0.01 and 7 % at 0.001; on
+72 split triangles by 3 % and 60 % at 0.001 and 0.0001. Mindlin's theory does not lock there.
 """
 
 from __future__ import annotations

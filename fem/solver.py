@@ -27,7 +27,7 @@ CONVERGED = 1e-11
 
 SETTLED = (1e-8, 1e-12)
 """Residual at which one that no longer falls is rounding, relative to its eigenvalue and to the largest; the
-eigenvalue is then off by about its square."""
+eigenvalue is then off by no more."""
 
 PATIENCE = 6
 """Blocks in which a residual must halve, or it no longer falls."""

@@ -88,8 +88,10 @@ def campbell(
 ) -> Campbell:
     """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
 
-    damping_ratio: as in `solve_modes`, to first order. Raises ValueError for no speeds or a count,
-    tolerance or ratio out of range, Divergence when every speed is at or beyond the critical one, and NoEquilibrium.
+    damping_ratio: as in `solve_modes`, to first order. What was achieved is in `bounds`, for the caller to see: they
+    exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
+    Raises ValueError for no speeds or a count, tolerance or ratio out of range, Divergence when every speed is at or
+    beyond the critical one, NoEquilibrium, and Unresolved for a plate too thin for the theory.
     """
     asked = np.unique(np.asarray(omega, dtype=float))
     if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:

@@ -195,8 +195,9 @@ def test_complex_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, ne
     critical = critical_speed(operators)
     found = solve_modes(operators, (1.0 - near) * critical, 6).frequencies_hz
     before = solve_modes(operators, (1.0 - 2.0 * near) * critical, 6).frequencies_hz
-    assert found[0] / before[0] == pytest.approx(np.sqrt(0.5), rel=1e-3)
-    np.testing.assert_allclose(found[1:], before[1:], rtol=10.0 * near)
+    # Rounding moves the critical speed itself by 1e-11 or so.
+    assert found[0] / before[0] == pytest.approx(np.sqrt(0.5), rel=1e-3 + 3e-11 / near)
+    np.testing.assert_allclose(found[1:], before[1:], rtol=10.0 * near + 5e-16 / near)
 
 
 def test_lanczos_gives_up_with_a_word(monkeypatch):

@@ -83,6 +83,17 @@ def test_thin_solid_is_a_beam(height):
     np.testing.assert_allclose(found[0], CANTILEVER[0], rtol=4e-3)
 
 
+@pytest.mark.parametrize(("thickness", "locking"), [(0.1, 2e-3), (0.01, 1e-2)])
+def test_a_solid_hardly_locks_on_distorted_cells_unless_it_is_thin(thickness, locking):
+    """The figures that `fem.solid` warns with."""
+    regular = rectangle(1.0, 1.0, 8, 8)
+    even, moved = (
+        solve_modes(assemble(Plate(mesh, thickness, STEEL), Rotor(), Effects(), "solid"), 0.0, 3).frequencies_hz
+        for mesh in (regular, distorted(regular, 0.25 / 8))
+    )
+    assert np.abs(moved / even - 1.0).max() < locking
+
+
 @pytest.mark.parametrize("omega", [0.0, 1e-3])
 @pytest.mark.parametrize("effects", [Effects(), Effects(coriolis=True), Effects(large_deflection=True)])
 @pytest.mark.parametrize("height", [1e-6, 1e-7, 1e-8])
