@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+MERGED = 1e-9
+"""Distance relative to the plate's size within which points are one."""
+
+
 class MeshError(ValueError):
     """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
 
@@ -39,7 +43,7 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
 
 
 def check_mesh(mesh: Any) -> None:
-    """Raise `MeshError` unless mesh is planar, connected, upright cells with a straight root edge."""
+    """Raise `MeshError` unless mesh is planar, upright cells, connected without seams, with a straight root edge."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -62,10 +66,25 @@ def check_mesh(mesh: Any) -> None:
     parts = connected_components(neighbours, directed=False)[0]
     if parts > 1:
         raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
+    _reject_seams(mesh)
     if root_facets(mesh).size == 0:
         raise MeshError(
             f"no edge lies on the smallest x ({p[0].min():.6g}), so there is nothing to clamp: "
             "the root must be a straight edge with x constant"
+        )
+
+
+def _reject_seams(mesh: Any) -> None:
+    """Raise `MeshError` where cells meet at points that coincide but are not one: there the plate would be cracked."""
+    from scipy.spatial import KDTree
+
+    points = mesh.p[:, np.unique(mesh.t)].T
+    pairs = KDTree(points).query_pairs(MERGED * float(np.ptp(points, axis=0).max()), output_type="ndarray")
+    if len(pairs):
+        x, y = points[pairs[0, 0]]
+        raise MeshError(
+            f"{np.unique(pairs[:, 1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
+            "merge them, or leave a gap where the plate is slit"
         )
 
 
