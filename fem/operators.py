@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Operators:
-    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s.
+    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s. They are read-only.
 
     K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
     gyroscopic: G, the Coriolis force is -Omega G times the velocity.
@@ -46,6 +46,14 @@ class Operators:
     gyroscopic: csc_array | None
     load: Array
     prestress: Array | None
+
+    def __post_init__(self) -> None:
+        for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic):
+            if matrix is not None:
+                matrix.data.flags.writeable = False
+        for vector in (self.load, self.prestress):
+            if vector is not None:
+                vector.flags.writeable = False
 
     @cached_property
     def spinning(self) -> csc_array:

@@ -164,6 +164,13 @@ def test_inputs_are_frozen():
             setattr(thing, name, 1.0)
 
 
+def test_matrices_are_read_only():
+    operators = assemble(paper_plate(2, 1, tip_mass=0.1, tip_at=(0.2, 0.0)), Rotor(), Effects(coriolis=True))
+    for array in (operators.stiffness.data, operators.mass.data, operators.gyroscopic.data, operators.load):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0.0
+
+
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
 def test_displacement_at_the_vertices(theory):
     """Shapes at the mesh's own vertices, whatever the theory's unknowns; zero at the root, one of many alike."""
