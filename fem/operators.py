@@ -10,7 +10,6 @@ import numpy as np
 
 from fem import forms
 from fem.locate import locate
-from fem.planform import check_root
 from fem.solver import factorise
 from fem.theories import discretise
 
@@ -74,10 +73,8 @@ class Operators:
 def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
     """Matrices of a plate on a rotor; the prestress is solved once, at 1 rad/s.
 
-    Raises ValueError for an unknown theory, or one that the mesh does not allow, and `MeshError` for a root beyond
-    the spin axis.
+    Raises ValueError for an unknown theory, or one that the mesh does not allow.
     """
-    check_root(plate.mesh, rotor.hub_radius)
     model = discretise(plate, theory, effects.rotary_inertia)
     density = plate.material.density
     stiffness = forms.elastic_stiffness(model)

@@ -89,11 +89,15 @@ def _reject_seams(mesh: Any) -> None:
 
 
 def check_root(mesh: Any, hub_radius: float) -> None:
-    """Raise `MeshError` where a mesh begins beyond the spin axis, hub_radius (m) inside x = 0."""
+    """Raise `MeshError` where a mesh begins beyond the spin axis, hub_radius (m) inside x = 0.
+
+    `assemble` takes such a plate for what it is, clamped at the rim and pressed against it; of a rotor's blade it is
+    a mistake in its coordinates.
+    """
     root = float(mesh.p[0].min())
     if root + hub_radius < -1e-9 * float(np.ptp(mesh.p[0])):
         raise MeshError(
-            f"the root, at x = {root:.6g} m, lies beyond the spin axis, at x = {-hub_radius:.6g} m: "
+            f"the root, at x = {root:.6g} m, lies beyond the spin axis, at x = {0.0 - hub_radius:.6g} m: "
             "x = 0 is the hub's surface and x points outwards"
         )
 

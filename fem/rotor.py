@@ -15,7 +15,7 @@ class Rotor:
     """The spin axis: it passes hub_radius (m) inside x = 0 and leans by stagger (rad) from z towards y.
 
     x = 0 is that of the mesh's coordinates, whether or not the plate's root lies there: a root at x = a turns at the
-    radius hub_radius + a.
+    radius hub_radius + a. Where that is negative the plate is clamped beyond the axis and points at it.
     With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
     """
 
