@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fem.family import families
     from fem.levels import Given, Rectangle
     from fem.meshfile import read_mesh
-    from fem.modes import Divergence, Modes, solve_modes
+    from fem.modes import Divergence, Modes, Unresolved, solve_modes
     from fem.operators import Operators, assemble, with_point_mass
     from fem.planform import MeshError, rectangle
     from fem.plate import Material, Plate
@@ -48,6 +48,7 @@ _HOMES = {
     "Rectangle": "fem.levels",
     "Reduced": "fem.reduction",
     "Rotor": "fem.rotor",
+    "Unresolved": "fem.modes",
     "Veering": "fem.tracking",
     "assemble": "fem.operators",
     "campbell": "fem.sweep",
@@ -81,6 +82,7 @@ __all__ = [
     "Rectangle",
     "Reduced",
     "Rotor",
+    "Unresolved",
     "Veering",
     "assemble",
     "campbell",

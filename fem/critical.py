@@ -1,4 +1,10 @@
-"""The critical speed: where spin softening has eaten up the stiffness and the plate diverges."""
+"""The critical speed: where spin softening has eaten up the stiffness and the plate diverges.
+
+K(Omega) is linear in Omega², so that its least eigenvalue is a concave function of it: positive at rest and at some
+speed it is positive between. The signs of the pivots (Sylvester) therefore bracket the critical speed. From a speed a
+just below it, Omega² - a² are the inverse eigenvalues of K(a)^-1 (softening - stiffening): the wanted one is
+positive, and stiffening, however strong, brings none below -1 / a².
+"""
 
 from __future__ import annotations
 
@@ -6,26 +12,51 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.solver import factorise, krylov, lanczos, random_block
+from fem.modes import check_rest
+from fem.solver import NotConverged, factorise, krylov, lanczos, random_block
 
 if TYPE_CHECKING:
     from fem.operators import Operators
+    from fem.solver import Factor
 
 
-NEVER = 1e-6
-"""A critical speed above this to the power -1/2 times the lowest frequency at rest counts as none."""
+NEVER = 1e3
+"""A critical speed above this times the lowest frequency at rest counts as none."""
+
+RUNG = 4.0
+"""Ratio of the speeds between which the critical one is bracketed."""
 
 
 def critical_speed(operators: Operators) -> float:
     """Lowest speed in rad/s at which K(Omega) is singular; infinity where it never is.
 
-    Prestress is taken as linear in Omega², also where the effects ask for large deflection.
+    It is the mesh's: where stiffening and softening nearly cancel, as in the plane of rotation without a hub, a
+    coarse mesh may have a critical speed that a finer one has not, or not have one. Prestress is taken as linear in
+    Omega², also where the effects ask for large deflection. Raises Unresolved for a plate too thin for its theory, and
+    NotConverged.
     """
     if operators.softening is None and operators.geometric is None:
         return np.inf
+    check_rest(operators)
+    still = factorise(operators.stiffness)
+    rest, _ = lanczos(still, operators.mass, 1)
+    below = NEVER * float(np.sqrt(rest[0]))
+    if _stable(operators, below) is not None:
+        return np.inf
+    while (factor := _stable(operators, below)) is None:
+        below = below / RUNG if below**2 * NEVER**2 > rest[0] else 0.0
     loss = -operators.spinning
-    factor = factorise(operators.stiffness)
     start = factor.solve(loss @ random_block(loss.shape[0]))
-    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.stiffness, start, 1, np.asarray, floor=NEVER)
-    rest, _ = lanczos(factor, operators.mass, 1)
-    return float(values[0] ** -0.5) if values[0] > NEVER / rest[0] else np.inf
+    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.at(below), start, 1, np.asarray)
+    if values[0] <= 0.0:
+        raise NotConverged(f"rounding hides the critical speed above {below:.6g} rad/s")
+    return float(np.sqrt(below**2 + 1.0 / values[0]))
+
+
+def _stable(operators: Operators, omega: float) -> Factor | None:
+    """Factor of K at a speed in rad/s, if it is positive."""
+    try:
+        factor = factorise(operators.at(omega))
+    except RuntimeError:  # exactly singular
+        return None
+    return None if factor.negative else factor

@@ -43,7 +43,8 @@ class Space:
 
     dofs: (ncell, ndof). height: for bricks, the reference height of the mid-surface in the first bricks.
     scale: length in m of the basis's own unit. signs: (ncell, ndof), -1 where a cell's shape function
-    counts an unknown backwards, as normal slopes are on one of two neighbours.
+    counts an unknown backwards, as normal slopes are on one of two neighbours. combined: (nbasis, ndof), what each
+    unknown moves of the basis's own functions, where that is more than one.
     """
 
     basis: Any
@@ -51,11 +52,14 @@ class Space:
     height: float | None = None
     scale: float = 1.0
     signs: Array | None = None
+    combined: Array | None = None
 
     def block(self, derivatives: tuple[tuple[int, ...], ...]) -> Block:
         """Tabulate derivatives as one block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
         functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
         table = np.stack([np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1)
+        if self.combined is not None:
+            table = table @ self.combined
         if self.signs is not None:
             table = table * self.signs[:, None, None, :]
         return Block(np.ascontiguousarray(table), self.dofs)
@@ -69,6 +73,7 @@ class Space:
         at, mapping = reference[:, :, None], self.basis.mapping
         functions = [self.basis.elem.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
         weights = np.stack([self._component(f, derivative)[:, 0] for f in functions], axis=-1)
+        weights = weights if self.combined is None else weights @ self.combined
         return weights if self.signs is None else weights * self.signs[cells], self.dofs[cells]
 
     def _component(self, field: Any, derivative: tuple[int, ...]) -> Array:

@@ -18,8 +18,11 @@ def displacement(operators: Operators, shapes: Array) -> Array:
     """Displacements of the mid-surface at the mesh's vertices, columns u, v, w.
 
     shapes: unknowns (n,), giving (nvertices, 3), or of several shapes (n, count), giving (count, nvertices, 3). In m if
-    a shape is a static displacement, per unit of the shape otherwise.
+    a shape is a static displacement, per unit of the shape otherwise. Raises ValueError for another number of unknowns.
     """
+    if np.ndim(shapes) not in (1, 2) or len(shapes) != operators.model.dofs:
+        n = operators.model.dofs
+        raise ValueError(f"shapes must be ({n},) or ({n}, count), got {np.shape(shapes)}")
     mesh = operators.model.mesh
     padded = np.concatenate([shapes, np.zeros((1, *shapes.shape[1:]))])
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]] if mesh.t.shape[0] == 4 else [[0, 0], [1, 0], [0, 1]])

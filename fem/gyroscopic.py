@@ -38,7 +38,7 @@ def solve_gyroscopic(
     """Find the count lowest complex modes of a stiffness (n, n) at a speed omega (rad/s).
 
     Raises Divergence where the stiffness is not positive: Coriolis forces may hold such a plate, but no
-    damped one.
+    damped one. Raises ValueError where damping leaves one of these modes no frequency.
     """
     from scipy.sparse import block_diag
 
@@ -61,6 +61,8 @@ def solve_gyroscopic(
         vectors[:n], still.shapes, stiffness, mass, coriolis, damping_ratio * np.sqrt(still.eigenvalues)
     )
     order = np.argsort(np.abs(values))[:count]
+    if (values[order].imag == 0.0).any():
+        raise ValueError(f"with damping_ratio {damping_ratio!r} one of the {count} lowest modes does not oscillate")
     size = np.abs(values[order])
     return Modes(omega, size**2, shapes[:, order], -values[order].real / size, still.factor, state)
 
@@ -73,7 +75,7 @@ def _project(
     coriolis: csc_array,
     rates: Array,
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Eigenvalues with positive frequency, and mass-normalised vectors, of the problem in a small space.
+    """Eigenvalues with positive frequency or none, and mass-normalised vectors, of the problem in a small space.
 
     The damping matrix is 2 sum_j rate_j (M phi_j)(M phi_j)' over the plate's own modes phi_j.
     """
@@ -89,7 +91,8 @@ def _project(
     squares, directions = np.linalg.eigh(0.5 * (basis.T @ heavy + heavy.T @ basis))
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
     values, vectors = np.linalg.eig(np.block([[-damping, -root.T], [root, np.zeros_like(root)]]))
-    up = values.imag < 0.0
+    heaviest = np.abs(values).max()
+    up = (values.imag < 0.0) | ((values.imag == 0.0) & (np.abs(values) > np.finfo(float).eps * heaviest))
     small = vectors[: basis.shape[1], up]
     small = small / np.linalg.norm(root @ small, axis=0)
     # Turn each shape so that as much of it as possible is real.

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from fem.planform import check_sides
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -58,12 +60,18 @@ class Planform(Protocol):
 
 @dataclass(frozen=True)
 class Rectangle:
-    """0 <= x <= length, |y| <= width/2 in m, clamped at x = 0. A size is a multiple of a coarsest grid."""
+    """0 <= x <= length, |y| <= width/2 in m, clamped at x = 0. A size is a multiple of a coarsest grid.
+
+    Raises ValueError for sides that no rectangle has.
+    """
 
     length: float
     width: float
     orders: tuple[float, float] = (3.0, 4.0)
     sizes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32)
+
+    def __post_init__(self) -> None:
+        check_sides(self.length, self.width)
 
     @property
     def sides(self) -> tuple[float, float]:
@@ -76,7 +84,9 @@ class Rectangle:
         return size * round(COARSEST * stretch), size * round(COARSEST / stretch)
 
     def mesh(self, size: int) -> Any:
-        """The mesh of one size, an `skfem.MeshQuad`."""
+        """The mesh of one size, an `skfem.MeshQuad`. Raises ValueError for a size below 1."""
+        if size < 1:
+            raise ValueError(f"size must be a whole number from 1, got {size!r}")
         return graded(self.length, self.width, *self.cells(size))
 
     def edge(self, size: int) -> float:
@@ -104,7 +114,9 @@ class Given:
         return float(length), float(width)
 
     def mesh(self, size: int) -> Any:
-        """The mesh with its edges split."""
+        """The mesh with its edges split. Raises ValueError for a size that is no power of 2."""
+        if size < 1 or size & (size - 1):
+            raise ValueError(f"size must be 1, 2, 4, 8 and so on, got {size!r}")
         return self.given if size == 1 else self.given.refined(int(np.log2(size)))
 
     def edge(self, size: int) -> float:

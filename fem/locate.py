@@ -16,9 +16,11 @@ TOLERANCE = 1e-6
 def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float64]]:
     """Cell that holds a point (x, y) in m, and the reference coordinates (2,) there.
 
-    Raises ValueError for a point off the plate.
+    Raises ValueError for a point off the plate, or that is none.
     """
     target = np.asarray(point, dtype=float)
+    if target.shape != (2,):
+        raise ValueError(f"a place on the plate is (x, y) in m, got {point!r}")
     corners = mesh.p[:, mesh.t]
     low, high = corners.min(axis=1), corners.max(axis=1)
     margin = TOLERANCE * (high - low).max(axis=0)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Operators:
-    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s.
+    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s. They are read-only.
 
     K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
     gyroscopic: G, the Coriolis force is -Omega G times the velocity.
@@ -45,6 +45,14 @@ class Operators:
     gyroscopic: csc_array | None
     load: Array
     prestress: Array | None
+
+    def __post_init__(self) -> None:
+        for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic):
+            if matrix is not None:
+                matrix.data.flags.writeable = False
+        for vector in (self.load, self.prestress):
+            if vector is not None:
+                vector.flags.writeable = False
 
     @cached_property
     def spinning(self) -> csc_array:
@@ -101,8 +109,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
 def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
     """Stick a point mass (kg) to the plate at a place (x, y) in m.
 
-    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate.
+    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate, and
+    for a mass that is negative or not finite.
     """
+    if not (np.isfinite(mass) and mass >= 0.0):
+        raise ValueError(f"mass must be zero or more kg, got {mass!r}")
     model, rotor = operators.model, operators.rotor
     rows = point_rows(model, at)
     place = np.array([at[0] + rotor.hub_radius, at[1], 0.0])

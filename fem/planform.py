@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+MERGED = 1e-9
+"""Distance relative to the plate's size within which points are one."""
+
+
 class MeshError(ValueError):
     """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
 
@@ -18,11 +22,16 @@ def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
     """Structured `skfem.MeshQuad` of nx by ny cells on 0 <= x <= length, |y| <= width/2 (m)."""
     from skfem import MeshQuad
 
-    if not (length > 0.0 and width > 0.0):
-        raise ValueError(f"length and width must be positive, got {length!r} and {width!r}")
+    check_sides(length, width)
     if nx < 1 or ny < 1:
         raise ValueError(f"a rectangle needs at least one cell each way, got {nx} x {ny}")
     return MeshQuad.init_tensor(np.linspace(0.0, length, nx + 1), np.linspace(-0.5 * width, 0.5 * width, ny + 1))
+
+
+def check_sides(length: float, width: float) -> None:
+    """Raise ValueError unless a rectangle can have these sides (m)."""
+    if not (0.0 < length < np.inf and 0.0 < width < np.inf):
+        raise ValueError(f"length and width must be positive and finite, got {length!r} and {width!r}")
 
 
 def root_facets(mesh: Any) -> NDArray[np.int64]:
@@ -34,7 +43,7 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
 
 
 def check_mesh(mesh: Any) -> None:
-    """Raise `MeshError` unless mesh is planar, connected, upright cells with a straight root edge."""
+    """Raise `MeshError` unless mesh is planar, upright cells, connected without seams, with a straight root edge."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -57,10 +66,39 @@ def check_mesh(mesh: Any) -> None:
     parts = connected_components(neighbours, directed=False)[0]
     if parts > 1:
         raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
+    _reject_seams(mesh)
     if root_facets(mesh).size == 0:
         raise MeshError(
             f"no edge lies on the smallest x ({p[0].min():.6g}), so there is nothing to clamp: "
             "the root must be a straight edge with x constant"
+        )
+
+
+def _reject_seams(mesh: Any) -> None:
+    """Raise `MeshError` where cells meet at points that coincide but are not one: there the plate would be cracked."""
+    from scipy.spatial import KDTree
+
+    points = mesh.p[:, np.unique(mesh.t)].T
+    pairs = KDTree(points).query_pairs(MERGED * float(np.ptp(points, axis=0).max()), output_type="ndarray")
+    if len(pairs):
+        x, y = points[pairs[0, 0]]
+        raise MeshError(
+            f"{np.unique(pairs[:, 1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
+            "merge them, or leave a gap where the plate is slit"
+        )
+
+
+def check_root(mesh: Any, hub_radius: float) -> None:
+    """Raise `MeshError` where a mesh begins beyond the spin axis, hub_radius (m) inside x = 0.
+
+    `assemble` takes such a plate for what it is, clamped at the rim and pressed against it; of a rotor's blade it is
+    a mistake in its coordinates.
+    """
+    root = float(mesh.p[0].min())
+    if root + hub_radius < -1e-9 * float(np.ptp(mesh.p[0])):
+        raise MeshError(
+            f"the root, at x = {root:.6g} m, lies beyond the spin axis, at x = {0.0 - hub_radius:.6g} m: "
+            "x = 0 is the hub's surface and x points outwards"
         )
 
 

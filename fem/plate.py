@@ -67,8 +67,8 @@ class Plate:
         the hub's surface, y across, z through the thickness.
     thickness in m. tip_mass: a point mass in kg at tip_at = (x, y) in m on the mid-surface.
 
-    Raises ValueError for a non-positive thickness, a negative mass or a mass without a place, and
-    `MeshError` for a mesh that no plate can be made of.
+    Raises ValueError for a non-positive thickness, a negative mass, a mass without a place or a place off the
+    plate, TypeError for a material that is none, and `MeshError` for a mesh that no plate can be made of.
     """
 
     mesh: Any
@@ -78,14 +78,19 @@ class Plate:
     tip_at: tuple[float, float] | None = field(default=None)
 
     def __post_init__(self) -> None:
+        from fem.locate import locate
         from fem.planform import check_mesh
 
+        if not isinstance(self.material, Material):
+            raise TypeError(f"material must be a fem.Material, got {self.material!r}")
         _positive("thickness", self.thickness, "m")
         if not (isfinite(self.tip_mass) and self.tip_mass >= 0.0):
             raise ValueError(f"tip_mass must be zero or more kg, got {self.tip_mass!r}")
         if self.tip_mass > 0.0 and self.tip_at is None:
             raise ValueError("tip_mass needs tip_at = (x, y), the place where it sits")
         check_mesh(self.mesh)
+        if self.tip_at is not None:
+            locate(self.mesh, self.tip_at)
 
     @property
     def sides(self) -> tuple[float, float]:

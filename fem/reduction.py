@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.family import families
-from fem.modes import Divergence, Modes, linearise, solve_real
+from fem.modes import Divergence, Modes, linearise, lowest, solve_real
 from fem.operators import point_rows, with_point_mass
-from fem.solver import factorise, refine
+from fem.solver import factorise, lanczos, refine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,10 +83,12 @@ def reduce_at(
 
 
 def check_mass(ball_mass: float | None, mass_ratio: float | None) -> None:
-    """Raise ValueError unless exactly one is given and not negative."""
+    """Raise ValueError unless exactly one is given, finite and not negative."""
     given = [value for value in (ball_mass, mass_ratio) if value is not None]
-    if len(given) != 1 or not given[0] >= 0.0:
-        raise ValueError(f"give either ball_mass or mass_ratio, zero or more, got {ball_mass!r} and {mass_ratio!r}")
+    if len(given) != 1 or not 0.0 <= given[0] < np.inf:
+        raise ValueError(
+            f"give either ball_mass or mass_ratio, zero or more and finite, got {ball_mass!r} and {mass_ratio!r}"
+        )
 
 
 @dataclass(frozen=True)
@@ -170,8 +172,10 @@ def become(
         factor = factorise(stiffness)
     except RuntimeError:  # exactly singular
         raise Divergence(omega, 0.0) from None
+    if factor.negative:
+        raise Divergence(omega, lowest(stiffness, mass, lanczos(factor, mass, 1)[0]), factor.negative)
     start = np.column_stack([shapes, factor.solve(point_rows(operators.model, at).toarray().T)])
     value, shape = refine(stiffness, mass, start, index, factor, operators.mass)
-    if factor.negative or value <= 0.0:
-        raise Divergence(omega, value, max(1, factor.negative))
+    if value <= 0.0:
+        raise Divergence(omega, value)
     return value, shape

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 class Rotor:
     """The spin axis: it passes hub_radius (m) inside x = 0 and leans by stagger (rad) from z towards y.
 
+    x = 0 is that of the mesh's coordinates, whether or not the plate's root lies there: a root at x = a turns at the
+    radius hub_radius + a. Where that is negative the plate is clamped beyond the axis and points at it.
     With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
     """
 
@@ -57,7 +59,8 @@ class Effects:
 
     rotary_inertia: that of turning sections, in plates; a solid always has it.
 
-    Raises ValueError for large deflection without stress stiffening, which is part of it.
+    Raises TypeError for a switch that is neither True nor False, and ValueError for large deflection without stress
+    stiffening, which is part of it.
     """
 
     stress_stiffening: bool = True
@@ -67,5 +70,8 @@ class Effects:
     rotary_inertia: bool = True
 
     def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            if not isinstance(getattr(self, name), bool):
+                raise TypeError(f"{name} must be True or False, got {getattr(self, name)!r}")
         if self.large_deflection and not self.stress_stiffening:
             raise ValueError("large_deflection needs stress_stiffening, which is part of it")

@@ -3,6 +3,15 @@
 The planform is extruded into layers of 27-node bricks, an even number so that the mid-surface is a face
 between bricks; more than two get thinner towards the surfaces. Triangles are first split into three quadrilaterals
 each.
+
+Unknowns off the mid-surface are displacements relative to the mid-surface below or above them. The stiffness through
+the thickness exceeds that of bending by (L/h)^4 and would drown it in rounding; of displacements that a section has
+in common it sees nothing, and shear is left, by (L/h)^2.
+
+Solids are the reference on rectangles. On other cells, and so on triangles, thin ones lock: the transverse shear of
+bricks does not vanish when they bend, and frequencies come out too high. On a square of 8 x 8 cells, inner nodes
+moved by up to a quarter of a cell, the first three by at most 0.07 % at h/L = 0.1, 0.6 % at 0.01 and 7 % at 0.001; on
+72 split triangles by 3 % and 60 % at 0.001 and 0.0001. Mindlin's theory does not lock there.
 """
 
 from __future__ import annotations
@@ -12,11 +21,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.discretisation import Discretisation, Layer, Space, number
-from fem.fields import Fields
+from fem.fields import CLAMPED, Fields
 from fem.levels import crowded
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fem.plate import Plate
+
+    Array = NDArray[np.float64]
 
 CORNERS = ((1, 1, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
 """Reference coordinates of a brick's vertices in the order of `skfem.ElementHex1`."""
@@ -35,7 +48,10 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     root = mesh.facets_satisfying(lambda p: p[0] < x.min() + 1e-6 * np.ptp(x), boundaries_only=True)
     clamped = basis.get_dofs(root).flatten()
     tables, total = number([(basis, clamped)] * 3)
-    spaces = tuple(Space(basis, t, height=1.0) for t in tables)
+    columns, combined = carried(element)
+    spaces = tuple(
+        Space(basis, relative(t, columns, planform.t.shape[1]), height=1.0, combined=combined) for t in tables
+    )
     dx = np.asarray(basis.dx)
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
@@ -52,6 +68,28 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
         spaces=(spaces[0], spaces[1], spaces[2]),
         mesh=planform,
     )
+
+
+def carried(element: Any) -> tuple[NDArray[np.int64], Array]:
+    """Nodes on top of a brick (9,), and what an unknown at each of the 27 nodes, and then at a column's middle, moves.
+
+    Columns are those of nodes above one another; an unknown in the middle of the plate carries all of its column
+    along. Returns the nodes and the combinations (27, 27 + 9).
+    """
+    x, y, z = element.doflocs.T
+    top = np.flatnonzero(z == 1.0)
+    same = (x[:, None] == x[top]) & (y[:, None] == y[top])
+    return top, np.hstack([np.eye(x.size), same])
+
+
+def relative(table: NDArray[np.int64], top: NDArray[np.int64], cells: int) -> NDArray[np.int64]:
+    """Unknowns (nbrick, 27 + 9) of bricks whose own are (nbrick, 27), by what `carried` says they move.
+
+    The first bricks, one a cell, lie just below the mid-surface.
+    """
+    middle = table[:cells, top]
+    own = np.where(np.isin(table, middle), CLAMPED, table)
+    return np.hstack([own, np.tile(middle, (len(table) // cells, 1))])
 
 
 def quadrilaterals(mesh: Any) -> Any:

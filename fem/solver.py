@@ -25,6 +25,16 @@ BLOCK = 4
 CONVERGED = 1e-11
 """Residual of a mode relative to its own inverse eigenvalue."""
 
+SETTLED = (1e-8, 1e-12)
+"""Residual at which one that no longer falls is rounding, relative to its eigenvalue and to the largest; the
+eigenvalue is then off by no more."""
+
+PATIENCE = 6
+"""Blocks in which a residual must halve, or it no longer falls."""
+
+LARGEST = (200, 10)
+"""Vectors at which a basis counts as too large: so many, and so many more for each mode."""
+
 NULL = 1e-24
 """Squared weight of a unit direction that counts as nothing."""
 
@@ -36,6 +46,10 @@ ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 STEPS = 30
 """Steps after which a refined mode is taken to be as good as rounding allows."""
+
+
+class NotConverged(FloatingPointError):
+    """Lanczos's method did not find the modes within the basis that it is allowed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +80,7 @@ def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONV
     """Find the eigenvalues nearest zero of K x = lambda M x and their vectors, K given by its factor.
 
     Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors,
-    whose residuals in 1/lambda are within a relative tolerance.
+    whose residuals in 1/lambda are within a relative tolerance. Raises NotConverged.
     """
     start = factor.solve(mass @ random_block(mass.shape[0]))
     inverse, vectors = krylov(lambda _, heavy: factor.solve(heavy), mass, start, count, np.abs, tolerance=tolerance)
@@ -86,21 +100,22 @@ def krylov(
     rank: Callable[[Array], Array],
     skew: bool = False,
     tolerance: float = CONVERGED,
-    floor: float = 0.0,
 ) -> tuple[Array, Any]:
     """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
 
     apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b).
     rank: how much each eigenvalue is wanted. skew: the operator T is skew-adjoint and the eigenvalues are
-    those of iT, with complex vectors. tolerance: on residuals relative to their eigenvalues, or to floor times the
-    largest eigenvalue if that is more.
-    Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight.
+    those of iT, with complex vectors. tolerance: on residuals relative to their eigenvalues; where rounding forbids
+    it, as with small eigenvalues next to a huge one, they are as good as they get.
+    Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight. Raises
+    NotConverged.
     """
     n = start.shape[0]
     basis, image = (np.empty((n, 0), order="F") for _ in range(2))
     projected = np.empty((0, 0))
     block, heavy, _, _ = orthonormal(start, basis, image, weight)
     sign, unit = (-1.0, 1.0j) if skew else (1.0, 1.0)
+    best, waited = np.inf, 0
     while True:
         basis, image = _append(basis, block), _append(image, heavy)
         block, heavy, column, coupling = orthonormal(apply(block, heavy), basis, image, weight)
@@ -111,10 +126,15 @@ def krylov(
         values, vectors = np.linalg.eigh(0.5 * unit * (projected + sign * projected.T))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
-        scale = np.maximum(np.abs(values[order]), floor * np.abs(values).max())
-        enough = order.size == count and bool((residual <= tolerance * scale).all())
-        if enough or block.shape[1] == 0 or m >= n:
+        size = np.maximum(np.abs(values[order]), np.finfo(float).tiny)
+        worst = float((residual / size).max()) if order.size == count else np.inf
+        best, waited = (worst, 0) if worst < 0.5 * best else (best, waited + 1)
+        rounded = bool((residual <= np.maximum(SETTLED[0] * size, SETTLED[1] * np.abs(values).max())).all())
+        settled = rounded and order.size == count and waited >= PATIENCE
+        if worst <= tolerance or settled or block.shape[1] == 0 or m >= n:
             return values[order], basis @ vectors[:, order]
+        if m >= LARGEST[0] + LARGEST[1] * count:
+            raise NotConverged(f"{m} Lanczos vectors leave a residual of {worst:.2g} in the {count} wanted modes")
 
 
 def _append(columns: Array, more: Array) -> Array:

@@ -54,8 +54,14 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up
-    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium.
+    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a
+    plate too thin for its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
     """
+    from fem.modes import check_rest, check_speed
+
+    check_speed(omega)
+    if start is not None and np.shape(start) != operators.load.shape:
+        raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
     target = omega**2
     if start is not None and (found := _newton(operators, target, start)) is not None:
         return found
@@ -71,6 +77,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
             if part < SMALLEST_PART:
                 found = _newton(operators, target, state, unstable=True)
                 if found is None:
+                    check_rest(operators)
                     raise NoEquilibrium(omega)
                 return found
         else:

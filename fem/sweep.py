@@ -15,7 +15,7 @@ import numpy as np
 from fem.adaptive import Answer, answer
 from fem.critical import critical_speed
 from fem.family import FAMILIES, energy_shares
-from fem.modes import Divergence, solve_modes
+from fem.modes import Divergence, check_count, check_damping, solve_modes
 from fem.solver import CONVERGED, rounding
 from fem.statics import NoEquilibrium, tangent
 from fem.tracking import Veering, follow
@@ -88,14 +88,18 @@ def campbell(
 ) -> Campbell:
     """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
 
-    damping_ratio: as in `solve_modes`, to first order. Raises ValueError for no speeds or a count or
-    tolerance out of range, Divergence when every speed is at or beyond the critical one, and NoEquilibrium.
+    damping_ratio: as in `solve_modes`, to first order. What was achieved is in `bounds`, for the caller to see: they
+    exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
+    Raises ValueError for no speeds or a count, tolerance or ratio out of range, Divergence when every speed is at or
+    beyond the critical one, NoEquilibrium, and Unresolved for a plate too thin for the theory.
     """
     asked = np.unique(np.asarray(omega, dtype=float))
     if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
         raise ValueError("campbell needs at least one speed, finite and not negative")
-    if count < 1 or not 0.0 < tolerance < 1.0:
-        raise ValueError(f"count must be at least 1 and tolerance between 0 and 1, got {count!r} and {tolerance!r}")
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
+    check_count(operators, count)
+    check_damping(damping_ratio)
     if operators.effects.large_deflection or _hardly_any(asked.size, count):
         parts = _speed_by_speed(operators, asked, count, damping_ratio)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,7 +11,11 @@ if TYPE_CHECKING:
     from fem.plate import Plate
 
 THEORIES = ("mindlin", "kirchhoff", "solid")
-"""Names of the theories, the default first; "kirchhoff/morley" and "solid/4" name an element or layers too."""
+"""Names of the theories, the default first; "kirchhoff/morley" and "solid/4" name an element or layers too.
+
+The solid is the reference on rectangles; on distorted cells and triangles a thin one locks, and Mindlin's theory does
+not.
+"""
 
 TORSION = 0.38
 """Thin-plate theory overstates torsion frequencies by this times h/b.
@@ -45,10 +50,12 @@ class Chosen:
 def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discretisation:
     """Make the model of a plate in the named theory.
 
-    Raises ValueError for an unknown name or one that the mesh does not allow.
+    Raises ValueError for an unknown name or one that the mesh does not allow, TypeError for what is no name.
     """
     from fem import kirchhoff, mindlin, solid
 
+    if not isinstance(theory, str):
+        raise TypeError(f"theory must be the name of one, got {theory!r}")
     if theory == "auto":
         theory = choose_theory(*plate.sides, plate.thickness).name
     name, _, element = theory.partition("/")
@@ -58,7 +65,8 @@ def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discre
         return mindlin.discretise(plate, rotary_inertia)
     if name == "solid" and element in ("", *map(str, LAYERED)):
         return solid.discretise(plate, int(element or min(LAYERED)))
-    raise ValueError(f"theory must be auto, {', '.join(THEORIES)}, got {theory!r}")
+    elements = [f"kirchhoff/{element}" for element in kirchhoff.ELEMENTS] + [f"solid/{layers}" for layers in LAYERED]
+    raise ValueError(f"theory must be one of auto, {', '.join([*THEORIES, *elements])}, got {theory!r}")
 
 
 def choose_theory(length: float, width: float, thickness: float, accuracy: float = 1e-3) -> Chosen:
@@ -66,8 +74,11 @@ def choose_theory(length: float, width: float, thickness: float, accuracy: float
 
     Thin-plate theory is taken where its difference from Mindlin's leaves half the accuracy to the mesh; the solid
     where the plate is a block. Mindlin's own difference from the solid is reported, and not held against it: below
-    it only theory = "solid" goes.
+    it only theory = "solid" goes. Raises ValueError unless all four are positive and finite.
     """
+    if not all(0.0 < value < inf for value in (length, width, thickness, accuracy)):
+        given = f"{length!r}, {width!r}, {thickness!r} and {accuracy!r}"
+        raise ValueError(f"length, width, thickness and accuracy must be positive and finite, got {given}")
     ratio = thickness / min(length, width)
     if ratio > STOUT:
         return Chosen("solid", f"the plate is a block: its thickness is {ratio:.2g} of its smaller side", 0.0)
@@ -81,7 +92,10 @@ def choose_theory(length: float, width: float, thickness: float, accuracy: float
 
 
 def model_error(theory: str, length: float, width: float, thickness: float) -> float:
-    """Estimate how far a theory's frequencies are from a solid's, relatively; of the worst of the lowest modes."""
+    """Estimate how far a theory's frequencies are from a solid's, relatively; of the worst of the lowest modes.
+
+    The solid is one that the mesh leaves without error: on distorted cells thin solids lock (`fem.solid`).
+    """
     if theory.startswith("solid"):
         return 0.0
     clamp = CLAMP * thickness / length

@@ -54,9 +54,9 @@ def solve(
 
     Raises:
         BadInput: the mesh, the theory or a place on the plate is no good.
-        NoAnswer: the plate diverges at all speeds.
+        NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
     """
-    from fem import Divergence, NoEquilibrium
+    from fem import Divergence, NoEquilibrium, Unresolved
 
     try:
         with stages("modes"):
@@ -68,6 +68,8 @@ def solve(
         raise NoAnswer(f"{source.name}: {error}; no speed asked for is below the critical one") from error
     except NoEquilibrium as error:
         raise NoAnswer(f"{source.name}: {error}") from error
+    except Unresolved as error:
+        raise NoAnswer(f"{source.name}: [plate] theory, thickness: {error}") from error
     except (RuntimeError, FloatingPointError, np.linalg.LinAlgError) as error:  # SuperLU: "Factor is exactly singular"
         raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
     asked = source.scene.rotor.speeds

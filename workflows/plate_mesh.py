@@ -99,11 +99,13 @@ def off_the_plate(source: SceneFile, error: ValueError) -> BadInput:
 
 def _from_file(source: SceneFile) -> Any:
     from fem import MeshError, read_mesh
+    from fem.planform import check_root
 
     if source.mesh is None:
         raise ValueError("the scene names no mesh")
     try:
         mesh = read_mesh(source.mesh)
+        check_root(mesh, source.scene.rotor.hub_radius)
     except MeshError as error:
         value = source.scene.plate.mesh if source.scene.plate else None
         text = str(error).removeprefix(f"{source.mesh}: ")

@@ -8,7 +8,24 @@ import pytest
 from fem_cases import STEEL, paper_plate
 
 import fem
-from fem import Effects, Material, Plate, Rotor, assemble, displacement, rectangle, solve_modes
+from fem import (
+    Divergence,
+    Effects,
+    Given,
+    Material,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    campbell,
+    choose_theory,
+    displacement,
+    equilibrium,
+    rectangle,
+    reduce_at,
+    solve_modes,
+    with_point_mass,
+)
 
 
 @pytest.mark.parametrize(
@@ -32,6 +49,8 @@ def test_material(values, message):
         ({"thickness": 0.0}, "thickness must be a positive number of m"),
         ({"tip_mass": -1.0}, "tip_mass must be zero or more kg"),
         ({"tip_mass": 1.0}, "tip_mass needs tip_at"),
+        ({"tip_at": (5.0, 0.0)}, "does not lie on the plate"),
+        ({"tip_at": (0.1, 0.0, 0.0)}, "a place on the plate is"),
     ],
 )
 def test_plate(keys, message):
@@ -47,19 +66,91 @@ def test_rotor():
     np.testing.assert_array_equal(Rotor(stagger=np.pi / 2).axis, [0.0, 1.0, 0.0])
 
 
+def test_plate_of_nothing():
+    with pytest.raises(TypeError, match="material must be"):
+        Plate(rectangle(0.2, 0.08, 2, 1), 0.01, None)
+
+
+@pytest.mark.parametrize("switch", ["no", None, 1])
+def test_effects_are_on_or_off(switch):
+    with pytest.raises(TypeError, match="coriolis must be True or False"):
+        Effects(coriolis=switch)
+
+
+def test_theory():
+    with pytest.raises(ValueError, match=r"one of auto, mindlin, .*kirchhoff/morley, solid/2.*, got 'solid/3'"):
+        assemble(paper_plate(2, 1), Rotor(), Effects(), "solid/3")
+    with pytest.raises(TypeError, match="theory must be the name of one"):
+        assemble(paper_plate(2, 1), Rotor(), Effects(), None)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("place", range(4))
+def test_choice_of_theory(bad, place):
+    given = [1.0, 1.0, 0.01, 1e-3]
+    given[place] = bad
+    with pytest.raises(ValueError, match="must be positive and finite"):
+        choose_theory(*given)
+
+
+def test_point_mass():
+    operators = assemble(paper_plate(2, 1), Rotor(), Effects())
+    for mass in (-1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="mass must be zero or more kg"):
+            with_point_mass(operators, (0.1, 0.0), mass)
+        with pytest.raises(ValueError, match="give either ball_mass or mass_ratio"):
+            reduce_at(operators, 0.0, (0.2, 0.0), mass_ratio=mass)
+
+
+def test_equilibrium():
+    operators = assemble(paper_plate(2, 1), Rotor(), Effects(large_deflection=True))
+    with pytest.raises(ValueError, match="one finite speed"):
+        equilibrium(operators, np.nan)
+    with pytest.raises(ValueError, match="start must be of shape"):
+        equilibrium(operators, 1.0, np.zeros(3))
+
+
+def test_displacement_of_another_model():
+    with pytest.raises(ValueError, match="shapes must be"):
+        displacement(assemble(paper_plate(2, 1), Rotor(), Effects()), np.zeros(3))
+
+
+def test_divergence_with_a_ball_says_a_negative_eigenvalue():
+    operators = assemble(paper_plate(4, 2), Rotor(0.1, 0.3), Effects())
+    with pytest.raises(Divergence) as caught:
+        reduce_at(operators, 10.0, (0.2, 0.0), mass_ratio=1e9)
+    assert caught.value.eigenvalue < 0.0
+
+
 def test_rectangle():
-    with pytest.raises(ValueError, match="must be positive"):
-        rectangle(0.0, 1.0, 2, 2)
+    for length in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="must be positive"):
+            rectangle(length, 1.0, 2, 2)
+        with pytest.raises(ValueError, match="must be positive"):
+            Rectangle(1.0, length)
+    with pytest.raises(ValueError, match="whole number from 1"):
+        Rectangle(1.0, 1.0).mesh(0)
+    with pytest.raises(ValueError, match="1, 2, 4, 8"):
+        Given(rectangle(1.0, 1.0, 2, 2)).mesh(3)
     with pytest.raises(ValueError, match="at least one cell"):
         rectangle(1.0, 1.0, 0, 2)
 
 
 def test_modes():
     operators = assemble(paper_plate(2, 1), Rotor(), Effects())
-    with pytest.raises(ValueError, match="count of modes"):
-        solve_modes(operators, 0.0, 0)
-    with pytest.raises(ValueError, match="damping_ratio"):
-        solve_modes(operators, 0.0, 1, damping_ratio=-0.1)
+    for count in (0, 2.5, 10_000):
+        with pytest.raises(ValueError, match="count of modes"):
+            solve_modes(operators, 0.0, count)
+        with pytest.raises(ValueError, match="count of modes"):
+            campbell(operators, [0.0, 1.0], count)
+    for omega in (np.nan, np.inf, np.array([1.0, 2.0])):
+        with pytest.raises(ValueError, match="one finite speed"):
+            solve_modes(operators, omega)
+    for ratio in (-0.1, np.nan, 1.0, np.inf):
+        with pytest.raises(ValueError, match="damping_ratio"):
+            solve_modes(operators, 0.0, 1, damping_ratio=ratio)
+        with pytest.raises(ValueError, match="damping_ratio"):
+            campbell(operators, [0.0, 1.0], 1, damping_ratio=ratio)
 
 
 def test_what_is_off_is_not_assembled():
@@ -71,6 +162,13 @@ def test_inputs_are_frozen():
     for thing, name in ((STEEL, "density"), (Rotor(), "stagger"), (Effects(), "coriolis"), (paper_plate(2, 1), "mesh")):
         with pytest.raises(AttributeError):
             setattr(thing, name, 1.0)
+
+
+def test_matrices_are_read_only():
+    operators = assemble(paper_plate(2, 1, tip_mass=0.1, tip_at=(0.2, 0.0)), Rotor(), Effects(coriolis=True))
+    for array in (operators.stiffness.data, operators.mass.data, operators.gyroscopic.data, operators.load):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0.0
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])

@@ -11,6 +11,7 @@ from fem_cases import STEEL, distorted, rpm
 
 from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, solve_modes
 from fem.locate import locate
+from fem.planform import check_root
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -168,3 +169,27 @@ def test_locate(triangles):
         np.testing.assert_allclose(back, place, atol=1e-12)
     with pytest.raises(ValueError, match="does not lie on the plate"):
         locate(mesh, (0.21, 0.0))
+
+
+def test_a_root_beyond_the_axis():
+    mesh = rectangle(0.2, 0.08, 2, 1).translated((-0.05, 0.0))
+    check_root(mesh, 0.05)
+    with pytest.raises(MeshError, match=r"root, at x = -0.05 m, lies beyond the spin axis, at x = -0.04 m"):
+        check_root(mesh, 0.04)
+
+
+def test_a_seam():
+    """Two halves joined along part of their common line: what was meant, and what is a slit, cannot be told."""
+    mesh = rectangle(0.2, 0.08, 4, 2)
+    middle = np.flatnonzero(np.isclose(mesh.p[1], 0.0) & (mesh.p[0] > 0.12))
+    upper = mesh.p[1, mesh.t].mean(axis=0) > 0.0
+    own = mesh.p.shape[1] + np.arange(middle.size)
+    cells = mesh.t.copy()
+    for old, new in zip(middle, own, strict=True):
+        cells[:, upper] = np.where(cells[:, upper] == old, new, cells[:, upper])
+    cracked = type(mesh)(np.hstack([mesh.p, mesh.p[:, middle]]), cells)
+    with pytest.raises(MeshError, match=r"2 points coincide with others, the first one at \(0\.15, 0\): merge them"):
+        Plate(cracked, 0.01, STEEL)
+    points = cracked.p.copy()
+    points[1, own] += 1e-6
+    Plate(type(mesh)(points, cells), 0.01, STEEL)

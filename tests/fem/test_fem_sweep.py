@@ -19,6 +19,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
+from fem.solver import NotConverged
 from fem.tracking import follow
 
 TOP = rpm(17500)
@@ -186,6 +187,48 @@ def test_sharp_veering_is_flagged(speeds, coriolis):
         assert len(found[0.6].veerings) == 1
 
 
+@pytest.mark.parametrize(
+    ("sides", "cells", "thickness", "stagger", "effects"),
+    [
+        ((1.0, 0.02), (12, 2), 0.001, 0.0, Effects()),  # stiffening and softening nearly cancel in the plane
+        ((0.2, 0.08), (6, 4), 0.004, np.pi / 2, Effects()),  # 127 times the first frequency
+        ((0.2, 0.08), (6, 4), 0.004, np.pi / 2, Effects(stress_stiffening=False)),
+        ((0.02, 1.0), (2, 12), 0.001, 0.0, Effects()),  # below the first frequency
+    ],
+)
+def test_critical_speed_is_the_dense_solver_s(monkeypatch, sides, cells, thickness, stagger, effects):
+    monkeypatch.setattr("fem.solver.LARGEST", (120, 10))
+    operators = assemble(Plate(rectangle(*sides, *cells), thickness, STEEL), Rotor(stagger=stagger), effects)
+    least = scipy.linalg.eigh(operators.spinning.toarray(), operators.stiffness.toarray(), eigvals_only=True)[0]
+    assert critical_speed(operators) == pytest.approx((-least) ** -0.5, rel=1e-8)
+
+
+def test_no_critical_speed_is_soon_found(monkeypatch):
+    """On a strip whose stiffening and softening nearly cancel."""
+    monkeypatch.setattr("fem.solver.LARGEST", (120, 10))
+    operators = assemble(Plate(rectangle(1.0, 0.02, 24, 4), 0.001, STEEL), Rotor(), Effects())
+    assert critical_speed(operators) == np.inf
+
+
+@pytest.mark.parametrize("near", [1e-3, 1e-6, 1e-9])
+def test_complex_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near):
+    monkeypatch.setattr("fem.solver.LARGEST", (60, 10))
+    effects = Effects(stress_stiffening=False, coriolis=True)
+    operators = assemble(Plate(rectangle(0.2, 0.08, 6, 4), 0.004, STEEL), Rotor(stagger=np.pi / 2), effects)
+    critical = critical_speed(operators)
+    found = solve_modes(operators, (1.0 - near) * critical, 6).frequencies_hz
+    before = solve_modes(operators, (1.0 - 2.0 * near) * critical, 6).frequencies_hz
+    # Rounding moves the critical speed itself by 1e-11 or so.
+    assert found[0] / before[0] == pytest.approx(np.sqrt(0.5), rel=1e-3 + 3e-11 / near)
+    np.testing.assert_allclose(found[1:], before[1:], rtol=10.0 * near + 5e-16 / near)
+
+
+def test_lanczos_gives_up_with_a_word(monkeypatch):
+    monkeypatch.setattr("fem.solver.LARGEST", (4, 0))
+    with pytest.raises(NotConverged, match="Lanczos vectors leave a residual"):
+        solve_modes(assemble(paper_plate(8, 4), Rotor(), Effects()), 0.0, 3)
+
+
 def test_critical_speed():
     """Softening without stiffening at right angles: divergence where Omega is the flap frequency at rest."""
     operators = assemble(paper_plate(8, 4), Rotor(stagger=np.pi / 2), Effects(stress_stiffening=False))
@@ -218,5 +261,5 @@ def test_large_deflection_sweep():
     [([], {}), ([-1.0], {}), ([np.nan], {}), ([1.0], {"count": 0}), ([1.0], {"tolerance": 0.0})],
 )
 def test_bad_sweeps(speeds, keys):
-    with pytest.raises(ValueError, match=r"campbell needs|count must be"):
+    with pytest.raises(ValueError, match=r"campbell needs|count of modes|tolerance must"):
         campbell(assemble(paper_plate(4, 2), Rotor(), Effects()), np.array(speeds), **keys)

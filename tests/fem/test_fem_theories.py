@@ -4,7 +4,20 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, beam_rates, distorted, paper_plate, rpm
 
-from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, choose_theory, families, rectangle, solve_modes
+from fem import (
+    Effects,
+    Material,
+    Plate,
+    Rectangle,
+    Rotor,
+    Unresolved,
+    assemble,
+    choose_theory,
+    critical_speed,
+    families,
+    rectangle,
+    solve_modes,
+)
 from fem.theories import model_error, solid_theory
 
 # Euler-Bernoulli and longitudinal vibration of a bar, the smooth problems: nu = 0 has no corner singularities.
@@ -61,6 +74,36 @@ def test_thin_mindlin_tends_to_kirchhoff(kind):
         for theory in ("kirchhoff", "mindlin")
     )
     np.testing.assert_allclose(thick, thin, rtol=2e-3)
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-4, 1e-5])
+def test_thin_solid_is_a_beam(height):
+    """Rounding grows with (L/h)², and no faster: at 1e-5 it is still far below the mesh's error."""
+    (found,) = beam_rates("solid", "flap", [0.0], width=0.5, height=height, nx=8, ny=4)
+    np.testing.assert_allclose(found[0], CANTILEVER[0], rtol=4e-3)
+
+
+@pytest.mark.parametrize(("thickness", "locking"), [(0.1, 2e-3), (0.01, 1e-2)])
+def test_a_solid_hardly_locks_on_distorted_cells_unless_it_is_thin(thickness, locking):
+    """The figures that `fem.solid` warns with."""
+    regular = rectangle(1.0, 1.0, 8, 8)
+    even, moved = (
+        solve_modes(assemble(Plate(mesh, thickness, STEEL), Rotor(), Effects(), "solid"), 0.0, 3).frequencies_hz
+        for mesh in (regular, distorted(regular, 0.25 / 8))
+    )
+    assert np.abs(moved / even - 1.0).max() < locking
+
+
+@pytest.mark.parametrize("omega", [0.0, 1e-3])
+@pytest.mark.parametrize("effects", [Effects(), Effects(coriolis=True), Effects(large_deflection=True)])
+@pytest.mark.parametrize("height", [1e-6, 1e-7, 1e-8])
+def test_what_rounding_eats_up_does_not_diverge(omega, effects, height):
+    """A plate at rest cannot: where so little is left of its stiffness, that is said."""
+    operators = assemble(Plate(rectangle(1.0, 1.0, 8, 8), height, STEEL), Rotor(), effects, "solid")
+    with pytest.raises(Unresolved, match="too thin for theory 'solid/2'"):
+        solve_modes(operators, omega, 3)
+    with pytest.raises(Unresolved):
+        critical_speed(operators)
 
 
 def test_morley_comes_from_below():
