@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -14,12 +15,14 @@ import pytest
 from damper import Formulation, ParticleDamper, ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import scene_file
-from workflows.costs import pipelines, plates, timing
+from workflows.costs import page, pipelines, plates, plots, timing
 from workflows.costs.by_ivp import by_ivp
+from workflows.costs.changes import changes
 from workflows.costs.ladder import measure
 from workflows.costs.study import study
-from workflows.costs.switching import OF_THE_PLATE, switching
-from workflows.effects import RULES
+from workflows.costs.switching import Switched, Switches, switching
+from workflows.effects import OF_THE_PLATE, RULES
+from workflows.records import Mode, SpeedPoint
 from workflows.scene import Accuracy
 from workflows.stages import Stages
 
@@ -267,6 +270,129 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2, "stagger": 0.3})
     pipeline.structure(source.changed(effects=effects, rotor=rotor, damper=None, release=None), QUIET, shapes=False)
     assert bool(calls) == on
+
+
+def point(rpm: float, *modes: tuple[str, float]) -> SpeedPoint:
+    return SpeedPoint(rpm * np.pi / 30, rpm, 0.2, 1.0, tuple(Mode(frequency, family) for family, frequency in modes))
+
+
+def test_modes_are_compared_with_their_like() -> None:
+    """A flap that climbs past a twist stays a flap; what has no like has no number, but a word."""
+    own = (point(1000, ("flap", 110.0), ("twist", 150.0), ("flap", 300.0)),)
+    other = (point(1000, ("twist", 100.0), ("flap", 100.0), ("lag", 300.0)),)
+    found = changes(own, other, own_has_it=True)
+    assert found.relative["frequency_1"] == pytest.approx(0.1)
+    assert found.relative["frequency_2"] == pytest.approx(0.5)
+    assert found.relative["frequency_3"] is None
+    assert found.remarks == ("frequency_3 has no partner of its family at 1000 rpm",)
+    assert changes(own, other, own_has_it=False).relative["frequency_2"] == pytest.approx(-1 / 3)
+
+
+def test_speeds_are_compared_with_their_like() -> None:
+    """The plate diverges at the first speed of one run: the others keep their partners."""
+    slow, fast = point(1000, ("flap", 100.0)), point(12000, ("flap", 500.0))
+    found = changes((fast, slow), (point(1000, ("flap", 80.0)),), own_has_it=True)
+    assert found.relative == {"frequency_1": pytest.approx(0.25)}
+    assert found.remarks == ("without it the plate diverges at 12000 rpm",)
+    swapped = changes((slow,), (fast, slow), own_has_it=True)
+    assert swapped.relative == {"frequency_1": 0.0}
+    assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
+
+
+def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
+    plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
+    scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
+    rows = json.loads(spindamp("effects", scene, "--json").out)["rows"]
+    (row,) = [row for row in rows if row["effect"] == "stress_stiffening"]
+    assert "without it the plate diverges at 30000 rpm" in row["remarks"]
+    assert 0.0 < row["changes"]["frequency_1"] < 0.01  # at 1000 rpm, the only speed that both have
+
+
+def test_what_appears_has_no_number(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    """Without rolling resistance nothing stops the ball: there is no cut-off to compare with."""
+    scene = write(changed(paper, rotor__speeds=["10000 rpm"], rotor__modes=1), tmp_path / "scene.toml")
+    outcome = spindamp("effects", scene, "--out", "out")
+    assert outcome.status == 0, outcome.err
+    rows = json.loads((tmp_path / "out" / "effects.json").read_text())["rows"]
+    (row,) = [row for row in rows if row["effect"] == "rolling_resistance"]
+    assert row["changes"]["cutoff_g"] is None
+    assert "cutoff_g is there only with it, at 10000 rpm" in row["remarks"]
+    assert "cutoff_g is there only with it" in outcome.out
+    with (tmp_path / "out" / "effects.csv").open() as file:
+        (cells,) = [row for row in csv.DictReader(file) if row["effect"] == "rolling_resistance"]
+    assert cells["cutoff_g"] == ""
+    assert "cutoff_g is there only with it" in cells["remarks"]
+
+
+def test_what_needs_each_other_is_switched_together(
+    paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
+) -> None:
+    plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1}
+    both = changed(paper, **plate, damper=None, release=None)
+    neither = changed(both, effects={"stress_stiffening": False})
+    for scene, effect, words in (
+        (both, "stress_stiffening", "together with large_deflection, which needs it"),
+        (neither, "large_deflection", "together with stress_stiffening, which it needs"),
+    ):
+        outcome = spindamp("effects", write(scene, tmp_path / "scene.toml"), "--json")
+        (row,) = [row for row in json.loads(outcome.out)["rows"] if row["effect"] == effect]
+        assert row["changes"]["frequency_1"] > 0
+        assert words in row["remarks"]
+        assert "failed" not in row
+
+
+def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    """A row without numbers says why in the text, in the CSV file and in the figure, beside the rule's reason."""
+    scene = write(changed(structure, damper__formulation="printed"), tmp_path / "scene.toml")
+    outcome = spindamp("effects", scene, "--out", "out")
+    assert "the paper's model: the ball rolls again" in outcome.out
+    assert "printed equations know no slip" in outcome.out
+    with (tmp_path / "out" / "effects.csv").open() as file:
+        cells = {row["effect"]: row["failed"] for row in csv.DictReader(file)}
+    assert cells["coriolis"] == "the scene has no plate"
+    assert "know no slip" in cells["ball_slip"]
+    assert cells["impact_friction"] == ""
+    drawn = (tmp_path / "out" / "effects.svg").read_text()
+    assert all(name.replace("_", " ") in drawn for name in RULES)
+    assert drawn.count("the scene has no plate") == len(OF_THE_PLATE)
+    assert "accuracy, 0.001" in drawn
+
+
+def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that slows down slows both: the difference of pairs is true where that of medians is not."""
+    clock, calls = [0.0], []
+
+    def job(name: str, seconds: float) -> Callable[[], str]:
+        def work() -> str:
+            calls.append(name)
+            clock[0] += seconds * (1 + len(calls) // 2)
+            return name
+
+        return work
+
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
+    found = timing.compared(job("with", 0.03), job("without", 0.02))
+    assert calls == ["with"] + ["with", "without"] * 5
+    assert found.value == "with"
+    assert 0 < found.low < found.extra < found.high
+    assert found.seconds > found.others
+
+
+@pytest.mark.parametrize(("low", "high", "noise"), [(-0.01, 0.05, True), (0.019, 0.021, False)])
+def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
+    row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
+    assert row.within_noise is noise
+    assert ("within noise" in page.effects_text(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in plots.effects(Switches("", 1e-3, (row,)))) is noise
+
+
+def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
+    assert "impacts, 500000 %" in plots.effects(Switches("", 1e-3, (row,)))
+    monkeypatch.setattr(plots.drawing, "svg", lambda figure, *_: figure)
+    figure: Any = plots.effects(Switches("", 1e-3, (row,)))
+    assert figure.axes[0].get_xlim()[1] > 5e3
 
 
 def test_effects_study_is_deterministic_but_for_times() -> None:

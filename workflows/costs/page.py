@@ -11,7 +11,7 @@ from workflows import drawing, store, wording
 from workflows.costs import plots
 from workflows.costs.ladder import Ladder, Row, Study
 from workflows.costs.switching import Switched, Switches
-from workflows.costs.timing import POLICY
+from workflows.costs.timing import POLICY, POLICY_OF_DIFFERENCES
 
 _TEMPLATES = Path(__file__).parent.parent / "templates"
 
@@ -38,24 +38,23 @@ def write_accuracy(found: Study, out: Path) -> None:
         (folder / "report.html").write_text(page, encoding="utf-8")
 
 
-def write_effects(found: Switches, out: Path, asked: float = 1e-3) -> None:
+def write_effects(found: Switches, out: Path) -> None:
     """Write `effects.json`, `effects.csv`, `effects.svg` and `report.html` into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    figure = plots.changes(found, asked)
+    figure = plots.effects(found)
     with store.replacing(out) as folder:
         (folder / "effects.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
         (folder / "effects.svg").write_text(drawing.standalone(figure), encoding="utf-8")
+        times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
         _write_csv(
             folder / "effects.csv",
-            ("effect", "on", "called_for", "time_s", "time_share", *_quantities(found)),
-            [vars(row) | row.changes for row in found.rows],
+            ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
+            [_flat(row) for row in found.rows],
         )
-        page = _render(
-            "effects.html.j2", found=found, figure=figure, policy=POLICY, quantities=_quantities(found), largest=largest
-        )
+        page = _render("effects.html.j2", found=found, figure=figure, policy=POLICY_OF_DIFFERENCES, spent=_spent)
         (folder / "report.html").write_text(page, encoding="utf-8")
 
 
@@ -81,22 +80,15 @@ def accuracy_text(found: Study) -> str:
 
 
 def effects_text(found: Switches) -> str:
-    """The effects as a table."""
-    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>9}  why"]
+    """The effects as a table; what has no place in it is below its row."""
+    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
     for row in found.rows:
-        quantity, change = largest(row)
-        size = "–" if not row.changes else f"{100 * change:.3g} %"
-        spent = "–" if row.time_s is None else f"{1e3 * row.time_s:.0f}"
+        top = row.largest
+        quantity, size = ("", wording.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
-        lines.append(
-            f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {spent:>9}  {row.failed or row.why}"
-        )
+        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {_spent(row):>24}  {row.why}")
+        lines += [f"{'':<20} {remark}" for remark in (*row.remarks, *([row.failed] if row.failed else []))]
     return "\n".join(lines)
-
-
-def largest(row: Switched) -> tuple[str, float]:
-    """The quantity that an effect changes most, and by how much."""
-    return max(row.changes.items(), key=lambda item: abs(item[1]), default=("", 0.0))
 
 
 def verdict(found: Study) -> list[str]:
@@ -140,6 +132,21 @@ def _milliseconds(row: Row) -> str:
 
 def _exponent(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
+
+
+def _spent(row: Switched) -> str:
+    """What an effect adds to a run [ms], as a person may believe it."""
+    if row.time_s is None or row.time_spread_s is None:
+        return wording.DASH
+    low, high = (wording.significant(1e3 * end, 2) for end in row.time_spread_s)
+    middle = "within noise" if row.within_noise else wording.significant(1e3 * row.time_s, 2)
+    return f"{middle} ({low} to {high})"
+
+
+def _flat(row: Switched) -> dict[str, Any]:
+    low, high = row.time_spread_s or (None, None)
+    times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
+    return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
 
 
 def _quantities(found: Switches) -> list[str]:
