@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
-from damper.flight import begin, increments
+from damper.flight import begin, increments, viscous_loss
 from damper.records import STUCK
 from damper.resolve import hit, roll, rub, settle
 
@@ -30,7 +30,7 @@ def march(
             axis.heading = axis.direction
             if opposing and axis.regime != STUCK:
                 axis.direction = -1 if axis.v > 0.0 else 1
-            _step(axis, laws[i], ball, step)
+            _step(axis, laws[i], ball, books, step)
         for i in range(2):
             axis, other = axes[i], axes[1 - i]
             side = 1 if axis.w > 0.0 else -1
@@ -49,8 +49,9 @@ def march(
 
 
 @kernel
-def _step(axis: Record, laws: Records, ball: Record, step: float) -> None:
+def _step(axis: Record, laws: Records, ball: Record, books: Record, step: float) -> None:
     begin(axis, laws, ball, 0.0)
+    books.structure += viscous_loss(axis, laws[axis.regime], step)
     du, dv, _ = increments(axis, laws[axis.regime], step)
     if axis.regime != STUCK:
         axis.s += axis.w * step - axis.beta * du + 0.5 * axis.f * step * step

@@ -108,7 +108,7 @@ def _switched(
     row = Switched(name, called_for, why, on)
     belongs_to = "plate" if name in OF_THE_PLATE else "damper"
     if getattr(source.scene, belongs_to) is None:
-        return replace(row, failed=f"the scene has no {belongs_to}")
+        return replace(row, failed=f"no {belongs_to} in the scene")
     switches, together = _switches(name, decided)
     try:
         found = compared(lambda: _run(source, decided, switches, size), lambda: _run(source, decided, {}, size))
