@@ -116,7 +116,7 @@ def _stress_stiffening(scene: Scene) -> tuple[bool, str]:
         return False, "the structure's frequency is given"
     if not _spins(scene):
         if scene.effects.large_deflection is True:
-            return True, "large_deflection, which the scene asks for, is a part of it, although nothing spins"
+            return True, "nothing spins, but large_deflection, which the scene asks for, needs it"
         return False, "nothing spins"
     return True, "the plate spins, and the centrifugal pull stiffens it"
 
