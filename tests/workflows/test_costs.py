@@ -6,6 +6,7 @@ import csv
 import json
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -247,8 +248,10 @@ def test_the_verdict_knows_theories() -> None:
     first, second = spoken(own, solid)
     assert first.startswith("Plate: thin plate (8 × 4) is the cheapest that meets 0.1 %, in 10 ms")
     assert "next comes solid (8 × 4), 100 times as long" in first
-    assert first.endswith("but its theory is not that good: against a solid it errs by 5 %.")
+    assert first.endswith("but against a solid thin plate errs by 5 %: its theory is not that good.")
     assert second.endswith(": solid (8 × 4) is the cheapest that meets 0.1 %, in 1000 ms; no other does.")
+    unsure = replace(solid, rows=(judged("thin plate", 0.01, 2e-3, 1.5e-3), judged("solid", 1.0, 5e-4)))
+    assert spoken(own, unsure)[0].endswith("errs by 0.2 %, which leaves open whether its theory is that good.")
     (alone,) = spoken(own)
     assert alone.endswith("how far its theory is from a solid is not known here.")
 
@@ -457,6 +460,7 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Callable[...
     drawn = (tmp_path / "out" / "effects.svg").read_text()
     assert all(name.replace("_", " ") in drawn for name in RULES)
     assert drawn.count("no plate in the scene") == len(OF_THE_PLATE)
+    assert "on: [effects] ball_slip = true: the printed equations know no slip" in drawn
     assert "accuracy, 0.001" in drawn
 
 
@@ -494,6 +498,12 @@ def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(plots.drawing, "svg", lambda figure, *_: figure)
     figure: Any = plots.effects(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
+
+
+def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
+    remark = "cutoff_g is there only with it, at 10000 rpm"
+    row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
+    assert remark in plots.effects(Switches("", 1e-3, (row,)))
 
 
 def test_effects_study_is_deterministic_but_for_times() -> None:

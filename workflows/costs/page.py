@@ -174,10 +174,14 @@ def _theory_error(found: Study, ladder: Ladder) -> str:
     rows = [row for other in theirs for row in other.rows if (row.method, row.setting) == (best.method, best.setting)]
     if not rows or rows[0].error is None:
         return "; how far its theory is from a solid is not known here"
-    if rows[0].error <= asked:
-        return ""
-    off = wording.significant(100 * rows[0].error, 2)
-    return f"; but its theory is not that good: against a solid it errs by {off} %"
+    error, trust = rows[0].error, rows[0].uncertainty or 0.0
+    off, good = (wording.significant(100 * value, 2) for value in (error, trust))
+    if error - trust > asked:
+        return f"; but against a solid {best.method} errs by {off} %: its theory is not that good"
+    if error + trust > asked:
+        known = f"against a solid, itself known to about {good} %, {best.method} errs by {off} %"
+        return f"; {known}, which leaves open whether its theory is that good"
+    return ""
 
 
 def _numbers(row: Row) -> str:

@@ -52,13 +52,24 @@ def effects(found: Switches) -> str:
             colour = drawing.CATEGORIES[0] if row.on else drawing.CATEGORIES[6]
             _change(left, place, row, colour)
             if row.within_noise:
-                right.text(0.0, place, " within noise", va="center", color=drawing.MUTED, fontsize=7)
+                right.annotate(
+                    "within noise",
+                    (0.0, place),
+                    (4.0, 0.0),
+                    textcoords="offset points",
+                    va="center",
+                    color=drawing.MUTED,
+                    fontsize=7,
+                )
             elif row.time_share is not None:
                 right.barh(place, 100 * row.time_share, color=colour, height=0.5)
+        names = [label for place, row in enumerate(rows) for label in _labels(place, row)]
+        left.set_yticks([place for place, _ in names], [name for _, name in names])
+        right.set_yticks([])
         for axes in (left, right):
-            axes.set_yticks(range(len(rows)), [_named(row) for row in rows])
             axes.set_ylim(-0.6, len(rows) - 0.4)
-        right.set_yticklabels([])
+            axes.tick_params(axis="y", length=0.0)
+            axes.grid(visible=False, axis="y")
         sizes = [abs(row.largest[1]) for row in rows if row.largest is not None]
         left.set(
             xscale="log",
@@ -74,19 +85,21 @@ def effects(found: Switches) -> str:
 def _change(axes: Axes, place: int, row: Switched, colour: str) -> None:
     top = row.largest
     if top is None or abs(top[1]) <= _NEGLIGIBLE:
-        text = textwrap.shorten(row.failed or "nothing", _LONGEST, placeholder=" …")
+        words = row.failed or "; ".join(("nothing in numbers", *row.remarks) if row.remarks else ("nothing",))
+        text = textwrap.shorten(words, _LONGEST, placeholder=" …")
         axes.text(2 * _NEGLIGIBLE, place, text, va="center", color=drawing.MUTED, fontsize=7)
         return
     axes.plot([_NEGLIGIBLE, abs(top[1])], [place, place], color=colour, lw=1.2)
     axes.plot([abs(top[1])], [place], "o", color=colour, ms=4)
 
 
-def _named(row: Switched) -> str:
-    """An effect, and what it changes most."""
+def _labels(place: int, row: Switched) -> list[tuple[float, str]]:
+    """An effect and what it changes most, at heights of their own: lines of one text come out ragged in a browser."""
     name, top = row.effect.replace("_", " "), row.largest
     if top is None or abs(top[1]) <= _NEGLIGIBLE:
-        return name
-    return f"{name}\n{top[0].replace('_', ' ')}, {wording.significant(100 * top[1], 2)} %"
+        return [(place, name)]
+    changed = f"{top[0].replace('_', ' ')}, {wording.significant(100 * top[1], 2)} %"
+    return [(place + 0.2, name), (place - 0.2, changed)]
 
 
 def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:

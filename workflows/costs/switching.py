@@ -113,7 +113,8 @@ def _switched(
     try:
         found = compared(lambda: _run(source, decided, switches, size), lambda: _run(source, decided, {}, size))
     except (SpindampError, ValueError) as error:
-        return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {error}")
+        reason = str(error).removeprefix(f"{source.name}: ")
+        return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
     changed = changes(own, found.value, own_has_it=on)
     extra, ends = (-found.extra, (-found.high, -found.low)) if on else (found.extra, (found.low, found.high))
     return replace(
