@@ -23,7 +23,7 @@ from workflows.costs.ladder import Ladder, Row, Study, measure
 from workflows.costs.study import study
 from workflows.costs.switching import Switched, Switches, switching
 from workflows.effects import OF_THE_PLATE, RULES
-from workflows.records import Mode, SpeedPoint
+from workflows.records import Damping, Energy, Mode, SpeedPoint
 from workflows.scene import Accuracy
 from workflows.stages import Stages
 
@@ -303,6 +303,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
             assert ("which the scene has on" in ladder.reference) == bool(words)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
     changes = {"rotor__speeds": ["10000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 2}
@@ -321,6 +322,7 @@ def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Ca
     assert all(row.keys() >= {"called_for", "why", "changes", "time_s", "time_share"} for row in found.values())
 
 
+@pytest.mark.usefixtures("hasty")
 def test_effects_that_cannot_be_switched_say_so(
     structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
 ) -> None:
@@ -376,6 +378,13 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Times that nobody reads."""
+    for name in ("_PAIRS", "_FEWER", "_FEWEST"):
+        monkeypatch.setattr(timing, name, 1)
+
+
 def point(rpm: float, *modes: tuple[str, float]) -> SpeedPoint:
     return SpeedPoint(rpm * np.pi / 30, rpm, 0.2, 1.0, tuple(Mode(frequency, family) for family, frequency in modes))
 
@@ -403,6 +412,7 @@ def test_speeds_are_compared_with_their_like() -> None:
     assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
@@ -413,6 +423,7 @@ def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spi
     assert 0.0 < row["changes"]["frequency_1"] < 0.01  # at 1000 rpm, the only speed that both have
 
 
+@pytest.mark.usefixtures("hasty")
 def test_what_appears_has_no_number(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
     """Without rolling resistance nothing stops the ball: there is no cut-off to compare with."""
     scene = write(changed(paper, rotor__speeds=["10000 rpm"], rotor__modes=1), tmp_path / "scene.toml")
@@ -429,6 +440,7 @@ def test_what_appears_has_no_number(paper: Scene, tmp_path: Path, spindamp: Call
     assert "cutoff_g is there only with it" in cells["remarks"]
 
 
+@pytest.mark.usefixtures("hasty")
 def test_what_needs_each_other_is_switched_together(
     paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
 ) -> None:
@@ -446,6 +458,7 @@ def test_what_needs_each_other_is_switched_together(
         assert "failed" not in row
 
 
+@pytest.mark.usefixtures("hasty")
 def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
     """A row without numbers says why in the text, in the CSV file and in the figure, beside the rule's reason."""
     scene = write(changed(structure, damper__formulation="printed"), tmp_path / "scene.toml")
@@ -500,12 +513,40 @@ def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> N
     assert figure.axes[0].get_xlim()[1] > 5e3
 
 
+def test_from_nothing_to_something_is_no_number() -> None:
+    """Energy that the ball takes only with an effect: infinitely more, which is no number; to nothing is -100 %."""
+
+    def rung(ball: float) -> tuple[SpeedPoint, ...]:
+        energy = Energy(1.0, 0.5, 0.5 - ball, ball, 0.0, 0.0, 0.0)
+        none = dict.fromkeys(Damping.__dataclass_fields__, None)
+        damping: Any = Damping(**none | {"energy": energy, "impacts": 3})  # type: ignore[arg-type]
+        return (replace(point(1000), damping=damping),)
+
+    found = changes(rung(0.1), rung(0.0), own_has_it=True)
+    assert found.relative == {"cutoff_g": None, "peak_sdc": None, "impacts": 0.0, "ball_share": None}
+    assert found.remarks == ("ball_share is there only with it, at 1000 rpm",)
+    assert changes(rung(0.1), rung(0.0), own_has_it=False).relative["ball_share"] == -1.0
+
+
+def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
+    monkeypatch.setattr(
+        "workflows.costs.switching.compared",
+        lambda work, _: timing.Compared(work(), extra=1.0, low=0.5, high=2.0, seconds=3.0, others=2.0),
+    )
+    rows = {row.effect: row for row in switching(scene_file.load("structure"), QUIET).rows}
+    on, off = rows["impact_friction"], rows["ball_slip"]
+    assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
+    assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)
+
+
 def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
     remark = "cutoff_g is there only with it, at 10000 rpm"
     row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
     assert remark in plots.effects(Switches("", 1e-3, (row,)))
 
 
+@pytest.mark.usefixtures("hasty")
 def test_effects_study_is_deterministic_but_for_times() -> None:
     source = scene_file.load("structure")
     first, second = (switching(source, QUIET) for _ in range(2))
