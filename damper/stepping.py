@@ -32,7 +32,7 @@ class SteppedRingDown:
         time: shape (n + 1,) [s].
         velocity: of the structure, shape (n + 1, 2) [m/s].
         impacts: number of wall hits noticed.
-        initial, final: energy of structure and ball [J].
+        initial, final: energy of structure and ball [J]; structure: what the structure's own dashpot took of it [J].
         peak_velocities: largest sampled speed in each vibration cycle from the release, shape (cycles,) [m/s].
     """
 
@@ -41,6 +41,7 @@ class SteppedRingDown:
     impacts: int
     initial: float
     final: float
+    structure: float
     peak_velocities: Floats
 
     @property
@@ -91,5 +92,6 @@ def stepped_ringdown(
         impacts=int(impacts),
         initial=float(one.initial[0]),
         final=float(energy(rows, one.axes)[0]),
+        structure=float(one.books[0].structure),
         peak_velocities=speed.reshape(cycles, steps_per_cycle).max(axis=1),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
-from damper.flight import begin, increments
+from damper.flight import begin, increments, velocity
 from damper.records import STUCK
 from damper.resolve import hit, roll, rub, settle
 
@@ -30,7 +30,7 @@ def march(
             axis.heading = axis.direction
             if opposing and axis.regime != STUCK:
                 axis.direction = -1 if axis.v > 0.0 else 1
-            _step(axis, laws[i], ball, step)
+            _step(axis, laws[i], ball, books, step)
         for i in range(2):
             axis, other = axes[i], axes[1 - i]
             side = 1 if axis.w > 0.0 else -1
@@ -49,15 +49,30 @@ def march(
 
 
 @kernel
-def _step(axis: Record, laws: Records, ball: Record, step: float) -> None:
+def _step(axis: Record, laws: Records, ball: Record, books: Record, step: float) -> None:
+    law = laws[axis.regime]
     begin(axis, laws, ball, 0.0)
-    du, dv, _ = increments(axis, laws[axis.regime], step)
+    du, dv, last = increments(axis, law, step)
+    books.structure += _viscous_loss(axis, law, dv, last, step)
     if axis.regime != STUCK:
         axis.s += axis.w * step - axis.beta * du + 0.5 * axis.f * step * step
         axis.w += axis.f * step - axis.beta * dv
         axis.spin = axis.w
     axis.u += axis.v * step + du
     axis.v += dv
+
+
+@kernel
+def _viscous_loss(axis: Record, law: Record, dv: float, last: float, step: float) -> float:
+    """Work of the structure's dashpot over a step, by the trapezoidal rule with its correction of the ends [J].
+
+    Good to the fourth power of the step, where the algorithm is to the first; the exact integral would cost thrice
+    as much as all the rest of a step. `last`: the acceleration at its end.
+    """
+    _, first = velocity(axis, law, 0.0)
+    before, after = axis.v, axis.v + dv
+    ends = 0.5 * (before * before + after * after) + step / 6.0 * (before * first - after * last)
+    return float(law.damping * step * ends)
 
 
 @kernel

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from workflows.errors import BadInput
 from workflows.scene import Scene
 
+OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -53,12 +55,13 @@ def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
     Raises:
         BadInput: the scene insists on an effect that its own values rule out.
     """
+    _check_plate(scene, file)
+    _check_large_deflection(scene, file)
+    _check_slip(scene, file)
     decided = {}
     for name, rule in RULES.items():
         asked = getattr(scene.effects, name)
         called, why = rule(scene)
-        if asked is True and name == "ball_slip":
-            _check_slip(scene, file)
         if asked == "auto":
             decided[name] = Effect(called, why)
         elif asked is True:
@@ -68,10 +71,30 @@ def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
     return decided
 
 
+def _check_plate(scene: Scene, file: str | None) -> None:
+    """The effects of a plate need one: a structure's frequency is taken as it is given."""
+    if scene.plate is not None:
+        return
+    for name in OF_THE_PLATE:
+        if getattr(scene.effects, name) is True:
+            raise BadInput("the scene has no plate", file=file, key=f"[effects] {name}", value=True)
+
+
+def _check_large_deflection(scene: Scene, file: str | None) -> None:
+    """The bent state is found from the stresses that stiffen it."""
+    if scene.effects.large_deflection is True and scene.effects.stress_stiffening is False:
+        raise BadInput(
+            "needs stress_stiffening, of which it is a part, and that is false",
+            file=file,
+            key="[effects] large_deflection",
+            value=True,
+        )
+
+
 def _check_slip(scene: Scene, file: str | None) -> None:
     """Slip on the floor needs a friction to slip against, and equations that know it."""
     damper = scene.damper
-    if damper is None:
+    if damper is None or scene.effects.ball_slip is not True:
         return
     if damper.formulation == "printed":
         raise BadInput("the printed equations know no slip", file=file, key="[effects] ball_slip", value=True)
@@ -92,6 +115,8 @@ def _stress_stiffening(scene: Scene) -> tuple[bool, str]:
     if scene.plate is None:
         return False, "the structure's frequency is given"
     if not _spins(scene):
+        if scene.effects.large_deflection is True:
+            return True, "nothing spins, but large_deflection, which the scene asks for, needs it"
         return False, "nothing spins"
     return True, "the plate spins, and the centrifugal pull stiffens it"
 
@@ -126,6 +151,10 @@ def _coriolis(scene: Scene) -> tuple[bool, str]:
 def _large_deflection(scene: Scene) -> tuple[bool, str]:
     if scene.plate is None:
         return False, "the structure's frequency is given"
+    if not _spins(scene):
+        return False, "nothing spins"
+    if scene.effects.stress_stiffening is False:
+        return False, "stress_stiffening is off, of which it is a part"
     if not bends(scene):
         return False, "the centrifugal load lies in the plate's own plane and does not bend it"
     degrees = math.degrees(scene.rotor.stagger)
@@ -153,7 +182,7 @@ def _impact_friction(scene: Scene) -> tuple[bool, str]:
         return False, "no damper in the scene"
     if scene.damper.friction == 0:
         return False, "friction is 0"
-    return True, "friction is above 0 and wall hits are oblique"
+    return True, "friction is above 0: it acts where the ball moves along a wall as it hits it"
 
 
 def _ball_slip(scene: Scene) -> tuple[bool, str]:

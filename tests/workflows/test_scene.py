@@ -124,6 +124,24 @@ def test_switches_override_the_rules(paper: Scene) -> None:
     assert decided["spin_softening"].why == "asked for by the scene"
 
 
+def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
+    off = {"stress_stiffening": False}
+    bent = effects.resolve(parse(changed(paper, rotor__stagger="30 deg", effects=off)))["large_deflection"]
+    assert (bent.on, bent.why) == (False, "stress_stiffening is off, of which it is a part")
+    on = effects.resolve(parse(changed(paper, rotor__speeds=[0], effects={"large_deflection": True})))
+    assert on["large_deflection"].on
+    assert on["stress_stiffening"].on
+
+
+def test_nothing_spins_is_the_reason_at_rest(paper: Scene) -> None:
+    still = changed(paper, rotor__speeds=[0], rotor__stagger="30 deg")
+    decided = effects.resolve(parse(still))
+    for name in ("stress_stiffening", "spin_softening", "coriolis", "large_deflection"):
+        assert (decided[name].on, decided[name].why) == (False, "nothing spins")
+    asked = effects.resolve(parse(changed(still, effects__coriolis=True)))["coriolis"]
+    assert (asked.on, asked.why) == (True, "asked for by the scene, although nothing spins")
+
+
 def test_slug() -> None:
     assert slug("The paper's plate") == "the-papers-plate"
     assert slug("../../etc") == "etc"

@@ -66,6 +66,11 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"effects__coriolis": "yes"}, "[effects] coriolis = 'yes'", "'auto', true or false"),
     ({"effects__coriolis": 1}, "[effects] coriolis", "'auto', true or false"),
     ({"effects__corriolis": True}, "[effects] corriolis", "did you mean 'coriolis'?"),
+    (
+        {"effects": {"large_deflection": True, "stress_stiffening": False}},
+        "[effects] large_deflection = true",
+        "needs stress_stiffening",
+    ),
     ({"damper__at": ["30 cm", "0 cm"]}, "[damper] at", "outside the plate"),
     ({"damper__at": ["20 cm", "5 cm"]}, "[damper] at", "outside the plate"),
     ({"damper__at": ["0 cm", "0 cm"]}, "[damper] at", "outside the plate"),
@@ -123,6 +128,8 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"rotor__stagger": "10 deg"}, "[rotor] stagger", "belongs to a plate"),
     ({"damper__at": ["1 cm", "0 cm"]}, "[damper] at", "belongs to a plate"),
     ({"damper": None, "release": None}, "[damper]", "missing"),
+    ({"effects__coriolis": True}, "[effects] coriolis = true", "the scene has no plate"),
+    ({"effects__rotary_inertia": True}, "[effects] rotary_inertia = true", "the scene has no plate"),
 ]
 
 

@@ -1,7 +1,8 @@
 """The ring-down once more by `scipy.integrate.solve_ivp` and its event functions: a peer for the exact events.
 
-Both axes are one system y = (u, v, s, w) twice, of the structure and the ball relative to it; it is integrated from
-event to event. Without slip on the floor. Nothing of `damper` but its description is used.
+Both axes are one system y = (u, v, s, w) twice, of the structure and the ball relative to it, and the work of the
+structure's dashpot; it is integrated from event to event. Without slip on the floor. Nothing of `damper` but its
+description is used.
 """
 
 from __future__ import annotations
@@ -29,10 +30,14 @@ _MOST_EVENTS = 20_000
 
 @dataclass(frozen=True)
 class ByIvp:
-    """What the peer found: energies [J], wall hits, and evaluations of the equations of motion."""
+    """What the peer found: wall hits, evaluations of the equations of motion, and energies [J].
+
+    structure: what the structure's own dashpot took.
+    """
 
     initial: float
     final: float
+    structure: float
     impacts: int
     evaluations: int
 
@@ -67,7 +72,7 @@ class _Peer:
         self.beta = damper.inertia_ratio
         self.spin = damper.spin_mass / damper.modal_mass
         self.zeta = damper.damping_ratio
-        self.y: Floats = np.zeros(8)
+        self.y: Floats = np.zeros(9)
         self.y[[0, 4]] = [displacement / self.length for displacement in release]
         self.moves = [0, 0]
         self.impacts = self.evaluations = 0
@@ -79,7 +84,7 @@ class _Peer:
         for _ in range(_MOST_EVENTS):
             t, happened = self.fly(t, end)
             if not happened:
-                return ByIvp(initial, self.energy(), self.impacts, self.evaluations)
+                return ByIvp(initial, self.energy(), self.energy_unit * self.y[8], self.impacts, self.evaluations)
             for axis, kind in happened:
                 self.resolve(axis, kind)
         raise ArithmeticError(f"more than {_MOST_EVENTS} events")
@@ -100,12 +105,13 @@ class _Peer:
 
     def motion(self, _: float, y: Floats) -> Floats:
         self.evaluations += 1
-        rates = np.empty(8)
+        rates = np.zeros(9)
         for axis, moves in enumerate(self.moves):
             u, v, _, w = y[4 * axis : 4 * axis + 4]
             a = self.acceleration(axis, u, v, moves)
             relative = 0.0 if moves == 0 else -self.beta * (a + self.resistance * moves)
             rates[4 * axis : 4 * axis + 4] = v, a, (w if moves else 0.0), relative
+            rates[8] += self.dashpot(axis, moves == 0) * v**2
         return rates
 
     def fly(self, t: float, end: float) -> tuple[float, list[tuple[int, str]]]:

@@ -21,7 +21,7 @@ class Row:
     Attributes:
         unknowns: size of what is solved, or steps taken; None where there is no such number.
         time_s: median seconds; spread_s: least and most. None where it failed.
-        error: relative, against the ladder's reference.
+        error: relative, against the ladder's reference; uncertainty: how far that can be trusted, None if unknown.
         failed: why there is no time and no error.
     """
 
@@ -31,6 +31,7 @@ class Row:
     time_s: float | None = None
     spread_s: tuple[float, float] | None = None
     error: float | None = None
+    uncertainty: float | None = None
     failed: str | None = None
 
 

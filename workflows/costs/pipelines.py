@@ -36,14 +36,15 @@ QUANTITIES = ("first frequency", "cut-off", "peak specific damping capacity")
 
 
 def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chosen]]:
-    """A ladder for each headline number that the scene has; without a plate there is nothing to choose."""
+    """A ladder for each headline number that the scene has; none without a plate, where there is nothing to choose."""
+    if source.scene.plate is None:
+        return [], {}
     theory = _theory(source)
     step.advance("reference")
     finest = pipeline.run(_asking(source, _FINEST, theory), Stages(visible=False))
     shown = pipeline.shown(finest.speeds)
-    accuracies = ASKED if source.scene.plate is not None else ASKED[-2:-1]
     runs: dict[float, tuple[Row, Results | None]] = {}
-    for asked in accuracies:
+    for asked in ASKED:
         step.advance(f"accuracy {asked:g}")
         runs[asked] = _run(_asking(source, asked, theory), asked)
     found, chosen = [], {}

@@ -24,6 +24,9 @@ _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 _SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""
 
+WITH_THEORY = "plate, with the error of the theory"
+"""The stage in which all theories are held against the solid."""
+
 METHODS = (
     ("kirchhoff/bfs", "thin plate, BFS rectangles", 10),
     ("kirchhoff/argyris", "thin plate, Argyris triangles", 4),
@@ -104,28 +107,28 @@ def ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple
     known = limits(problem, step)
     own, solid = [], []
     for method, name, finest in METHODS:
-        limit, _ = known.get(method.partition("/")[0].split()[0].strip(","), (None, 0.0))
+        limit, trust = known.get(method.partition("/")[0].split()[0].strip(","), (None, None))
         for size in sizes(problem, finest):
             step.advance(f"{name}, {size}")
             row, frequencies = _row(problem, method, name, size, limit)
-            own.append(row)
+            own.append(replace(row, uncertainty=trust))
             if "solid" in known and frequencies is not None:
                 error = float(np.abs(frequencies / known["solid"][0] - 1.0).max())
-                solid.append(replace(row, error=error))
+                solid.append(replace(row, error=error, uncertainty=known["solid"][1]))
             else:
                 solid.append(row)
     where = f"{problem.count} frequencies at {problem.omega * 30 / np.pi:.0f} rpm"
-    trust = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
+    trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
     ours = Ladder(
         "plate",
         f"largest relative error of the mesh in {where}",
-        f"limit of each row's own theory, extrapolated from the two finest meshes ({trust})",
+        f"limit of each row's own theory, extrapolated from the two finest meshes ({trusts})",
         tuple(own),
     )
     if "solid" not in known:
         return [ours], known
     theirs = Ladder(
-        "plate, with the error of the theory",
+        WITH_THEORY,
         f"largest relative error in {where}, mesh and theory together",
         f"limit of solid bricks, good to about {significant(known['solid'][1], 1)}",
         tuple(solid),

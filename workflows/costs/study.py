@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,17 +12,22 @@ from workflows import pipeline, plate, plate_mesh, ringdowns
 from workflows.costs import dampers, pipelines, plates
 from workflows.costs.ladder import Chosen, Ladder, Study
 from workflows.costs.plates import Problem
+from workflows.errors import NoAnswer
 from workflows.plate_records import Discrete
 from workflows.records import Floats
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
+
+if TYPE_CHECKING:
+    import fem
 
 
 def study(source: SceneFile, stages: Stages | None = None) -> Study:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
-        BadInput, NoAnswer: see :func:`workflows.plate.solve`.
+        BadInput: see :func:`workflows.plate.solve`.
+        NoAnswer: see there; or the scene has nothing whose accuracy costs anything.
     """
     stages = stages or Stages()
     ladders: list[Ladder] = []
@@ -37,10 +43,12 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
             point = points[pipeline.shown(points)]
             system = ringdowns.particle_damper(source.scene, effects, point)
             ladder, exact = dampers.ladder(system, ringdowns.released_at(source.scene, point), point, step)
-        ladders.append(ladder)
+        ladders += [] if ladder is None else [ladder]
         chosen["damper"] = exact
     with stages("pipeline", len(pipelines.ASKED) + 1) as step:
         whole, picked = pipelines.ladders(source, step)
+    if not ladders:
+        raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
     asked = source.scene.accuracy.model_dump()
     return Study(source.scene.title, asked, (*ladders, *whole), chosen | picked)
 
@@ -64,7 +72,16 @@ def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, C
     with stages("speeds", 6) as step:
         ladder, basis = plates.speeds(linear, problem.omega, count, step)
     mesh = _chosen(solver, problem, limits)
-    return [*ladders, ladder], {"plate": mesh, "speeds": basis}
+    left_out = _left_out(operators.effects)
+    said = [replace(ladder, reference=ladder.reference + left_out) for ladder in (*ladders, ladder)]
+    return said, {"plate": mesh, "speeds": basis}
+
+
+def _left_out(effects: fem.Effects) -> str:
+    """What the scene has on and the plate's ladders are without, in words."""
+    names = {"large deflection": effects.large_deflection, "Coriolis forces": effects.coriolis}
+    on = [name for name, switch in names.items() if switch]
+    return f"; all without {' and '.join(on)}, which the scene has on" if on else ""
 
 
 def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Chosen:

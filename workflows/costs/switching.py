@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
-
-import numpy as np
 
 from workflows import effects as rules
 from workflows import pipeline, plate
+from workflows.costs.changes import changes
 from workflows.costs.ladder import machine
-from workflows.costs.timing import POLICY, timed
-from workflows.effects import Effect
+from workflows.costs.timing import POLICY_OF_DIFFERENCES, compared
+from workflows.effects import OF_THE_PLATE, Effect
 from workflows.errors import SpindampError
 from workflows.records import SpeedPoint
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
 
-OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
+_PART_OF = {"large_deflection": "stress_stiffening"}
+"""Effects that make no sense without another."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,10 @@ class Switched:
     Attributes:
         effect, called_for, why: its name, whether the scene calls for it, and why (not).
         on: whether it is simulated, as the scene and the rules have it.
-        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds.
-        time_s: what it adds to a run [s], median; time_share: that over the run with it.
+        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds, None
+            where no speed has a value both with and without it.
+        remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
+        time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
         failed: why there is no change to show.
     """
 
@@ -36,31 +38,46 @@ class Switched:
     called_for: bool
     why: str
     on: bool
-    changes: dict[str, float] = field(default_factory=dict)
+    changes: dict[str, float | None] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
     time_s: float | None = None
+    time_spread_s: tuple[float, float] | None = None
     time_share: float | None = None
     failed: str | None = None
+
+    @property
+    def largest(self) -> tuple[str, float] | None:
+        """The quantity that changes most, and by how much."""
+        known = [(name, change) for name, change in self.changes.items() if change is not None]
+        return max(known, key=lambda item: abs(item[1]), default=None)
+
+    @property
+    def within_noise(self) -> bool | None:
+        """Whether the time is smaller than the width of its spread; None without a time."""
+        if self.time_s is None or self.time_spread_s is None:
+            return None
+        low, high = self.time_spread_s
+        return abs(self.time_s) < high - low
 
 
 @dataclass(frozen=True, eq=False)
 class Switches:
-    """All effects of a scene."""
+    """All effects of a scene, and the relative error in frequency that the scene asks for."""
 
     title: str
+    asked: float
     rows: tuple[Switched, ...]
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
-        rows = [{k: v for k, v in asdict(row).items() if k != "failed" or v is not None} for row in self.rows]
-        return {"schema_version": 1, "title": self.title, "machine": machine(), "noise": POLICY, "rows": rows}
-
-
-@dataclass(frozen=True, eq=False)
-class _Run:
-    """Headline quantities of a run, a value for each speed, and its time [s]."""
-
-    quantities: dict[str, list[float]]
-    seconds: float
+        return {
+            "schema_version": 1,
+            "title": self.title,
+            "asked": self.asked,
+            "machine": machine(),
+            "noise": POLICY_OF_DIFFERENCES,
+            "rows": [_entry(row) for row in self.rows],
+        }
 
 
 def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
@@ -74,64 +91,66 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
     has_plate = source.scene.plate is not None
     size = plate.discretise(source, decided, Stages(visible=False)).choice.size if has_plate else None
     with stages("effects", len(decided) + 1) as step:
-        base = _run(source, decided, {}, size)
+        own = _run(source, decided, {}, size)
         step.advance("as the scene has it")
         rows = []
         for name in decided:
-            rows.append(_switched(source, decided, name, base, size))
+            rows.append(_switched(source, decided, name, own, size))
             step.advance(name)
-    return Switches(source.scene.title, tuple(rows))
+    return Switches(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
 
-def _switched(source: SceneFile, decided: dict[str, Effect], name: str, base: _Run, size: int | None) -> Switched:
+def _switched(
+    source: SceneFile, decided: dict[str, Effect], name: str, own: tuple[SpeedPoint, ...], size: int | None
+) -> Switched:
     called_for, why = rules.RULES[name](source.scene)
     on = decided[name].on
     row = Switched(name, called_for, why, on)
-    absent = source.scene.plate if name in OF_THE_PLATE else source.scene.damper
-    if absent is None:
-        return row
+    belongs_to = "plate" if name in OF_THE_PLATE else "damper"
+    if getattr(source.scene, belongs_to) is None:
+        return replace(row, failed=f"no {belongs_to} in the scene")
+    switches, together = _switches(name, decided)
     try:
-        other = _run(source, decided, {name: not on}, size)
+        found = compared(lambda: _run(source, decided, switches, size), lambda: _run(source, decided, {}, size))
     except (SpindampError, ValueError) as error:
-        return Switched(name, called_for, why, on, failed=f"{'off' if on else 'on'}: {error}")
-    with_it, without = (base, other) if on else (other, base)
-    changes = {
-        quantity: _largest(with_it.quantities[quantity], without.quantities[quantity])
-        for quantity in base.quantities
-        if quantity in other.quantities
-    }
-    extra = with_it.seconds - without.seconds
-    return Switched(name, called_for, why, on, changes, extra, extra / with_it.seconds)
+        reason = str(error).removeprefix(f"{source.name}: ")
+        return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
+    changed = changes(own, found.value, own_has_it=on)
+    extra, ends = (-found.extra, (-found.high, -found.low)) if on else (found.extra, (found.low, found.high))
+    return replace(
+        row,
+        changes=changed.relative,
+        remarks=together + changed.remarks,
+        time_s=extra,
+        time_spread_s=ends,
+        time_share=extra / (found.others if on else found.seconds),
+    )
 
 
-def _run(source: SceneFile, decided: dict[str, Effect], changed: dict[str, bool], size: int | None) -> _Run:
-    """The scene with all effects as decided but those changed, on a mesh that is given."""
-    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in decided.items()} | changed)
-    scene = source.changed(effects=effects)
-
-    def work() -> tuple[SpeedPoint, ...]:
-        quiet = Stages(visible=False)
-        return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
-
-    found = timed(work)
-    return _Run(_headlines(found.value), found.median)
-
-
-def _headlines(points: tuple[SpeedPoint, ...]) -> dict[str, list[float]]:
-    """Each quantity at every speed; NaN where it has no value."""
-    quantities: dict[str, list[float]] = {}
-    for number in range(min(len(point.modes) for point in points)):
-        quantities[f"frequency_{number + 1}"] = [point.modes[number].frequency_hz for point in points]
-    if all(point.damping is not None for point in points):
-        for name in ("cutoff_g", "peak_sdc", "impacts"):
-            values = [getattr(point.damping, name) for point in points]
-            quantities[name] = [np.nan if value is None else float(value) for value in values]
-        quantities["ball_share"] = [p.damping.energy.ball_share for p in points if p.damping is not None]
-    return quantities
+def _switches(name: str, decided: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
+    """An effect the other way, with those that must go with it, and these in words."""
+    switches, together = {name: not decided[name].on}, []
+    for part, whole in _PART_OF.items():
+        if name == whole and decided[whole].on and decided[part].on:
+            switches[part] = False
+            together.append(f"together with {part}, which needs it")
+        if name == part and not decided[part].on and not decided[whole].on:
+            switches[whole] = True
+            together.append(f"together with {whole}, which it needs")
+    return switches, tuple(together)
 
 
-def _largest(with_it: list[float], without: list[float]) -> float:
-    """The relative change that is largest in size over the speeds that both runs have; 0 where nothing is known."""
-    pairs = zip(with_it, without, strict=False)
-    changes = [(one - other) / other for one, other in pairs if np.isfinite([one, other]).all() and other != 0]
-    return max(changes, key=abs, default=0.0)
+def _run(
+    source: SceneFile, decided: dict[str, Effect], switches: dict[str, bool], size: int | None
+) -> tuple[SpeedPoint, ...]:
+    """The scene with all effects as decided but those switched, on a mesh that is given."""
+    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in decided.items()} | switches)
+    scene, quiet = source.changed(effects=effects), Stages(visible=False)
+    return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
+
+
+def _entry(row: Switched) -> dict[str, Any]:
+    entry = asdict(row) | {"within_noise": row.within_noise}
+    if row.failed is None:
+        del entry["failed"]
+    return entry
