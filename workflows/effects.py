@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput
 from workflows.scene import Scene
+from workflows.wording import significant
+
+if TYPE_CHECKING:
+    from workflows.scene_file import SceneFile
 
 OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
 
@@ -49,8 +54,27 @@ def theory(scene: Scene, sides: tuple[float, float] | None = None) -> Theory | N
     return Theory(chosen.name, chosen.why, chosen.model_error)
 
 
-def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
-    """Every effect of the scene, decided.
+def called_for(scene: Scene, length: float | None = None) -> dict[str, tuple[bool, str]]:
+    """Whether the scene calls for each effect, and why (not). `length` [m]: that of a plate from a mesh."""
+    return {name: _coriolis(scene, length) if rule is _coriolis else rule(scene) for name, rule in RULES.items()}
+
+
+def of(source: SceneFile) -> dict[str, Effect]:
+    """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
+    return resolve(source.scene, source.name, length(source))
+
+
+def length(source: SceneFile) -> float | None:
+    """Length [m] of the plate of a scene that names a mesh."""
+    if source.mesh is None:
+        return None
+    from workflows import plate_mesh
+
+    return plate_mesh.planform(source).sides[0]
+
+
+def resolve(scene: Scene, file: str | None = None, length: float | None = None) -> dict[str, Effect]:
+    """Every effect of the scene, decided. `length` [m]: that of a plate from a mesh.
 
     Raises:
         BadInput: the scene insists on an effect that its own values rule out.
@@ -59,9 +83,8 @@ def resolve(scene: Scene, file: str | None = None) -> dict[str, Effect]:
     _check_large_deflection(scene, file)
     _check_slip(scene, file)
     decided = {}
-    for name, rule in RULES.items():
+    for name, (called, why) in called_for(scene, length).items():
         asked = getattr(scene.effects, name)
-        called, why = rule(scene)
         if asked == "auto":
             decided[name] = Effect(called, why)
         elif asked is True:
@@ -134,17 +157,23 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
     )
 
 
-def _coriolis(scene: Scene) -> tuple[bool, str]:
-    if scene.plate is None or not _spins(scene):
+def _coriolis(scene: Scene, length: float | None = None) -> tuple[bool, str]:
+    """On when it moves a frequency by more than the accuracy asked for.
+
+    What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
+    lowers it by 2 (Omega / w)²: two modes in the limit of a low one. `length`: that of a mesh, in m.
+    """
+    if scene.plate is None or scene.material is None or not _spins(scene):
         return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
-    if abs(math.sin(scene.rotor.stagger)) > 1e-9:
-        return False, (
-            "the plate is staggered: Coriolis forces couple its bending to motion in its plane, by some parts in a"
-            " thousand of a frequency at high speed; coriolis = true takes them in, with complex modes"
-        )
-    return False, (
-        "at stagger 0 it leaves bending alone, and moves lag by some parts in a thousand at high speed; coriolis = true"
-        " takes it in, with complex modes"
+    length = length or scene.plate.length
+    if length is None:
+        raise ValueError("the length of a plate from a mesh is needed")
+    stretching = 0.5 * math.pi * math.sqrt(scene.material.youngs_modulus / scene.material.density) / length
+    moved = 2.0 * (max(scene.rotor.speeds) / stretching) ** 2
+    asked = scene.accuracy.frequency
+    return moved > asked, (
+        f"it lowers frequencies of motion in the plane of rotation by about {significant(100 * moved, 1)} % at most,"
+        f" {'more' if moved > asked else 'less'} than the {significant(100 * asked)} % asked for"
     )
 
 

@@ -37,14 +37,6 @@ def _capped(results: Results) -> str | None:
     return None
 
 
-def _left_out(results: Results) -> str | None:
-    """Coriolis forces, where stagger gives them something to do and the scene does not ask for them."""
-    effect = results.effects["coriolis"]
-    if effect.on or results.scene.plate is None or not math.sin(results.scene.rotor.stagger):
-        return None
-    return f"Coriolis forces are left out: {effect.why}."
-
-
 def _floor_tilt(results: Results) -> str | None:
     tilts = [(r.floor_tilt, p.rpm) for p, r, _ in _rung(results) if r.floor_tilt is not None]
     tilt, rpm = max(tilts, default=(0.0, 0.0))
@@ -159,7 +151,6 @@ def _two_axes(results: Results) -> str | None:
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.divergence,
     _capped,
-    _left_out,
     _floor_tilt,
     _books,
     _work_bound,

@@ -31,7 +31,7 @@ def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: i
     Raises:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
-    effects = rules.resolve(source.scene, source.name)
+    effects = rules.of(source)
     if source.scene.plate is None:
         points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, effects, points, None)

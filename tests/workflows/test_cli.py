@@ -95,7 +95,7 @@ def test_check_says_why(spindamp: Callable[..., Outcome]) -> None:
     assert "stress_stiffening = true" in outcome.out
     assert "the centrifugal pull stiffens it" in outcome.out
     found = json.loads(spindamp("check", "paper", "--json").out)
-    assert found["effects"]["coriolis"]["on"] is False
+    assert found["effects"]["coriolis"]["on"] is True
     assert found["scene"]["plate"]["theory"] == found["theory"]["name"]
 
 

@@ -113,8 +113,25 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
 def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
     assert effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))["large_deflection"].on
     assert not effects.resolve(parse(changed(paper, rotor__stagger="90 deg")))["large_deflection"].on
-    assert not effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))["coriolis"].on
-    assert effects.resolve(parse(changed(paper, effects={"coriolis": True})))["coriolis"].on
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "rpm", "on"), [(1e-2, 17500, False), (1e-3, 17500, True), (1e-3, 5000, False), (1e-4, 5000, True)]
+)
+def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rpm: float, on: bool) -> None:
+    """It lowers the lag mode at 17500 rpm by 0.43 %, and with the square of the speed."""
+    scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], accuracy={"frequency": accuracy})
+    effect = effects.resolve(parse(scene))["coriolis"]
+    assert effect.on is on
+    assert ("0.4 %" in effect.why) == (rpm == 17500)
+
+
+def test_the_length_of_a_mesh_is_read() -> None:
+    source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
+    assert effects.length(source) == pytest.approx(0.15, rel=0.5)
+    assert "asked for" in effects.of(source)["coriolis"].why
+    with pytest.raises(ValueError, match="length"):
+        effects.resolve(source.scene)
 
 
 def test_switches_override_the_rules(paper: Scene) -> None:

@@ -18,7 +18,7 @@ def check(
 
     source = scene_file.load(scene)
     needs.check(source)
-    decided = effects.resolve(source.scene, source.name)
+    decided = effects.of(source)
     sides = None
     if source.mesh is not None:
         from workflows import plate_mesh

@@ -32,7 +32,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     stages = stages or Stages()
     ladders: list[Ladder] = []
     chosen: dict[str, Chosen] = {}
-    effects = rules.resolve(source.scene, source.name)
+    effects = rules.of(source)
     if source.scene.plate is not None:
         found, picked = _plate(source, stages)
         ladders += found
@@ -54,7 +54,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
 
 
 def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, Chosen]]:
-    solver = plate.discretise(source, rules.resolve(source.scene, source.name), Stages(visible=False))
+    solver = plate.discretise(source, rules.of(source), Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(

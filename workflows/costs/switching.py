@@ -87,7 +87,7 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
     stages = stages or Stages()
-    decided = rules.resolve(source.scene, source.name)
+    decided, called = rules.of(source), rules.called_for(source.scene, rules.length(source))
     has_plate = source.scene.plate is not None
     size = plate.discretise(source, decided, Stages(visible=False)).choice.size if has_plate else None
     with stages("effects", len(decided) + 1) as step:
@@ -95,15 +95,20 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         step.advance("as the scene has it")
         rows = []
         for name in decided:
-            rows.append(_switched(source, decided, name, own, size))
+            rows.append(_switched(source, decided, called, name, own, size))
             step.advance(name)
     return Switches(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
 
 def _switched(
-    source: SceneFile, decided: dict[str, Effect], name: str, own: tuple[SpeedPoint, ...], size: int | None
+    source: SceneFile,
+    decided: dict[str, Effect],
+    called: dict[str, tuple[bool, str]],
+    name: str,
+    own: tuple[SpeedPoint, ...],
+    size: int | None,
 ) -> Switched:
-    called_for, why = rules.RULES[name](source.scene)
+    called_for, why = called[name]
     on = decided[name].on
     row = Switched(name, called_for, why, on)
     belongs_to = "plate" if name in OF_THE_PLATE else "damper"
