@@ -44,6 +44,12 @@ def test_usage_errors(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_slow_start_is_explained(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("damper.compiled.CACHED", False)
+    assert "compiled code is not kept" in spindamp("ringdown", "structure").err
+    assert spindamp("campbell", "paper").err == ""
+
+
 def test_help_names_every_command(spindamp: Callable[..., Outcome]) -> None:
     outcome = spindamp("--help")
     assert outcome.status == 0

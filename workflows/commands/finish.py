@@ -18,6 +18,8 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     needs.check(source)
     if out is not None:
         store.check(out)
+    if source.scene.damper is not None:
+        _say_if_slow()
     with ExitStack() as stack:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
@@ -31,3 +33,11 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
 
             results = publish(results, out, stages, artist)
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out))
+
+
+def _say_if_slow() -> None:
+    from damper.compiled import CACHED
+
+    if not CACHED:
+        problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
+        typer.echo(f"spindamp: {problem}: every start takes half a minute longer", err=True)
