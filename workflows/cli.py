@@ -8,26 +8,20 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 
+from workflows import signals
 from workflows.errors import SpindampError, one_line
+from workflows.signals import Terminated
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
 _AGAIN = "nothing is half-written; the same command starts over"
 
 
-class Terminated(BaseException):
-    """A signal asked the program to end; no handler of a library takes it for its own."""
-
-
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line and return its exit status."""
+    """Run the command line and return its exit status; without arguments, those of this process, which then ends."""
     _open_streams()
     try:
-        with _signals():
+        with signals.heard(to_the_end=arguments is None):
             return _run(arguments)
     except KeyboardInterrupt:
         return _fail(f"stopped; {_AGAIN}", STOPPED)
@@ -95,28 +89,6 @@ def _silence() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (OSError, ValueError):
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-
-
-@contextmanager
-def _signals() -> Iterator[None]:
-    """Let what would end the program at once end it as a Ctrl-C does; what is ignored (nohup) stays so."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    wanted = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.getsignal(number) for number in wanted}
-    taken = [number for number in wanted if before[number] == signal.SIG_DFL]
-    for number in taken:
-        signal.signal(number, _terminated)
-    try:
-        yield
-    finally:
-        for number in taken:
-            signal.signal(number, before[number])
-
-
-def _terminated(number: int, frame: FrameType | None) -> None:
-    raise Terminated(signal.Signals(number).name)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from workflows import signals
 from workflows.errors import BadInput
 
 MANIFEST = ".spindamp"
@@ -96,6 +97,7 @@ def replacing(folder: Path) -> Iterator[Path]:
         with _alone_in(target.parent):
             _carry_over(target, scratch)
             _sync_folder(scratch)
+            signals.ignore()
             _swap(scratch, target)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error

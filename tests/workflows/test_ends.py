@@ -104,6 +104,48 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
 
 
+PUBLISHED = """
+import atexit, os, signal, sys
+from workflows import cli, summary
+number, before = int(sys.argv.pop()), summary.text
+def again(*given):
+    os.kill(os.getpid(), number)
+    return before(*given)
+summary.text = again
+atexit.register(os.kill, os.getpid(), number)
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_after_the_results_are_in_place(number: signal.Signals, tmp_path: Path) -> None:
+    """The run is done, whatever arrives while it says so and while Python ends."""
+    done = subprocess.run(
+        [sys.executable, "-c", PUBLISHED, "run", "structure", "--out", "out", str(int(number))],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("open out/report.html\n")
+
+
+def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) -> None:
+    code = (
+        "import atexit, os, signal, sys\nfrom workflows import cli\n"
+        "atexit.register(os.kill, os.getpid(), signal.SIGINT)\n"
+        "import workflows.ringdowns as r\n"
+        "r._look_up = lambda _: os.kill(os.getpid(), signal.SIGTERM)\n"
+        "sys.exit(cli.main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, "ringdown", endless], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 143
+    assert done.stderr == "spindamp: ended by SIGTERM; nothing is half-written; the same command starts over\n"
+
+
 FULL = """
 import resource, sys
 from workflows import cli, publish
