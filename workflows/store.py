@@ -13,6 +13,7 @@ import hashlib
 import os
 import platform
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -90,12 +91,12 @@ def replacing(folder: Path) -> Iterator[Path]:
         _clear(target)
         prefix = f"{_prefix(target)}{os.getpid()}-"
         scratch = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
-        scratch.chmod(0o777 & ~_umask())
         yield scratch
         (scratch / MANIFEST).write_text("".join(f"{path.name}\n" for path in sorted(scratch.iterdir())))
         _sync(scratch)
         with _alone_in(target.parent):
             _carry_over(target, scratch)
+            _dress(scratch, target)
             _sync_folder(scratch)
             signals.ignore()
             _swap(scratch, target)
@@ -181,6 +182,18 @@ def _carry_over(target: Path, scratch: Path) -> None:
             shutil.copytree(path, new, symlinks=True, copy_function=_link_or_copy)
         else:
             _link_or_copy(str(path), str(new))
+
+
+def _dress(scratch: Path, target: Path) -> None:
+    """Give the new folder the owner and the permissions of the old one, or those that any new folder has."""
+    if not target.is_dir():
+        scratch.chmod(0o777 & ~_umask())
+        return
+    old, new = target.stat(), scratch.stat()
+    if hasattr(os, "chown") and (old.st_uid, old.st_gid) != (new.st_uid, new.st_gid):
+        with contextlib.suppress(PermissionError):  # only root gives a folder away
+            os.chown(scratch, old.st_uid, old.st_gid)
+    scratch.chmod(stat.S_IMODE(old.st_mode))
 
 
 def _link_or_copy(old: str, new: str) -> str:

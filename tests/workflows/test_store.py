@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -65,6 +66,35 @@ def test_files_of_the_user_stay(tmp_path: Path) -> None:
     assert (out / "measured.csv").read_text() == "mine"
     assert (out / "results.json").read_text() == "new"
     assert not (out / "sdc.csv").exists()
+
+
+@pytest.mark.parametrize("mode", [0o700, 0o2775, 0o555])
+def test_permissions_of_a_folder_stay(mode: int, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    out.chmod(mode)
+    _publish(out, "new", "results.json")
+    assert stat.S_IMODE(out.stat().st_mode) == mode
+    assert _content(out) == {"results.json": "new"}
+
+
+def test_permissions_of_a_new_folder(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        _publish(tmp_path / "out", "new", "results.json")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "out").stat().st_mode) == 0o750
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a folder away")
+def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir(mode=0o700)
+    os.chown(out, 12345, 23456)
+    _publish(out, "new", "results.json")
+    found = out.stat()
+    assert (found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)) == (12345, 23456, 0o700)
 
 
 def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
