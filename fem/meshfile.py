@@ -73,7 +73,10 @@ def _surface(raw: Any) -> Any:
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
     used, renumbered = np.unique(cells, return_inverse=True)
-    points = _flat(np.asarray(raw.points, dtype=float)[used])
+    points = np.asarray(raw.points, dtype=float)[used]
+    if not np.isfinite(points).all():
+        raise MeshError("the mesh has points with coordinates that are not finite")
+    points = _flat(points)
     cells = _oriented(points, renumbered.reshape(cells.shape))
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
     mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
