@@ -41,6 +41,19 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"material__poissons_ratio": 0.5}, "[material] poissons_ratio = 0.5", "below 0.5"),
     ({"material__poissons_ratio": -1}, "[material] poissons_ratio", "above -1"),
     ({"material__poissons_ratio": "0.3"}, "[material] poissons_ratio", "expected a number"),
+    (
+        {"material__density": 7.85},
+        "[material] density = 7.85",
+        "at least 10 kg/m^3, the lightest foam: was '7.85 g/cm^3' m",
+    ),
+    ({"material__density": 1e-3}, "[material] density = 0.001", "at least 10 kg/m^3, the lightest foam"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "a single speed leaves stop out"),
+    ({"damper__rolling_friction": "1.01 mm"}, "[damper] rolling_friction = '1.01 mm'", "at most the ball's radius"),
+    (
+        {"rotor__speeds": ["0 rpm"], "release": {"ratio": 0.2}},
+        "[release] ratio = 0.2",
+        "at rest there is no load",
+    ),
     ({"material__density": "0 kg/m^3"}, "[material] density", "above 0"),
     ({"material__densty": 1, "material__density": None}, "[material] densty", "did you mean 'density'?"),
     ({"rotor": None}, "[rotor]", "missing"),
@@ -121,6 +134,8 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"structure__mass": None}, "[structure] mass", "missing"),
     ({"rotor__radius": None}, "[rotor] radius", "missing"),
     ({"rotor__stagger": "10 deg"}, "[rotor] stagger", "belongs to a plate"),
+    ({"rotor__modes": 5}, "[rotor] modes = 5", "belongs to a plate"),
+    ({"accuracy": {"frequency": 1e-2}}, "[accuracy] frequency = 0.01", "belongs to a plate"),
     ({"damper__at": ["1 cm", "0 cm"]}, "[damper] at", "belongs to a plate"),
     ({"damper": None, "release": None}, "[damper]", "missing"),
 ]
