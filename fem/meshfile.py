@@ -51,6 +51,8 @@ def _read(path: Path) -> Any:
         raise MeshError("not a mesh file that meshio can read") from None
     except meshio.ReadError as error:
         raise MeshError(f"not a readable mesh file ({str(error) or 'damaged'})") from None
+    except ImportError as error:
+        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -228,3 +229,14 @@ def test_a_damper_on_the_clamped_edge(
     outcome = spindamp(command, "scene.toml")
     assert outcome.status == 2
     assert outcome.err.startswith("spindamp: scene.toml: [damper] at = [0.0, 0.01]: ")
+
+
+def test_a_format_whose_reader_is_not_installed(
+    spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "netCDF4", None)
+    (tmp_path / "it.exo").write_text(GOOD, encoding="utf-8")
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.exo", damper__at=None)
+    write(scene, tmp_path / "bad.toml")
+    message = "to read this format, the Python package netCDF4 must be installed"
+    _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.exo': ", message)
