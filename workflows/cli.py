@@ -46,20 +46,20 @@ def _run(arguments: list[str] | None) -> int:
     except typer.Abort:
         raise KeyboardInterrupt from None
     except SystemExit as error:  # typer's answer to a closed pipe
-        _silence()
+        _silence("stdout")
         return PIPE_CLOSED if error.code == DEFECT else BAD_INPUT
     except BrokenPipeError:
-        _silence()
+        _silence("stdout")
         return PIPE_CLOSED
     except MemoryError:
         return _fail("not enough memory: take a coarser mesh, fewer modes or fewer speeds", BAD_INPUT)
     except OSError as error:
-        _silence()
+        _silence("stdout")
         return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
         usage = getattr(error, "format_message", None)
         if usage is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT:
-            return _fail(one_line(usage()) or "missing command", BAD_INPUT)
+            return _fail(one_line(usage()), BAD_INPUT)
         if os.environ.get("SPINDAMP_DEBUG"):
             raise
         return _fail(
@@ -71,7 +71,10 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _fail(message: str, status: int) -> int:
-    print(f"spindamp: {message}", file=sys.stderr)
+    try:
+        print(f"spindamp: {message}", file=sys.stderr, flush=True)
+    except OSError:  # no room for the message: the status still says it
+        _silence("stderr")
     return status
 
 
@@ -83,12 +86,12 @@ def _open_streams() -> None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
 
 
-def _silence() -> None:
+def _silence(name: str) -> None:
     """Keep the interpreter from flushing what is left into a stream that no one takes from."""
     try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), getattr(sys, name).fileno())
     except (OSError, ValueError):
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+        setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
 
 
 if __name__ == "__main__":

@@ -241,3 +241,10 @@ def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
         with store.replacing(tmp_path / name) as scratch:
             (scratch / "results.json").write_text("new")
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_no_room_for_the_message(tmp_path: Path) -> None:
+    for command in ("check nowhere.toml", "run --foo", "rnu"):
+        line = f"{sys.executable} -m workflows.cli {command} 2>/dev/full"
+        assert subprocess.run(line, shell=True, cwd=tmp_path, check=False).returncode == 2
