@@ -12,6 +12,7 @@ import errno
 import hashlib
 import os
 import platform
+import re
 import shutil
 import stat
 import tempfile
@@ -35,8 +36,12 @@ _LONGEST_NAME = 100
 """Bytes of a name that goes into that of its scratch folder, which is longer."""
 
 
-def check(folder: Path) -> Path:
+def check(folder: Path, names: str = "") -> Path:
     """Where results can go, resolved; looked at before any work is done, and nothing is written.
+
+    Args:
+        folder: what the user asked for.
+        names: a regular expression for names of files that will be written besides the usual ones.
 
     Raises:
         BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
@@ -63,7 +68,7 @@ def check(folder: Path) -> Path:
         raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
     if target.is_dir():
         foreign = _foreign(target)
-        taken = sorted(ALWAYS_OURS & {path.name for path in foreign})
+        taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
         if taken:
             raise BadInput(
                 f"holds a {taken[0]} that no run of ours wrote: expected another folder", key="--out", value=str(folder)

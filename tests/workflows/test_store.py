@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import stat
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from workflows import store
+from tests.workflows.conftest import Outcome
+from workflows import curves, store
 from workflows.errors import BadInput
 
 
@@ -187,3 +190,29 @@ def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"report\.html that no run of ours wrote"):
         _publish(out, "new", "results.json", "report.html")
     assert _content(out) == {"report.html": "mine"}
+
+
+NAMES = {"campbell": "campbell_flap_1.csv", "run": "velocity_x_10000rpm.csv", "ringdown": "sdc_12.5rpm.csv"}
+NAMES |= {"accuracy": "accuracy.svg", "effects": "effects.json", "reproduce": "closure.csv"}
+
+
+@pytest.mark.parametrize("command", NAMES)
+def test_a_users_own_file_is_seen_before_the_work(
+    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def begun(*_: object, **__: object) -> None:
+        raise AssertionError("work has begun")
+
+    for work in ("pipeline.structure", "costs.study.study", "costs.switching.switching", "reproduction.reproduce"):
+        monkeypatch.setattr(f"workflows.{work}", begun)
+    (tmp_path / "out").mkdir()
+    _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
+    outcome = spindamp(command, "--out", "out")
+    assert outcome.status == 2
+    assert f"holds a {NAMES[command]} that no run of ours wrote" in outcome.err
+
+
+def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:
+    found = [path.name for path in finished.glob("*.csv")]
+    assert len(found) > 8
+    assert all(re.fullmatch(curves.FILES, name) for name in found)

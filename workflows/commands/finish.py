@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from workflows import needs, pipeline, results_json, store, summary
+from workflows import curves, needs, pipeline, results_json, store, summary
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -17,7 +17,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     needs.check(source)
     if out is not None:
-        store.check(out)
+        store.check(out, curves.FILES)
     if source.scene.damper is not None:
         _say_if_slow()
     with ExitStack() as stack:
