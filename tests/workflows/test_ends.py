@@ -13,7 +13,7 @@ import pytest
 
 from tests.benchmarks.kill_runs import Trial, contents
 from tests.workflows.conftest import Outcome
-from workflows import cli, store
+from workflows import cli, folders, store
 from workflows.errors import BadInput
 from workflows.scene_file import SHIPPED
 
@@ -204,7 +204,7 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     out = tmp_path / "out"
-    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{store._ASIDE}"
+    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
     aside.mkdir()
     (aside / "results.json").write_text("old")
     (aside / store.MANIFEST).write_text("results.json\n")

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome
-from workflows import curves, store
+from workflows import curves, folders, store
 from workflows.errors import BadInput
 
 
@@ -101,7 +101,7 @@ def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
 
 
 def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "_exchange", lambda one, other: False)
+    monkeypatch.setattr(folders, "_exchange", lambda one, other: False)
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     _publish(out, "new", "results.json")
