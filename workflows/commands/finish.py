@@ -40,4 +40,4 @@ def _say_if_slow() -> None:
 
     if not CACHED:
         problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
-        typer.echo(f"spindamp: {problem}: every start takes half a minute longer", err=True)
+        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
