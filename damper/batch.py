@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
-from damper.parameters import energy, ensemble, stuck_frequency
+from damper.parameters import energy, ensemble, stuck_frequency, table, whole
 from damper.prepare import Prepared, prepare
 from damper.records import EVENT
 from damper.ringdown import outcome_of
@@ -93,14 +93,15 @@ def ringdowns(
     Raises:
         ValueError: a wrong shape, an unknown field, or a value without physical sense.
     """
-    displacement = np.asarray(release, dtype=np.float64)
+    workers = (os.cpu_count() or 1) if threads is None else whole("threads", threads)
+    displacement = table("release", release)
     if displacement.ndim != 2 or displacement.shape[1] != 2:
         raise ValueError(f"release must have shape (n, 2), got {displacement.shape}")
     start = np.zeros((len(displacement), 5, 2))
     start[:, 0] = displacement
     rows = ensemble(damper.parameters, len(displacement), varied)
     prepared = prepare(rows, start, cycles, max_cycles)
-    status = _run(prepared, threads or os.cpu_count() or 1, max_events, progress)
+    status = _run(prepared, workers, whole("max_events", max_events), progress)
     return _summary(rows, prepared, status, asked=cycles is not None)
 
 

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from damper.parameters import number, whole
+from damper.ringdown import RingDown
+
 if TYPE_CHECKING:
     from damper.model import ParticleDamper
-    from damper.ringdown import RingDown
 
 Floats = npt.NDArray[np.float64]
 
@@ -36,7 +38,13 @@ class Capacity:
 
 
 def capacity(ringdown: RingDown) -> Capacity:
-    """Evaluate a ring-down cycle by cycle; cycles that the run did not complete are left out."""
+    """Evaluate a ring-down cycle by cycle; cycles that the run did not complete are left out.
+
+    Raises:
+        TypeError: what is given is no ring-down.
+    """
+    if not isinstance(ringdown, RingDown):
+        raise TypeError(f"capacity takes what ringdown returns, got {type(ringdown).__name__}")
     damper = ringdown.damper
     v = ringdown.peak_velocities
     start, end = v[:-1], v[1:]
@@ -65,9 +73,12 @@ def work_bound(damper: ParticleDamper, amplitude: float) -> float:
     In the structure's frame the ball feels -m_p u''; over a cycle this does the work m_p * integral of s du'' with
     |s| at most half the clearance, while u'' sweeps four times its amplitude: 4 (m_p / M2) clearance / amplitude to
     leading order in the mass ratio, whatever restitution, friction or the number of bounces.
+
+    Raises:
+        ValueError: the amplitude is not positive and finite.
     """
-    if not amplitude > 0:
-        raise ValueError(f"amplitude must be positive, got {amplitude:g}")
+    if not 0 < number("amplitude", amplitude) < math.inf:
+        raise ValueError(f"amplitude must be positive and finite, got {amplitude:g}")
     return 4 * damper.ball_mass / damper.modal_mass * 2 * damper.half_gap[0] / amplitude
 
 
@@ -78,5 +89,9 @@ def two_hit_bound(damper: ParticleDamper) -> float:
 
 
 def ball_density(damper: ParticleDamper, count: int) -> float:
-    """Density that each of `count` equal balls must have [kg/m^3]; the densest element has 22,600."""
-    return damper.ball_mass / count / (4 / 3 * math.pi * damper.ball_radius**3)
+    """Density that each of `count` equal balls must have [kg/m^3]; the densest element has 22,600.
+
+    Raises:
+        ValueError: the count is not a whole number from 1 on.
+    """
+    return damper.ball_mass / whole("count", count) / (4 / 3 * math.pi * damper.ball_radius**3)

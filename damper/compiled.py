@@ -2,6 +2,7 @@
 
 The compiler's cache knows the file of a kernel but not those of the kernels it calls, so a change in one file would
 leave stale code in the others. Importing this module drops every cache entry that is older than any kernel source.
+Where neither the sources' folder nor the user's can be written, every start compiles anew.
 """
 
 from __future__ import annotations
@@ -29,9 +30,20 @@ def _drop_stale_cache() -> None:
 _drop_stale_cache()
 
 
+def _can_cache() -> bool:
+    try:
+        nb.njit(cache=True)(_drop_stale_cache)  # a folder is looked for here, compiled is nothing
+    except RuntimeError:  # no locator available
+        return False
+    return True
+
+
+CACHED = _can_cache()
+"""Whether compiled code is kept for the next start."""
+
 _F = TypeVar("_F", bound="Callable[..., object]")
 
 
 def kernel(function: _F) -> _F:
-    """Decorate a function to have it compiled at its first call and cached beside the source."""
-    return cast("_F", nb.njit(cache=True, error_model="numpy", nogil=True)(function))
+    """Decorate a function to have it compiled at its first call, and cached beside the source if it can be."""
+    return cast("_F", nb.njit(cache=CACHED, error_model="numpy", nogil=True)(function))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
-from damper.flight import begin, relative, structure
+from damper.flight import begin, increments, relative
 from damper.records import ROLLING, SLIPPING, STUCK
 from damper.slip import spin_after
 
@@ -21,7 +21,8 @@ def evaluate(flights: Records, laws: Records, ball: Record, times: Floats, out: 
         begin(axis, laws, ball, axis.start)
         tau = times[k] - axis.start
         law = laws[axis.regime]
-        out[0, k], out[1, k], _ = structure(axis, law, tau)
+        du, dv, _ = increments(axis, law, tau)
+        out[0, k], out[1, k] = axis.u + axis.v * tau + du, axis.v + dv
         out[2, k], out[3, k], out[4, k] = axis.s, 0.0, 0.0
         if axis.regime != STUCK:
             out[2, k], out[3, k], _, _ = relative(axis, law, tau)

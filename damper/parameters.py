@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from numbers import Real
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,7 +43,7 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
     for name, values in varied.items():
         if name not in (PARAMETERS.names or ()) or name == "printed":
             raise ValueError(f"{name} is no field of ParticleDamper that can be varied")
-        array = np.asarray(values, dtype=np.float64)
+        array = table(name, values)
         if array.shape[:1] != (size,) or array.shape[1:] not in {(), rows[name].shape[1:]}:
             raise ValueError(f"{name} must have {size} values, one for each release, got shape {array.shape}")
         if name == "floor_friction":  # in the rows 0 stands for no slip, which is for the whole batch to say
@@ -57,7 +57,25 @@ def number(name: str, value: object) -> float:
     """The value as a float. Raises ValueError, naming it, for text, a truth value or anything else."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ValueError(f"{name} must be a number, got {value!r}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError as error:  # a whole number of more than 308 digits
+        raise ValueError(f"{name} must be finite") from error
+
+
+def whole(name: str, value: object) -> int:
+    """The value as a whole number from 1 on. Raises ValueError, naming it, for anything else."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
+        raise ValueError(f"{name} must be a whole number of at least 1, got {value!r}")
+    return int(value)
+
+
+def table(name: str, values: npt.ArrayLike) -> Floats:
+    """The values as an array. Raises ValueError, naming them, where they are not numbers or too large for one."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{name} must be numbers: {error}") from error
 
 
 def pair(name: str, value: object) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.parameters import energy, half_gap, stuck_frequency
+from damper.parameters import energy, half_gap, number, stuck_frequency
 from damper.records import AXIS, BOOKS, CLOCK, CYCLE, balls_of, laws_of
 
 if TYPE_CHECKING:
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from damper.parameters import Parameters
 
 _CYCLES_AFTER_REST = 3
+
+_LARGEST = 1e150
+"""Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +38,16 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     """Set up n ring-downs from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
 
     Raises:
-        ValueError: a number is not finite, the number of cycles not positive, or a ball outside its cavity.
+        ValueError: a number is not finite, or its square is not; the number of cycles is not positive, or a ball is
+            outside its cavity.
     """
-    if cycles is not None and not (math.isfinite(cycles) and cycles > 0):
+    if cycles is not None and not 0 < number("cycles", cycles) < math.inf:
         raise ValueError(f"cycles must be positive, got {cycles:g}")
-    if not (math.isfinite(max_cycles) or cycles is not None) or max_cycles <= 0:
+    if not (math.isfinite(number("max_cycles", max_cycles)) or cycles is not None) or not max_cycles > 0:
         raise ValueError(f"max_cycles must be positive and finite, got {max_cycles:g}")
     if not np.isfinite(start).all():
         raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
+    _check_size(rows, start)
     axes = np.zeros((len(rows), 2), AXIS)
     axes["half_gap"] = half_gap(rows)
     for i, name in enumerate(("u", "v", "s", "w", "spin")):
@@ -73,3 +78,17 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         cycles=windows,
         initial=energy(rows, axes),
     )
+
+
+def _check_size(rows: Parameters, start: Floats) -> None:
+    """Raise ValueError where squares of the motion from `start` overflow, which kernels do not notice."""
+    length, speed = np.abs(start[:, [0, 2]]).max(axis=(1, 2)), np.abs(start[:, [1, 3, 4]]).max(axis=(1, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        omega = np.sqrt(rows["stiffness"].max(axis=1) / rows["modal_mass"])
+        small = (
+            (length < _LARGEST) & (speed + omega * length < _LARGEST) & (omega * (speed + omega * length) < _LARGEST)
+        )
+    if not small.all():
+        raise ValueError(
+            f"the release, or what moves from it, is too large: expected less than {_LARGEST:g} in SI units"
+        )

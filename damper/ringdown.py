@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Records
-from damper.parameters import energy, pair
+from damper.parameters import energy, pair, whole
 from damper.prepare import prepare
 from damper.records import EVENT
 
@@ -124,12 +124,12 @@ def ringdown(
         progress: called now and then with the simulated time [s].
 
     Raises:
-        ValueError: a pair is not two finite numbers, the number of cycles not positive, or the ball outside its cavity.
+        ValueError: a pair is not two finite numbers, or too large to be squared; a number of cycles or events is not
+            positive; the ball is outside its cavity.
     """
     from damper import engine
 
-    if max_events < 1:
-        raise ValueError(f"max_events must be at least 1, got {max_events}")
+    most = whole("max_events", max_events)
     state = {
         "release": release,
         "velocity": velocity,
@@ -144,9 +144,9 @@ def ringdown(
     peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)
     engine.release(clock, axes, laws, ball, rows)
     while True:
-        budget = min(_BUDGET, max_events - int(clock["events"]))
+        budget = min(_BUDGET, most - int(clock["events"]))
         status = engine.run(clock, axes, laws, ball, one.books[0], one.cycles[0], peaks, rows, budget)
-        if status == engine.DONE or clock["events"] >= max_events:
+        if status == engine.DONE or clock["events"] >= most:
             break
         peaks, rows = _roomier(peaks, int(clock["peaks"])), _roomier(rows, int(clock["rows"]) + 2)
         if progress is not None:

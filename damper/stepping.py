@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.parameters import energy, pair
+from damper.parameters import energy, pair, whole
 from damper.prepare import prepare
 
 if TYPE_CHECKING:
@@ -77,8 +77,7 @@ def stepped_ringdown(
 
     if damper.floor_friction is not None:
         raise ValueError("floor_friction: the paper's algorithm knows no slip")
-    if cycles < 1 or steps_per_cycle < 1:
-        raise ValueError(f"cycles and steps_per_cycle must be at least 1, got {cycles} and {steps_per_cycle}")
+    cycles, steps_per_cycle = whole("cycles", cycles), whole("steps_per_cycle", steps_per_cycle)
     rows = damper.parameters
     rest = (0.0, 0.0)
     one = prepare(rows, np.array([[pair("release", release), rest, rest, rest, rest]]), float(cycles), math.inf)

@@ -54,6 +54,8 @@ def _read(path: Path) -> Any:
         raise MeshError("not a mesh file that meshio can read") from None
     except meshio.ReadError as error:
         raise MeshError(f"not a readable mesh file ({str(error) or 'damaged'})") from None
+    except ImportError as error:
+        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
@@ -76,7 +78,10 @@ def _surface(raw: Any) -> Any:
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
     used, renumbered = np.unique(cells, return_inverse=True)
-    points = _flat(np.asarray(raw.points, dtype=float)[used])
+    points = np.asarray(raw.points, dtype=float)[used]
+    if not np.isfinite(points).all():
+        raise MeshError("the mesh has points with coordinates that are not finite")
+    points = _flat(points)
     cells = _oriented(points, renumbered.reshape(cells.shape))
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
     mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))

@@ -162,6 +162,11 @@ def _never_moves(results: Results, points: list[SpeedPoint]) -> str:
     damper = results.scene.damper
     if damper is not None and all(side <= 2 * damper.radius for side in damper.cavity):
         return "The ball fills its cavity."
+    release = results.scene.release
+    if release is not None and release.ratio is not None:
+        points = [p for p in points if p.load_g > 0]
+        if not points:
+            return "There is no load, and a release that is a ratio of it sets nothing in motion."
     top = min(points, key=lambda p: p.load_g)
     start = release_g(top)
     shake = "" if start is None else f" At {top.load_g:.0f} g, the lowest load, the release gives {start:.0f} g."

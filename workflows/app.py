@@ -9,8 +9,9 @@ from typing import Annotated
 import typer
 
 from workflows.commands import COMMANDS
+from workflows.errors import BadInput
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 for _name in COMMANDS:
     app.command(_name)(getattr(import_module(f"workflows.commands.{_name}"), _name))
 
@@ -21,10 +22,13 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _spindamp(
+    context: typer.Context,
     show: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+    if context.invoked_subcommand is None:
+        raise BadInput(f"missing command: expected one of {', '.join(COMMANDS)}; spindamp --help says what they do")

@@ -8,26 +8,20 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 
+from workflows import signals
 from workflows.errors import SpindampError, one_line
+from workflows.signals import Terminated
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
 _AGAIN = "nothing is half-written; the same command starts over"
 
 
-class Terminated(BaseException):
-    """A signal asked the program to end; no handler of a library takes it for its own."""
-
-
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line and return its exit status."""
+    """Run the command line and return its exit status; without arguments, those of this process, which then ends."""
     _open_streams()
     try:
-        with _signals():
+        with signals.heard(to_the_end=arguments is None):
             return _run(arguments)
     except KeyboardInterrupt:
         return _fail(f"stopped; {_AGAIN}", STOPPED)
@@ -52,20 +46,20 @@ def _run(arguments: list[str] | None) -> int:
     except typer.Abort:
         raise KeyboardInterrupt from None
     except SystemExit as error:  # typer's answer to a closed pipe
-        _silence()
+        _silence("stdout")
         return PIPE_CLOSED if error.code == DEFECT else BAD_INPUT
     except BrokenPipeError:
-        _silence()
+        _silence("stdout")
         return PIPE_CLOSED
     except MemoryError:
         return _fail("not enough memory: take a coarser mesh, fewer modes or fewer speeds", BAD_INPUT)
     except OSError as error:
-        _silence()
+        _silence("stdout")
         return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
         usage = getattr(error, "format_message", None)
         if usage is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT:
-            return _fail(one_line(usage()) or "missing command", BAD_INPUT)
+            return _fail(one_line(usage()), BAD_INPUT)
         if os.environ.get("SPINDAMP_DEBUG"):
             raise
         return _fail(
@@ -77,7 +71,10 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _fail(message: str, status: int) -> int:
-    print(f"spindamp: {message}", file=sys.stderr)
+    try:
+        print(f"spindamp: {message}", file=sys.stderr, flush=True)
+    except OSError:  # no room for the message: the status still says it
+        _silence("stderr")
     return status
 
 
@@ -89,34 +86,12 @@ def _open_streams() -> None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
 
 
-def _silence() -> None:
+def _silence(name: str) -> None:
     """Keep the interpreter from flushing what is left into a stream that no one takes from."""
     try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), getattr(sys, name).fileno())
     except (OSError, ValueError):
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-
-
-@contextmanager
-def _signals() -> Iterator[None]:
-    """Let what would end the program at once end it as a Ctrl-C does; what is ignored (nohup) stays so."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    wanted = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.getsignal(number) for number in wanted}
-    taken = [number for number in wanted if before[number] == signal.SIG_DFL]
-    for number in taken:
-        signal.signal(number, _terminated)
-    try:
-        yield
-    finally:
-        for number in taken:
-            signal.signal(number, before[number])
-
-
-def _terminated(number: int, frame: FrameType | None) -> None:
-    raise Terminated(signal.Signals(number).name)
+        setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
 
 
 if __name__ == "__main__":

@@ -9,6 +9,9 @@ import numpy as np
 from workflows import wording
 from workflows.records import Floats, Results, SpeedPoint
 
+FILES = r"(campbell_\w+_\d+|(velocity_[xy]|sdc)_[\d.e+]+rpm)\.csv"
+"""What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:

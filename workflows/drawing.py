@@ -7,6 +7,7 @@ print. matplotlib is used without pyplot, and imported here only when something 
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -74,6 +75,7 @@ _STYLE: dict[Any, Any] = {
 @contextmanager
 def style() -> Iterator[None]:
     """The look of all figures; whatever is drawn, is drawn inside."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it remarks on a home that cannot be written
     import matplotlib as mpl
 
     with mpl.rc_context(_STYLE):

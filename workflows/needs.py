@@ -42,6 +42,9 @@ _CELLS_FOR_A_MODE = 80
 _BYTES_OF_A_CELL = 80
 """What a cell and its point take in a mesh file as text."""
 
+_ADDRESSES = 2.5
+"""Bytes of address space that the program and its libraries map for each that they use."""
+
 _SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept."""
 
@@ -65,17 +68,11 @@ def parts(source: SceneFile) -> list[Part]:
     if scene.plate is not None:
         unknowns, points = _size(source)
         growth = max(unknowns / _FACTORED, 1.0) ** 0.3
+        cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
         if source.mesh is not None:
             unknowns = max(unknowns, min(4 * unknowns, _FACTORED))
-            found.append(
-                Part(
-                    unknowns * _UNKNOWN * growth,
-                    unknowns * _UNKNOWN_TIME * growth,
-                    "[plate] mesh",
-                    scene.plate.mesh,
-                    "coarsen the mesh",
-                )
-            )
+            cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
+        found.append(Part(unknowns * _UNKNOWN * growth, unknowns * _UNKNOWN_TIME * growth, *cause))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, _SHAPES_AT_MOST))
         found.append(Part(shapes, modes * unknowns * 2e-6, "[rotor] modes", modes, "ask for fewer modes"))
         lines = speeds * (modes + 4.0)
@@ -130,8 +127,16 @@ def available() -> float:
         from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
 
         limit = getrlimit(RLIMIT_AS)[0]
-        found.append(float("inf") if limit == RLIM_INFINITY else float(limit))
+        if limit != RLIM_INFINITY:
+            found.append(max(limit - _mapped(), 0.0) / _ADDRESSES)
     return min(found)
+
+
+def _mapped() -> float:
+    """Bytes of address space that this process has taken so far; 0 where the system does not say."""
+    with suppress(OSError, ValueError, AttributeError):
+        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    return 0.0
 
 
 def _size(source: SceneFile) -> tuple[float, float]:

@@ -37,6 +37,14 @@ def _capped(results: Results) -> str | None:
     return None
 
 
+def _nothing_released(results: Results) -> str | None:
+    release = results.scene.release
+    still = [p.rpm for p, _, _ in _rung(results) if p.load_g == 0]
+    if release is None or release.ratio is None or not still:
+        return None
+    return f"At {still[0]:.0f} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
+
+
 def _floor_tilt(results: Results) -> str | None:
     tilts = [(r.floor_tilt, p.rpm) for p, r, _ in _rung(results) if r.floor_tilt is not None]
     tilt, rpm = max(tilts, default=(0.0, 0.0))
@@ -151,6 +159,7 @@ def _two_axes(results: Results) -> str | None:
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.divergence,
     _capped,
+    _nothing_released,
     _floor_tilt,
     _books,
     _work_bound,

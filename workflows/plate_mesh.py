@@ -82,11 +82,14 @@ def check(source: SceneFile) -> tuple[float, float]:
     from fem.locate import locate
 
     mesh = _from_file(source)
+    length, width = np.ptp(mesh.p, axis=1)
+    x, y = place(source, mesh)
     try:
-        locate(mesh, place(source, mesh))
+        locate(mesh, (x, y))
+        if x <= mesh.p[0].min() + 1e-9 * length:
+            raise ValueError(f"expected a place that moves: ({x:g}, {y:g}) m is on the clamped root")
     except ValueError as error:
         raise off_the_plate(source, error) from error
-    length, width = np.ptp(mesh.p, axis=1)
     return float(length), float(width)
 
 

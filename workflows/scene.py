@@ -60,6 +60,11 @@ class Material(Table):
     poissons_ratio: Annotated[Number, Field(gt=-1, lt=0.5)]
     density: Annotated[Density, Positive]
 
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        scene_checks.material(self)
+        return self
+
 
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""

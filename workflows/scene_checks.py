@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING
 from pydantic_core import PydanticCustomError
 
 if TYPE_CHECKING:
-    from workflows.scene import Damper, Plate, Release, Rotor, Scene
+    from workflows.scene import Damper, Material, Plate, Release, Rotor, Scene
 
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""
 
 _THINNEST, _SLENDEREST = 1e4, 100.0
 """Largest ratios of the plate's extent to its thickness, and of its length to its width or the other way round."""
+
+
+_LIGHTEST = 10.0
+"""Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""
 
 
 def fault(key: str, problem: str) -> PydanticCustomError:
@@ -54,6 +58,13 @@ def disproportion(thickness: float, length: float, width: float) -> tuple[str, s
     return None
 
 
+def material(material: Material) -> None:
+    """A density that something solid has."""
+    if material.density < _LIGHTEST * (1 - _ROUNDING):
+        meant = f": was '{material.density:g} g/cm^3' meant?" if material.density >= 0.1 else ""
+        raise fault("density", f"expected at least {_LIGHTEST:g} kg/m^3, the lightest foam{meant}")
+
+
 def rotor(rotor: Rotor) -> None:
     """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
     if abs(rotor.stagger) > math.pi * (1 + _ROUNDING):
@@ -61,7 +72,7 @@ def rotor(rotor: Rotor) -> None:
 
 
 def damper(damper: Damper) -> None:
-    """One way of giving the mass, and a ball that fits its cavity."""
+    """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
     if (damper.mass_ratio is None) == (damper.mass is None):
         both = "" if damper.mass is None else ": leave one out"
         raise fault("mass_ratio", f"expected one of mass_ratio and mass{both}")
@@ -72,6 +83,11 @@ def damper(damper: Damper) -> None:
                 f"a ball of radius {damper.radius:g} m does not fit: expected sides of at least"
                 f" {2 * damper.radius:g} m",
             )
+    if damper.rolling_friction > damper.radius * (1 + _ROUNDING):
+        raise fault(
+            "rolling_friction",
+            f"expected a length of at most the ball's radius, {damper.radius:g} m: over it, this is the coefficient",
+        )
 
 
 def release(release: Release) -> None:
@@ -99,6 +115,8 @@ def together(scene: Scene) -> None:
         raise fault(missing, f"the table is missing: [{present}] needs it")
     if scene.plate is not None and scene.damper is not None:
         _on_the_plate(scene)
+    if scene.release is not None and scene.release.ratio is not None and not any(scene.rotor.speeds):
+        raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
 
 
 def _structure_only(scene: Scene) -> None:
@@ -112,6 +130,11 @@ def _structure_only(scene: Scene) -> None:
     for key in ("hub_radius", "stagger"):
         if getattr(scene.rotor, key):
             raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")
+    for key in ("rotor.modes", "accuracy.frequency"):
+        table, name = key.split(".")
+        given = getattr(scene, table)
+        if getattr(given, name) != type(given).model_fields[name].default:
+            raise fault(key, "belongs to a plate; the one frequency of a [structure] is given")
     if scene.damper.at is not None:
         raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
 

@@ -85,6 +85,8 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
         raise wrong(f"count: expected a whole number from 1 to {MOST_SPEEDS}")
     if count > 1 and not stop > start:
         raise wrong("stop: expected a speed above start")
+    if count == 1 and stop != start:
+        raise wrong("count: expected at least 2, or stop equal to start: a single speed leaves stop out")
     return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
 
 

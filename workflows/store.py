@@ -7,17 +7,18 @@ whenever, sees the old results or the new ones. Files in the folder that are not
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import errno
 import hashlib
 import os
 import platform
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from workflows import folders, signals
 from workflows.errors import BadInput
 
 MANIFEST = ".spindamp"
@@ -25,7 +26,6 @@ MANIFEST = ".spindamp"
 
 ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", MANIFEST}
 _CARRIED_AT_MOST = 1000
-_ASIDE = ".old"
 _NAME_MAX = 255
 """Bytes that file systems take for a name."""
 
@@ -33,8 +33,12 @@ _LONGEST_NAME = 100
 """Bytes of a name that goes into that of its scratch folder, which is longer."""
 
 
-def check(folder: Path) -> Path:
+def check(folder: Path, names: str = "") -> Path:
     """Where results can go, resolved; looked at before any work is done, and nothing is written.
+
+    Args:
+        folder: what the user asked for.
+        names: a regular expression for names of files that will be written besides the usual ones.
 
     Raises:
         BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
@@ -61,7 +65,7 @@ def check(folder: Path) -> Path:
         raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
     if target.is_dir():
         foreign = _foreign(target)
-        taken = sorted(ALWAYS_OURS & {path.name for path in foreign})
+        taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
         if taken:
             raise BadInput(
                 f"holds a {taken[0]} that no run of ours wrote: expected another folder", key="--out", value=str(folder)
@@ -89,14 +93,15 @@ def replacing(folder: Path) -> Iterator[Path]:
         _clear(target)
         prefix = f"{_prefix(target)}{os.getpid()}-"
         scratch = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
-        scratch.chmod(0o777 & ~_umask())
         yield scratch
         (scratch / MANIFEST).write_text("".join(f"{path.name}\n" for path in sorted(scratch.iterdir())))
-        _sync(scratch)
-        with _alone_in(target.parent):
+        folders.sync(scratch)
+        with folders.alone_in(target.parent):
             _carry_over(target, scratch)
-            _sync_folder(scratch)
-            _swap(scratch, target)
+            folders.dress(scratch, target)
+            folders.sync_folder(scratch)
+            signals.ignore()
+            folders.swap(scratch, target)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
     finally:
@@ -115,24 +120,6 @@ def _digest(name: str) -> str:
     return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
 
 
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """One run at a time, where the system has locks: a killed run gives its lock back by itself."""
-    try:
-        import fcntl
-
-        handle = os.open(folder, os.O_RDONLY)
-    except (ImportError, OSError):
-        yield
-        return
-    try:
-        with contextlib.suppress(OSError):  # some network disks have none
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
 def _clear(target: Path) -> None:
     """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone.
 
@@ -142,7 +129,7 @@ def _clear(target: Path) -> None:
     for path in target.parent.iterdir():
         number = path.name.removeprefix(prefix).partition("-")[0]
         if path.name.startswith(prefix) and number.isdecimal() and not _alive(int(number)):
-            if path.suffix == _ASIDE and not os.path.lexists(target):
+            if path.suffix == folders.ASIDE and not os.path.lexists(target):
                 os.rename(path, target)
             else:
                 shutil.rmtree(path, ignore_errors=True)
@@ -176,69 +163,6 @@ def _carry_over(target: Path, scratch: Path) -> None:
         if path.is_symlink():
             new.symlink_to(os.readlink(path))
         elif path.is_dir():
-            shutil.copytree(path, new, symlinks=True, copy_function=_link_or_copy)
+            shutil.copytree(path, new, symlinks=True, copy_function=folders.link_or_copy)
         else:
-            _link_or_copy(str(path), str(new))
-
-
-def _link_or_copy(old: str, new: str) -> str:
-    try:
-        os.link(old, new)
-    except OSError:
-        shutil.copy2(old, new)
-    return new
-
-
-def _sync(folder: Path) -> None:
-    for path in folder.iterdir():
-        if path.is_file() and not path.is_symlink():
-            with path.open("rb") as file:
-                os.fsync(file.fileno())
-    _sync_folder(folder)
-
-
-def _sync_folder(folder: Path) -> None:
-    with contextlib.suppress(OSError):  # not every system can sync a folder
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-
-def _swap(scratch: Path, target: Path) -> None:
-    if not target.exists():
-        try:
-            os.rename(scratch, target)
-        except OSError as error:
-            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
-                raise  # otherwise another run came first: replace its results
-        else:
-            _sync_folder(target.parent)
-            return
-    if not _exchange(scratch, target):
-        aside = scratch.with_name(scratch.name + _ASIDE)
-        os.rename(target, aside)
-        try:
-            os.rename(scratch, target)
-        except OSError:
-            os.rename(aside, target)
-            raise
-        shutil.rmtree(aside, ignore_errors=True)
-    _sync_folder(target.parent)
-
-
-def _exchange(one: Path, other: Path) -> bool:
-    """Exchange two folders in one step (Linux); False where the system cannot."""
-    at_cwd, exchange = -100, 2
-    try:
-        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
-    except (OSError, AttributeError, TypeError):
-        return False
-    return bool(renameat2(at_cwd, os.fsencode(one), at_cwd, os.fsencode(other), exchange) == 0)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+            folders.link_or_copy(str(path), str(new))

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 
 from damper import Formulation, ringdown, stepped_ringdown
 from damper.detect import look, schedule
-from damper.flight import begin, first_extremum, increments, relative, structure, viscous_loss
+from damper.flight import begin, first_extremum, increments, relative, structure, velocity, viscous_loss
 from damper.prepare import prepare
 from damper.records import HIT, NOTHING, PIECES, ROLLING, SLIPPING, STUCK
 from damper.threshold import drive, first_exceed
@@ -37,6 +37,18 @@ def flight(regime: int, zeta: float, **state: float):
     axis["regime"], axis["direction"] = regime, 1
     begin(axis, laws, ball, 0.0)
     return axis, laws[regime], ball
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e12])
+def test_velocity_begins_where_the_flight_does(offset: float) -> None:
+    """However far the offset lies: v = v0 + a0 tau - … to the rounding of v0 and of what it changes by."""
+    axis, law, _ = flight(SLIPPING, 0.7)
+    axis["offset"], axis["a"] = offset, axis["u"] - offset
+    axis["b"] = (axis["v"] + law["decay"] * axis["a"]) / law["frequency"]
+    rate = law["stiffness"] / law["mass"] * (offset - axis["u"]) - 2 * law["decay"] * axis["v"]
+    for tau in (0.0, 1e-30, 1e-20, 1e-14):
+        change = rate * tau
+        assert velocity(axis, law, tau)[0] - axis["v"] == pytest.approx(change, rel=1e-9, abs=1e-14)
 
 
 REGIMES = [STUCK, ROLLING, SLIPPING]

@@ -12,6 +12,7 @@ import pytest
 from damper import (
     Formulation,
     ball_density,
+    capacity,
     ringdown,
     ringdowns,
     sample,
@@ -94,7 +95,18 @@ def test_a_release_has_two_numbers(value: Any) -> None:
         ({"cycles": math.inf}, "cycles must be positive"),
         ({"max_cycles": 0.0}, "max_cycles must be positive"),
         ({"max_cycles": math.inf}, "max_cycles must be positive and finite"),
-        ({"max_events": 0}, "max_events must be at least 1"),
+        ({"cycles": "3"}, "cycles must be a number, got '3'"),
+        ({"cycles": True}, "cycles must be a number"),
+        ({"cycles": 10**400}, "cycles must be finite"),
+        ({"max_cycles": None}, "max_cycles must be a number"),
+        ({"max_cycles": math.nan}, "max_cycles must be positive and finite"),
+        *(
+            ({"max_events": bad}, "max_events must be a whole number")
+            for bad in (0, 1.5, math.nan, math.inf, "9", True)
+        ),
+        ({"velocity": (1e151, 0.0)}, "the release, or what moves from it, is too large"),
+        ({"ball_velocity": (0.0, -1e308)}, "the release, or what moves from it, is too large"),
+        ({"velocity": (10**400, 0.0)}, "velocity must be finite"),
         ({"ball_spin": (1.0,)}, "ball_spin must be two numbers"),
         ({"ball_position": (0.3e-3, 0.0)}, "ball_position 0.0003 m lies outside the cavity"),
         ({"velocity": (math.nan, 0.0)}, "the release must be finite, got nan"),
@@ -103,6 +115,46 @@ def test_a_release_has_two_numbers(value: Any) -> None:
 def test_what_cannot_be_run(keys: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         ringdown(BASE, (1e-3, 0.0), **keys)
+
+
+@pytest.mark.parametrize("size", [1e308, 1e150, -1e144])
+def test_a_release_whose_squares_overflow(size: float) -> None:
+    """At 269.5 Hz the acceleration is 2.9e6 times the displacement."""
+    for run in (ringdown, stepped_ringdown, lambda damper, release, cycles: ringdowns(damper, [release], cycles)):
+        with pytest.raises(ValueError, match="too large: expected less than 1e\\+150 in SI units"):
+            run(BASE, (0.0, size), 1)
+
+
+def test_the_largest_release_is_followed() -> None:
+    run = ringdown(BASE, (1e143, 1e143), 1)
+    assert abs(run.energy.residual) < 1e-12 * run.energy.initial
+    assert np.isfinite(run.peak_velocities).all()
+
+
+@pytest.mark.parametrize("bad", [0, -1, 1.5, math.nan, "2", None, True])
+def test_what_is_counted(bad: Any) -> None:
+    with pytest.raises(ValueError, match="count must be a whole number of at least 1"):
+        ball_density(BASE, bad)
+    with pytest.raises(ValueError, match="cycles must be a whole number"):
+        stepped_ringdown(BASE, (1e-3, 0.0), bad)
+    with pytest.raises(ValueError, match="max_events must be a whole number"):
+        ringdowns(BASE, [(1e-3, 0.0)], 1, max_events=bad)
+    if bad is not None:
+        with pytest.raises(ValueError, match="threads must be a whole number"):
+            ringdowns(BASE, [(1e-3, 0.0)], 1, threads=bad)
+
+
+def test_a_batch_of_what_is_no_number() -> None:
+    for bad in ([(10**400, 0.0)], [("a", 0.0)]):
+        with pytest.raises(ValueError, match="release must be numbers"):
+            ringdowns(BASE, bad, 1)
+    with pytest.raises(ValueError, match="friction must be numbers"):
+        ringdowns(BASE, [(1e-3, 0.0)], 1, friction=[10**400])
+
+
+def test_a_capacity_is_that_of_a_ring_down() -> None:
+    with pytest.raises(TypeError, match="capacity takes what ringdown returns, got NoneType"):
+        capacity(None)  # type: ignore[arg-type]
 
 
 def test_a_batch_wants_a_table_of_releases() -> None:
@@ -141,7 +193,7 @@ def test_bounds_in_digits() -> None:
     assert two_hit_bound(BASE) == pytest.approx(0.144, rel=1e-12)
     assert two_hit_bound(dataclasses.replace(BASE, restitution=1.0)) == math.inf
     assert ball_density(BASE, 10) == pytest.approx(0.0006 / (4.18879020479e-9), rel=1e-9)
-    for amplitude in (0.0, -1.0, math.nan):
+    for amplitude in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="amplitude must be positive"):
             work_bound(BASE, amplitude)
 

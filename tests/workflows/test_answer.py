@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import workflows
+from tests.workflows.conftest import Outcome
 from workflows.answer import answer, ball_capacity, moves
 from workflows.records import Results
 
@@ -66,6 +68,33 @@ def test_a_dead_speed_takes_no_part_in_the_capacities(tmp_path: Path) -> None:
     found = results(tmp_path, release='"2 mm", "0 mm"')
     assert ball_capacity(found.speeds[1]) is None
     assert "takes 0 to" not in text(found)
+
+
+def _by_ratio(tmp_path: Path, speeds: str) -> Path:
+    text = BASE.format(speeds=speeds, cavity='"2.5 mm", "2.4 mm"', zeta="0.01", release="")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(text.replace("displacement = []", "ratio = 0.05"))
+    return scene
+
+
+def test_a_ratio_of_no_load_releases_nothing(tmp_path: Path) -> None:
+    """At rest nothing is released; at 3500 rpm half of what rolling takes is."""
+    found = workflows.run(workflows.load(_by_ratio(tmp_path, '"0 rpm", "3500 rpm"')))
+    assert not any(moves(point) for point in found.speeds)
+    load = found.speeds[1].load_g
+    assert f"At {load:.0f} g, the lowest load, the release gives {0.05 * load:.0f} g." in text(found)
+    assert "At 0 rpm there is no load, so that a ratio of it releases nothing: nothing moves there." in found.notes
+
+
+def test_a_ratio_at_rest_alone(tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+    """A speed given on the command line is not seen by the scene's checks."""
+    scene = _by_ratio(tmp_path, '"0 rpm", "3500 rpm"')
+    outcome = spindamp("ringdown", scene, "--rpm", "0")
+    assert outcome.status == 0
+    assert "There is no load, and a release that is a ratio of it sets nothing in motion." in " ".join(
+        outcome.out.split()
+    )
+    assert "holds the ball" not in outcome.out
 
 
 def test_a_ball_without_room(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from tests.benchmarks.kill_runs import Trial, contents
 from tests.workflows.conftest import Outcome
-from workflows import cli, store
+from workflows import cli, folders, store
 from workflows.errors import BadInput
 from workflows.scene_file import SHIPPED
 
@@ -104,6 +104,48 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
 
 
+PUBLISHED = """
+import atexit, os, signal, sys
+from workflows import cli, summary
+number, before = int(sys.argv.pop()), summary.text
+def again(*given):
+    os.kill(os.getpid(), number)
+    return before(*given)
+summary.text = again
+atexit.register(os.kill, os.getpid(), number)
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_after_the_results_are_in_place(number: signal.Signals, tmp_path: Path) -> None:
+    """The run is done, whatever arrives while it says so and while Python ends."""
+    done = subprocess.run(
+        [sys.executable, "-c", PUBLISHED, "run", "structure", "--out", "out", str(int(number))],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("open out/report.html\n")
+
+
+def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) -> None:
+    code = (
+        "import atexit, os, signal, sys\nfrom workflows import cli\n"
+        "atexit.register(os.kill, os.getpid(), signal.SIGINT)\n"
+        "import workflows.ringdowns as r\n"
+        "r._look_up = lambda _: os.kill(os.getpid(), signal.SIGTERM)\n"
+        "sys.exit(cli.main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, "ringdown", endless], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 143
+    assert done.stderr == "spindamp: ended by SIGTERM; nothing is half-written; the same command starts over\n"
+
+
 FULL = """
 import resource, sys
 from workflows import cli, publish
@@ -162,7 +204,7 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     out = tmp_path / "out"
-    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{store._ASIDE}"
+    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
     aside.mkdir()
     (aside / "results.json").write_text("old")
     (aside / store.MANIFEST).write_text("results.json\n")
@@ -199,3 +241,10 @@ def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
         with store.replacing(tmp_path / name) as scratch:
             (scratch / "results.json").write_text("new")
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_no_room_for_the_message(tmp_path: Path) -> None:
+    for command in ("check nowhere.toml", "run --foo", "rnu"):
+        line = f"{sys.executable} -m workflows.cli {command} 2>/dev/full"
+        assert subprocess.run(line, shell=True, cwd=tmp_path, check=False).returncode == 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -176,6 +177,7 @@ MESHES: dict[str, tuple[str | bytes, str]] = {
     "a kind of cell that is none": (_gmsh(CORNERS, ("999 2 0 1 1 2 3 4",)), "not a readable mesh file"),
     "a coordinate that is no number": (_gmsh(("0 -.04 0", "nan -.04 0", *CORNERS[2:]), (QUAD,)), "not finite"),
     "an infinite coordinate": (_gmsh(("0 -.04 0", "inf -.04 0", *CORNERS[2:]), (QUAD,)), "not finite"),
+    "infinity by zero": (_gmsh(("0 0 0", "inf 0 0", ".2 .08 0", "0 .08 0"), (QUAD,)), "not finite"),
     "a cell without extent": (_gmsh(("0 0 0",) * 4, (QUAD,)), "inverted or flat"),
     "a cell that crosses itself": (_gmsh(CORNERS, ("3 2 0 1 1 3 2 4",)), "inverted or flat"),
     "a solid": (_gmsh((*CORNERS, *(c[:-1] + "1" for c in CORNERS)), ("5 2 0 1 1 2 3 4 5 6 7 8",)), "hexahedron"),
@@ -215,3 +217,26 @@ def test_entities_that_grow_without_end(spindamp: Callable[..., Outcome], tmp_pa
     scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.vtu", damper__at=None)
     write(scene, tmp_path / "bad.toml")
     _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.vtu': ", "not a mesh file")
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_damper_on_the_clamped_edge(
+    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
+) -> None:
+    (tmp_path / "it.msh").write_text(GOOD, encoding="utf-8")
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=["0 cm", "1 cm"])
+    write(scene, tmp_path / "scene.toml")
+    outcome = spindamp(command, "scene.toml")
+    assert outcome.status == 2
+    assert outcome.err.startswith("spindamp: scene.toml: [damper] at = [0.0, 0.01]: ")
+
+
+def test_a_format_whose_reader_is_not_installed(
+    spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "netCDF4", None)
+    (tmp_path / "it.exo").write_text(GOOD, encoding="utf-8")
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.exo", damper__at=None)
+    write(scene, tmp_path / "bad.toml")
+    message = "to read this format, the Python package netCDF4 must be installed"
+    _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.exo': ", message)

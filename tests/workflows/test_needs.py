@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -100,8 +102,31 @@ def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> No
 
     before = needs.available()
     assert 1e7 < before < 1e15
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (12_345_678, -1))
-    assert needs.available() == 12_345_678
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (1 << 20, -1))
+    assert needs.available() == 0, "less than this very process has taken"
+
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv.pop())),) * 2)
+from workflows import cli
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize(("modes", "limit", "status"), [(6, 1e9, 0), (100, 1.5e9, 2)])
+def test_a_limit_of_address_space(modes: int, limit: float, status: int, paper: Scene, tmp_path: Path) -> None:
+    """Six modes take 0.63 GB of addresses, a hundred 2.8 GB: refused at once, not after half a minute of work."""
+    write(changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=modes), tmp_path / "scene.toml")
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, "campbell", "scene.toml", str(limit)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == status, done.stderr
+    assert ("[rotor] modes = 100: this needs about" in done.stderr) == (status == 2)
 
 
 def test_the_same_scene_passes_where_there_is_room(

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
+import stat
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from workflows import store
+from tests.workflows.conftest import Outcome
+from workflows import curves, folders, store
 from workflows.errors import BadInput
 
 
@@ -67,8 +71,37 @@ def test_files_of_the_user_stay(tmp_path: Path) -> None:
     assert not (out / "sdc.csv").exists()
 
 
+@pytest.mark.parametrize("mode", [0o700, 0o2775, 0o555])
+def test_permissions_of_a_folder_stay(mode: int, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _publish(out, "old", "results.json")
+    out.chmod(mode)
+    _publish(out, "new", "results.json")
+    assert stat.S_IMODE(out.stat().st_mode) == mode
+    assert _content(out) == {"results.json": "new"}
+
+
+def test_permissions_of_a_new_folder(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        _publish(tmp_path / "out", "new", "results.json")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "out").stat().st_mode) == 0o750
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a folder away")
+def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir(mode=0o700)
+    os.chown(out, 12345, 23456)
+    _publish(out, "new", "results.json")
+    found = out.stat()
+    assert (found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)) == (12345, 23456, 0o700)
+
+
 def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "_exchange", lambda one, other: False)
+    monkeypatch.setattr(folders, "_exchange", lambda one, other: False)
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     _publish(out, "new", "results.json")
@@ -157,3 +190,29 @@ def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"report\.html that no run of ours wrote"):
         _publish(out, "new", "results.json", "report.html")
     assert _content(out) == {"report.html": "mine"}
+
+
+NAMES = {"campbell": "campbell_flap_1.csv", "run": "velocity_x_10000rpm.csv", "ringdown": "sdc_12.5rpm.csv"}
+NAMES |= {"accuracy": "accuracy.svg", "effects": "effects.json", "reproduce": "closure.csv"}
+
+
+@pytest.mark.parametrize("command", NAMES)
+def test_a_users_own_file_is_seen_before_the_work(
+    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def begun(*_: object, **__: object) -> None:
+        raise AssertionError("work has begun")
+
+    for work in ("pipeline.structure", "costs.study.study", "costs.switching.switching", "reproduction.reproduce"):
+        monkeypatch.setattr(f"workflows.{work}", begun)
+    (tmp_path / "out").mkdir()
+    _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
+    outcome = spindamp(command, "--out", "out")
+    assert outcome.status == 2
+    assert f"holds a {NAMES[command]} that no run of ours wrote" in outcome.err
+
+
+def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:
+    found = [path.name for path in finished.glob("*.csv")]
+    assert len(found) > 8
+    assert all(re.fullmatch(curves.FILES, name) for name in found)

@@ -19,7 +19,7 @@ def effects(scene: SceneArgument = "paper", out: Out = None, json: Json = False)
 
     source = scene_file.load(scene)
     if out is not None:
-        store.check(out)
+        store.check(out, r"effects\.(json|csv|svg)")
     with Stages() as stages:
         found = switching(source, stages)
         if out is not None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from workflows import needs, pipeline, results_json, store, summary
+from workflows import curves, needs, pipeline, results_json, store, summary
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -17,7 +17,9 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     needs.check(source)
     if out is not None:
-        store.check(out)
+        store.check(out, curves.FILES)
+    if source.scene.damper is not None:
+        _say_if_slow()
     with ExitStack() as stack:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
@@ -31,3 +33,11 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
 
             results = publish(results, out, stages, artist)
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out))
+
+
+def _say_if_slow() -> None:
+    from damper.compiled import CACHED
+
+    if not CACHED:
+        problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
+        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)

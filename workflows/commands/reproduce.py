@@ -17,7 +17,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
     from workflows.stages import Stages
 
     if out is not None:
-        store.check(out)
+        store.check(out, r"reproduce\.(json|csv)|closure\.csv")
     with Stages() as stages:
         found = reproduction.reproduce(stages)
         if out is not None:

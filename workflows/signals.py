@@ -1,0 +1,56 @@
+"""Signals that end a command: heard as exceptions while it works, unheard once its results are in place."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, TypeAlias
+
+_Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | None
+
+_before: dict[int, _Handler] = {}
+"""The signals that a running command has taken, and what was done at them before."""
+
+
+class Terminated(BaseException):
+    """A signal asked the program to end; no handler of a library takes it for its own."""
+
+
+@contextmanager
+def heard(*, to_the_end: bool) -> Iterator[None]:
+    """Let what would end the program at once end it as a Ctrl-C does; what is ignored (nohup) stays so.
+
+    Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    usual = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGHUP": signal.SIG_DFL}
+    for name, handler in usual.items():
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == handler:
+            _before[number] = handler
+            if handler == signal.SIG_DFL:
+                signal.signal(number, _terminated)
+    try:
+        yield
+    finally:
+        if to_the_end:
+            ignore()
+        else:
+            for number, handler in _before.items():
+                signal.signal(number, handler)
+        _before.clear()
+
+
+def ignore() -> None:
+    """From now on no signal ends the running command: its results are about to be in place. Without one, nothing."""
+    for number in _before:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _terminated(number: int, frame: FrameType | None) -> None:
+    raise Terminated(signal.Signals(number).name)
