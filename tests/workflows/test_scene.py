@@ -96,7 +96,8 @@ def test_shipped_scenes_meet_the_published_schema(name: str, paper: Scene) -> No
 def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     decided = effects.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
-    assert on == {"stress_stiffening", "spin_softening", "rotary_inertia", "rolling_resistance", "impact_friction"}
+    plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
+    assert on == plate | {"rolling_resistance", "impact_friction"}
     assert all(effect.why for effect in decided.values())
 
     still = effects.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
@@ -119,16 +120,16 @@ def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
     ("accuracy", "rpm", "on"), [(1e-2, 17500, False), (1e-3, 17500, True), (1e-3, 5000, False), (1e-4, 5000, True)]
 )
 def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rpm: float, on: bool) -> None:
-    """It lowers the lag mode at 17500 rpm by 0.43 %, and with the square of the speed."""
+    """It lowers the lag mode at 17500 rpm by 0.43 %; the rule says 0.5; and with the square of the speed."""
     scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], accuracy={"frequency": accuracy})
     effect = effects.resolve(parse(scene))["coriolis"]
     assert effect.on is on
-    assert ("0.4 %" in effect.why) == (rpm == 17500)
+    assert ("0.5 %" in effect.why) == (rpm == 17500)
 
 
 def test_the_length_of_a_mesh_is_read() -> None:
     source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
-    assert effects.length(source) == pytest.approx(0.15, rel=0.5)
+    assert effects.length(source) == pytest.approx(0.25)
     assert "asked for" in effects.of(source)["coriolis"].why
     with pytest.raises(ValueError, match="length"):
         effects.resolve(source.scene)
