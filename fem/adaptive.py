@@ -7,7 +7,7 @@ more modes are known at the reference speed; where the basis would grow too larg
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,7 +60,8 @@ class Answer:
     omega: the speeds (k,) in rad/s. rates: circular frequencies (k, count) in rad/s. bounds: on their relative error.
     damping: ratios (k, count).
     shares: (k, 5, count), see `fem.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
-    reduced: whether from a reduced basis. state: the displacement (n,) vibrated about, where the deflection is large.
+    reduced: whether from a reduced basis. met: speeds (k,) whose bounds are within the tolerance, or as good as
+    rounding allows. state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
     omega: Array
@@ -71,7 +72,13 @@ class Answer:
     vectors: NDArray[Any]
     basis: Array
     reduced: bool
+    met: NDArray[np.bool_]
     state: Array | None = None
+
+    def only(self, rows: NDArray[np.int64]) -> Answer:
+        """The same at some of the speeds."""
+        names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 def answer(
@@ -89,11 +96,11 @@ def answer(
     for spare in SPARES:
         basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
         if found.within(tolerance).all() or omega.size == 1:
-            return [_collect(operators, basis, found, count, damping_ratio)]
+            return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
         if not gapless:
             break
     if halvings == 0:
-        return [_collect(operators, basis, found, count, damping_ratio)]
+        return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
     half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
     return [
         part
@@ -136,6 +143,7 @@ def _collect(
     basis: ReducedBasis,
     found: bounds.ReducedModes,
     count: int,
+    tolerance: float,
     damping_ratio: float,
 ) -> Answer:
     rates, vectors = found.rates[:, :count], found.vectors[:, :, :count]
@@ -146,7 +154,8 @@ def _collect(
     if basis.coriolis is not None and damping_ratio > 0.0:
         damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
     parts = shares / shares.sum(axis=1, keepdims=True)
-    return Answer(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True)
+    met = found.within(tolerance)
+    return Answer(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True, met)
 
 
 def _shared_damping(

@@ -36,6 +36,10 @@ FEW = 12
 """Modes up to which a reduced basis is cheaper than solving as many speeds one by one; beyond, its bounds are dear."""
 
 
+MOST_MENDED = 50
+"""Speeds of a part that are solved by themselves at most, where bounds of a reduced basis stay above the tolerance."""
+
+
 @dataclass(frozen=True, eq=False)
 class Campbell:
     """Modes over speed.
@@ -103,7 +107,8 @@ def campbell(
     if operators.effects.large_deflection or _hardly_any(asked.size, count):
         parts = _speed_by_speed(operators, asked, count, damping_ratio)
     else:
-        parts = _below_critical(operators, asked, count, tolerance, damping_ratio)
+        found = _below_critical(operators, asked, count, tolerance, damping_ratio)
+        parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
     below = asked[: sum(part.rates.shape[0] for part in parts)]
     branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
     return Campbell(
@@ -138,6 +143,19 @@ def _below_critical(
         return answer(operators, below, count, tolerance, damping_ratio)
 
 
+def _mended(operators: Operators, part: Answer, count: int, damping_ratio: float) -> list[Answer]:
+    """A part of the answer, in which speeds that no basis answered well enough are solved by themselves, if few."""
+    if part.met.all() or np.count_nonzero(~part.met) > MOST_MENDED:
+        return [part]
+    pieces: list[Answer] = []
+    for rows in np.split(np.arange(part.omega.size), np.flatnonzero(np.diff(part.met)) + 1):
+        if part.met[rows[0]]:
+            pieces.append(part.only(rows))
+        else:
+            pieces += _speed_by_speed(operators, part.omega[rows], count, damping_ratio)
+    return pieces
+
+
 def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_ratio: float) -> list[Answer]:
     """Solve each speed (k,) in full, its static state starting from the one before, until one diverges."""
     parts: list[Answer] = []
@@ -157,7 +175,20 @@ def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_rati
         shares = energy_shares(operators, kept)[None]
         damping = modes.damping_ratios[None, :count]
         one = np.eye(modes.shapes.shape[1])[None]
-        parts.append(Answer(np.array([speed]), rates, error, damping, shares, one, modes.shapes, False, modes.state))
+        parts.append(
+            Answer(
+                np.array([speed]),
+                rates,
+                error,
+                damping,
+                shares,
+                one,
+                modes.shapes,
+                False,
+                np.ones(1, dtype=bool),
+                modes.state,
+            )
+        )
     return parts
 
 

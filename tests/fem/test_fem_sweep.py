@@ -138,6 +138,25 @@ def test_families_and_branches_through_a_crossing():
         assert len(set(names[found.branches == branch])) == 1
 
 
+@pytest.mark.hard(
+    why="a point mass of a thousand plates: no small basis answers the speeds between",
+    keeps="speeds without a bound are solved by themselves; all bounds are within the tolerance and true",
+)
+@pytest.mark.parametrize("halvings", [0, 6])
+def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
+    monkeypatch.setattr("fem.adaptive.answer.__defaults__", (halvings,))
+    mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
+    plate = Plate(rectangle(0.2, 0.08, 6, 4).to_meshtri(), 0.004, STEEL, mass, (0.2, 0.0))
+    operators = assemble(plate, Rotor(0.1, 0.5), Effects(), "kirchhoff/argyris")
+    speeds = np.linspace(0.0, 16.2, 21)
+    found = campbell(operators, speeds, 6)
+    assert (found.bounds <= 1e-6).all()
+    direct = np.array([solve_modes(operators, speed, 6).frequencies_hz for speed in speeds])
+    assert (np.abs(found.frequencies_hz / direct - 1.0) <= found.bounds + 1e-10).all()
+    assert len(found.parts) > 1
+    assert found.shapes(20).shape == (operators.mass.shape[0], 6)
+
+
 def test_follow_crossing_and_veering():
     """Two modes that exchange places pair off by likeness; two that mix half and half, or are coupled, are flagged."""
     eye, swap = np.eye(3), np.eye(3)[[1, 0, 2]]
