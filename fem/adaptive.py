@@ -130,7 +130,10 @@ def _grow(
         if (trial.floor <= 0.0).any():
             worst = float(training[trial.floor <= 0.0][0])
             solve_real(operators, worst, operators.at(worst), count)
-        more = bounds.representatives(basis, trial, count, AIM * tolerance / (2 * count))
+        finest = AIM * tolerance / (2 * count)
+        more = bounds.representatives(basis, trial, count, finest)
+        if more.shape[1] == 0:  # the modes above the wanted ones stand in the way of the bounds
+            more = bounds.representatives(basis, trial, trial.rates.shape[1], finest)
         if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
             break
         basis = enrich(operators, stiffness, modes, basis, more)

@@ -14,8 +14,9 @@ shown in two steps, at each speed and for reduced modes x_j with residuals r_j:
    modes couple to the rest by rho_j = |r_j| / |z_j|, in K^-1 and energy norms. Outside them T does not exceed
    u = 1/w_gap + sum_j rho_j² / (w_j² (1/w_j - 1/w_gap)), and so no 1/w_i is larger than its reduced value by more
    than p rho_i² / (1 - u w_i), relatively: R'R for the residuals R of p modes is at most p times its diagonal.
-   It is also at most c times its entry i and c / (c - 1) times (p - 1) the others, so that c does for p where the
-   higher modes are so far that this does not bring them down to mode i. What rounding leaves uncertain is added.
+   (Where that lifts a higher mode past mode i, it is the one that counts as number i.) It is also at most c times
+   its entry i and c / (c - 1) times (p - 1) the others, so that c does for p where the higher modes are so far that
+   this does not bring them down to mode i. What rounding leaves uncertain is added.
 
 The residuals' norm in K(Omega)^-1 is at most that in K_r^-1 over sqrt(1 + d stretch). Taken on trust are that
 Lanczos found all modes at the reference speed and the largest stretch there. Sources: Haynsworth, Linear
@@ -91,20 +92,25 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         spread = np.where(inside, residuals**2 / (rates * (1.0 - rates / gap[:, None])), 0.0)
         top = 1.0 / gap + spread.sum(axis=1)
-        amount = np.where(inside, residuals**2 / (1.0 - top[:, None] * rates), 0.0)
-        error = _factor(rates, amount, last, inside) * amount
         good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
+        amount = np.where(good, residuals**2 / (1.0 - top[:, None] * rates), np.inf)
+        error = _errors(rates, amount, last, inside)
     bounds = np.where(good, error + rounding, np.inf)[:, :wanted]
     return ReducedModes(omega, rates, vectors, residuals, bounds, rounding[:, :wanted], floor)
 
 
-def _factor(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
-    """What multiplies each mode's amount rho² / (1 - u w), (k, q): ALONE, or p where higher modes are too near."""
+def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+    """Bounds (k, q) on relative errors from each mode's amount rho² / (1 - u w).
+
+    All modes lifted by p times their amounts: the i-th largest 1/w, whichever mode has become it. Or mode i by ALONE
+    times its own, where the higher modes, lifted by what is left for them, do not reach it.
+    """
+    lifted = -np.sort(-np.where(inside, (1.0 + last[:, None] * amount) / rates, 0.0), axis=1)
     others = 1.0 + ALONE / (ALONE - 1.0) * (last[:, None] - 1) * amount
     lowered = np.where(inside, rates / others, np.inf)
     above = np.minimum.accumulate(lowered[:, ::-1], axis=1)[:, ::-1]
     clear = np.hstack([above[:, 1:], np.full((len(rates), 1), np.inf)]) > rates
-    return np.where(clear, ALONE, last[:, None])
+    return np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf))
 
 
 def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:

@@ -79,7 +79,7 @@ def _reject_seams(mesh: Any) -> None:
     from scipy.spatial import KDTree
 
     points = mesh.p[:, np.unique(mesh.t)].T
-    pairs = KDTree(points).query_pairs(MERGED * float(np.ptp(points, axis=0).max()), output_type="ndarray")
+    pairs = KDTree(points).query_pairs(MERGED * np.ptp(points, axis=0).min(), p=np.inf, output_type="ndarray")
     if len(pairs):
         x, y = points[pairs[0, 0]]
         raise MeshError(

@@ -170,6 +170,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.root_stress,
     _two_axes,
     notes_plate.stiffness_with_ball,
+    notes_plate.real_modes,
     notes_plate.veering,
     notes_plate.mesh_error,
 )

@@ -43,6 +43,14 @@ def mesh_error(results: Results) -> str | None:
     mesh, asked = results.diagram.mesh, results.scene.accuracy.frequency
     known = [m.error_estimate for p in results.speeds for m in p.modes if m.error_estimate is not None]
     own = _AGAINST_SOLID[results.theory.name].format(significant(100 * results.theory.model_error, 1))
+    plate = results.scene.plate
+    if plate is not None and plate.mesh is not None and results.theory.name == "solid":
+        own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
+    if plate is not None and plate.tip_mass > 0:
+        own = (
+            "Under a point mass the frequencies fall with every refinement: the estimate holds what cells a third as"
+            f" wide would still take off. {own}"
+        )
     if not known:
         return f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with. {own}"
     first = max(p.modes[0].error_estimate or 0.0 for p in results.speeds if p.modes)
@@ -54,6 +62,26 @@ def mesh_error(results: Results) -> str | None:
     return (
         f"The mesh ({mesh}) leaves an estimated error of {significant(100 * first, 1)} % in the first frequency and of"
         f" up to {significant(100 * max(known), 1)} % in all {len(results.speeds[0].modes)}, {verdict}. {own}"
+    )
+
+
+def real_modes(results: Results) -> str | None:
+    """What Coriolis forces do to the mode that the damper feels, where that is more than the accuracy asked for."""
+    if not results.effects["coriolis"].on:
+        return None
+    moved = [
+        mode.frequency_hz / point.reduced.f2_hz - 1
+        for point in results.speeds
+        if point.reduced is not None
+        for mode in [next((mode for mode in point.modes if mode.family == "flap"), None)]
+        if mode is not None
+    ]
+    most = max(moved, key=abs, default=0.0)
+    if abs(most) <= results.scene.accuracy.frequency:
+        return None
+    return (
+        f"Coriolis forces move the first bending mode by {significant(100 * most, 2)} %. What the damper feels (M1, K1,"
+        " M2, K2) is of a real mode, and without them."
     )
 
 

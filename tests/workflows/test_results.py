@@ -82,7 +82,8 @@ def test_reduced_parameters_belong_together(document: dict[str, Any]) -> None:
             stiffness = reduced[f"M{number}"] * (2 * np.pi * reduced[f"f{number}_hz"]) ** 2
             assert reduced[f"K{number}"] == pytest.approx(stiffness)
         assert reduced["M1"] == pytest.approx(1.006 * reduced["M2"])
-        assert reduced["f1_hz"] < reduced["f2_hz"] == pytest.approx(point["modes"][0]["frequency_hz"])
+        # Coriolis forces, which the reduced parameters leave out, move the first bending mode by some 1e-6 here.
+        assert reduced["f1_hz"] < reduced["f2_hz"] == pytest.approx(point["modes"][0]["frequency_hz"], rel=1e-5)
 
 
 def test_cycles_are_the_papers_quantities(document: dict[str, Any]) -> None:
@@ -153,15 +154,20 @@ def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, lef
 
 
 def test_nothing_spins(paper: Scene) -> None:
-    for scene in (
-        changed(paper, rotor__speeds=[0], release__cycles=5),
-        changed(paper, rotor__speeds=[0], release={"ratio": 0.5, "cycles": 5}),
-    ):
-        results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
-        point = workflows.document(results)["speeds"][0]
-        assert point["load_g"] == 0
-        assert point["damper"]["cutoff_ratio"] is None
-        jsonschema.validate(workflows.document(results), SCHEMA)
+    scene = changed(paper, rotor__speeds=[0], release__cycles=5)
+    results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
+    point = workflows.document(results)["speeds"][0]
+    assert point["load_g"] == 0
+    assert point["damper"]["cutoff_ratio"] is None
+    jsonschema.validate(workflows.document(results), SCHEMA)
+
+
+@pytest.mark.parametrize(("stagger", "said"), [("0 deg", False), ("90 deg", True)])
+def test_coriolis_forces_that_the_damper_does_not_feel(paper: Scene, stagger: str, said: bool) -> None:
+    """Bending in the plane of rotation is lowered by 0.4 % at 17500 rpm, bending across it not at all."""
+    scene = changed(paper, rotor__speeds=["17500 rpm"], rotor__stagger=stagger, release__cycles=2)
+    results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
+    assert ("of a real mode" in " ".join(results.notes)) is said
 
 
 def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
