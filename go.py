@@ -48,6 +48,7 @@ def test(arguments):
         ("mypy", [PYTHON, "-m", "mypy"]),
         ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *arguments]),
     ]
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # the tests have all cores already
     failed = []
     for name, command in steps:
         print(f"\n== {name}", flush=True)

@@ -132,8 +132,8 @@ def _grow(
             solve_real(operators, worst, operators.at(worst), count)
         finest = AIM * tolerance / (2 * count)
         more = bounds.representatives(basis, trial, count, finest)
-        if more.shape[1] == 0:  # the modes above the wanted ones stand in the way of the bounds
-            more = bounds.representatives(basis, trial, trial.rates.shape[1], finest)
+        if more.shape[1] == 0:  # the mode above the wanted ones may stand in the way of their bounds
+            more = bounds.representatives(basis, trial, count + 1, finest)
         if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
             break
         basis = enrich(operators, stiffness, modes, basis, more)
