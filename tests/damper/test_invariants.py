@@ -128,7 +128,7 @@ def test_exchange_of_axes(seed: int) -> None:
         assert one.energy.final == pytest.approx(two.energy.final, rel=1e-8)
 
 
-@pytest.mark.parametrize("scale", [{"length": 7.0}, {"time": 0.3}, {"mass": 11.0}])
+@pytest.mark.parametrize("scale", [{"length": 7.0}, {"length": 2.0**-20}, {"time": 0.3}, {"mass": 11.0}])
 @pytest.mark.parametrize("seed", some(30, without=3))
 def test_rescaling(seed: int, scale: dict[str, float]) -> None:
     """Units do not matter: dimensionless results are those of the scaled scene."""
