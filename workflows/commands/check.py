@@ -18,12 +18,12 @@ def check(
 
     source = scene_file.load(scene)
     needs.check(source)
-    decided = effects.of(source)
     sides = None
     if source.mesh is not None:
         from workflows import plate_mesh
 
         sides = plate_mesh.check(source)
+    decided = effects.resolve(source.scene, source.name, None if sides is None else sides[0])
     theory = effects.theory(source.scene, sides)
     if json:
         from json import dumps

@@ -87,7 +87,8 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
     stages = stages or Stages()
-    decided, called = rules.of(source), rules.called_for(source.scene, rules.length(source))
+    length = rules.length(source)
+    decided, called = rules.resolve(source.scene, source.name, length), rules.called_for(source.scene, length)
     has_plate = source.scene.plate is not None
     size = plate.discretise(source, decided, Stages(visible=False)).choice.size if has_plate else None
     with stages("effects", len(decided) + 1) as step:
