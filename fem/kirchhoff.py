@@ -16,6 +16,7 @@ from fem.discretisation import Discretisation, Space, number
 from fem.fields import Fields
 from fem.mindlin import plate_layers
 from fem.planform import root_facets
+from fem.together import together
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -94,7 +95,7 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
     count, ncell = mesh.t.shape
     numbers = np.arange(count * ncell).reshape(ncell, count).T
     apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
-    basis = Basis(apart, kind(), quadrature=quadrature)
+    basis = Basis(apart, together(kind), quadrature=quadrature)
     signs = np.ones((ncell, basis.Nbfun))
     if element != "bfs":
         # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.davidson import refine
 from fem.family import families
 from fem.modes import Divergence, Modes, linearise, lowest, solve_real
 from fem.operators import point_rows, with_point_mass
-from fem.solver import factorise, lanczos, refine
+from fem.solver import factorise, lanczos
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

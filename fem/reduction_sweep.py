@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import eigh
 
+from fem.davidson import most_alike
 from fem.operators import with_point_mass
 from fem.reduction import SEARCHED, Reduced, become, check_mass, flap_index, flap_modes, flap_rows, reduce_at, reduced
-from fem.solver import most_alike, rounding
+from fem.solver import rounding
 from fem.sweep import campbell
 
 if TYPE_CHECKING:

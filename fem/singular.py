@@ -11,7 +11,7 @@ it grows with the logarithm of the distance that the mesh resolves (Timoshenko a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,19 +22,24 @@ from fem.theories import TORSION
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.modes import Modes
     from fem.operators import Operators
 
     Array = NDArray[np.float64]
 
-HALF_SEEN = 4.7
-"""Width over thickness of edge cells that see half of the layer (Q2 cells; plates of h/b from 1/70 to 1/700)."""
-
 
 def unseen(edge: float, thickness: float) -> float:
-    """Part of the edge layer's effect that edge cells of a width (m) miss; between 0 and 1."""
-    square = (edge / thickness) ** 2
-    return square / (square + HALF_SEEN**2)
+    """Part of the edge layer's effect that quadratic cells of a width (m) above 0 miss; between 0 and 1.
+
+    In the layer the twist falls off as e^(-d/l), l = h / sqrt(12 k) with the shear correction k, as the twisting
+    stiffness E h³ / (24 (1 + nu)) and the shear stiffness k G h have it. Its energy is taken from a row of equal
+    quadratic elements without end, whose stiffness z at the edge is that of one more in front: z = a - b² / (z + a).
+    """
+    width = edge / thickness * np.sqrt(12.0 * SHEAR_CORRECTION)
+    corner, middle, across, far = (
+        stiff / (3.0 * width) + mass * width / 30.0 for stiff, mass in ((7, 4), (16, 16), (-8, 2), (1, -1))
+    )
+    a, b = corner - across**2 / middle, far - across**2 / middle
+    return float(max(0.0, 1.0 - 1.0 / np.sqrt(a**2 - b**2)))
 
 
 def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -> Array:
@@ -47,7 +52,26 @@ def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -
     return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), largest)
 
 
-def drift(operators: Operators, modes: Modes) -> Array:
+def layer_and_rest(
+    apart: tuple[Array, Array], missed: tuple[float, ...], sizes: tuple[int, ...], order: float
+) -> Array:
+    """Errors on the finest of three meshes, of which one part falls as the layer is seen and the rest at an order.
+
+    apart: relative differences of the first two and of the last two meshes. missed: of the layer, on each mesh, see
+    `unseen`. sizes: inverse to the cells. Neither part is negative.
+    """
+    rest = np.array(sizes, dtype=float) ** -order
+    (a, c), (b, d) = -np.diff(missed), -np.diff(rest)
+    first, second = apart
+    with np.errstate(divide="ignore", invalid="ignore"):
+        layer = (first * d - second * b) / (a * d - c * b)
+        other = (second * a - first * c) / (a * d - c * b)
+    alone = np.where(layer > 0.0, second / c * missed[2], second / d * rest[2])
+    both = layer * missed[2] + other * rest[2]
+    return np.asarray(np.where((layer > 0.0) & (other > 0.0), both, alone))
+
+
+def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any]) -> Array:
     """How much frequencies (count,) still fall, relatively, as cells around the point mass get e times smaller.
 
     The compliance at a point of an edge grows by 2 / (pi E h) in the plane and, with shear, by 1 / (pi k G h) across;
@@ -55,10 +79,10 @@ def drift(operators: Operators, modes: Modes) -> Array:
     """
     plate = operators.plate
     if plate.tip_mass == 0.0 or plate.tip_at is None:
-        return np.zeros(modes.eigenvalues.size)
-    motion = np.abs(point_rows(operators.model, plate.tip_at) @ modes.shapes) ** 2
+        return np.zeros(eigenvalues.size)
+    motion = np.abs(point_rows(operators.model, plate.tip_at) @ shapes) ** 2
     material, h = plate.material, plate.thickness
     growth = (motion[0] + motion[1]) * 2.0 / (np.pi * material.youngs_modulus * h)
     if not operators.model.theory.startswith("kirchhoff"):
         growth += motion[2] / (np.pi * SHEAR_CORRECTION * material.shear_modulus * h)
-    return np.asarray(0.5 * plate.tip_mass**2 * modes.eigenvalues * growth)
+    return np.asarray(0.5 * plate.tip_mass**2 * eigenvalues * growth)

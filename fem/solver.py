@@ -38,14 +38,8 @@ LARGEST = (200, 10)
 NULL = 1e-24
 """Squared weight of a unit direction that counts as nothing."""
 
-REFINED = 1e-13
-"""Relative energy of a refined mode's error, which is the relative error of its eigenvalue."""
-
 ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Error of a quadratic form relative to the root of its terms' sum of squares: rounding is random."""
-
-STEPS = 30
-"""Steps after which a refined mode is taken to be as good as rounding allows."""
 
 
 class NotConverged(FloatingPointError):
@@ -174,36 +168,3 @@ def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
     """What double precision leaves uncertain of the frequencies of mass-normalised shapes (n, k), relatively."""
     squares = stiffness.power(2) @ shapes**2
     return np.asarray(ROUNDING * np.sqrt(np.einsum("nk,nk->k", shapes**2, squares)) / eigenvalues)
-
-
-def refine(
-    stiffness: csc_array, mass: csc_array, start: Array, target: int, factor: Factor, measure: csc_array
-) -> tuple[float, Array]:
-    """Find the eigenpair of (stiffness, mass) most like one column of start, by Davidson's method.
-
-    start: (n, k) vectors to begin with. factor: of the stiffness. measure: the mass (n, n) in which likeness is
-    taken. Returns the eigenvalue and the vector (n,), mass-normalised. Source: Davidson, J. Comput. Phys. 17
-    (1975) 87.
-    """
-    wanted = measure @ start[:, target]
-    empty = np.empty((start.shape[0], 0))
-    basis, image, _, _ = orthonormal(start, empty, empty, mass)
-    for _ in range(STEPS):
-        reduced = basis.T @ (stiffness @ basis)
-        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
-        pick = most_alike(wanted @ basis, basis.T @ (measure @ basis), vectors)
-        value, shape = float(values[pick]), basis @ vectors[:, pick]
-        residual = stiffness @ shape - value * (mass @ shape)
-        step = factor.solve(residual)
-        # The step is the shape's error to first order; its energy is that of the eigenvalue.
-        if abs(residual @ step) <= REFINED * abs(value):
-            break
-        block, heavy, _, _ = orthonormal(step[:, None], basis, image, mass)
-        basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
-    return value, shape
-
-
-def most_alike(wanted: Array, measure: Array, vectors: Array) -> int:
-    """Which of some vectors (r, k) is most like another, whose product with the measure (r, r) is wanted (r,)."""
-    lengths = np.einsum("rk,rs,sk->k", vectors, measure, vectors)
-    return int(np.argmax(np.abs(wanted @ vectors) / np.sqrt(np.maximum(lengths, np.finfo(float).tiny))))
