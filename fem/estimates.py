@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.probing import probe
 from fem.singular import drift, layer_and_rest, layer_errors, unseen
+from fem.transfer import transfer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -64,6 +65,7 @@ class Estimates:
         self._operators: dict[int, Operators] = {}
         self._frequencies: dict[int, Array] = {}
         self._drifts: dict[int, Array] = {}
+        self._latest: tuple[Operators, tuple[Array | None, ...]] | None = None
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated relative errors (probes, count) on a coarse mesh and on a finer one."""
@@ -76,9 +78,10 @@ class Estimates:
         """Frequencies (probes, count) in Hz, for as many probes as have any."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found = probe(operators, self.probes, self._count, self._exact)
-            self._frequencies[size] = np.array([np.sqrt(values) / (2.0 * np.pi) for values, _ in found])
-            self._drifts[size] = np.array([drift(operators, *modes) for modes in found])
+            found = probe(operators, self.probes, self._count, self._exact, self._starts(operators))
+            self._frequencies[size] = np.array([np.sqrt(modes.eigenvalues) / (2.0 * np.pi) for modes in found])
+            self._drifts[size] = np.array([drift(operators, modes.eigenvalues, modes.shapes) for modes in found])
+            self._latest = operators, tuple(modes.state for modes in found)
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
@@ -102,6 +105,13 @@ class Estimates:
     def pointed(self) -> bool:
         """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
         return self.theory.startswith("solid") and next(iter(self._operators.values())).plate.tip_mass > 0.0
+
+    def _starts(self, operators: Operators) -> tuple[Array | None, ...]:
+        """Where large deflections begin: at those on the mesh tried last."""
+        if self._latest is None:
+            return ()
+        known, states = self._latest
+        return tuple(None if state is None else transfer(state, known, operators) for state in states)
 
     def _apart(self, coarse: int, fine: int) -> Array:
         """Relative differences (probes, count) between two meshes, apart from what never ends under a point mass."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fem.davidson import lowest_modes
 from fem.modes import Divergence, Modes, check_count, linearise, solve_modes, solve_real
@@ -20,37 +20,51 @@ ROUGH = 1e-4
 """Largest residual of the modes at the first speed; the error of their frequencies is of the order of its square."""
 
 
-def probe(operators: Operators, speeds: tuple[float, ...], count: int, exact: float) -> list[tuple[Array, Array]]:
+class Probed(NamedTuple):
+    """Modes at one speed.
+
+    eigenvalues: (count,) in rad²/s², ascending. shapes: (n, count), mass-normalised. state: the displacement (n,)
+    vibrated about, where the deflection is large.
+    """
+
+    eigenvalues: Array
+    shapes: NDArray[Any]
+    state: Array | None
+
+
+def probe(
+    operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
+) -> list[Probed]:
     """Find the count lowest modes at speeds in rad/s, ascending, up to the first at which the plate has none.
 
-    exact: relative, of squared frequencies. Returns eigenvalues (count,) in rad²/s² and mass-normalised shapes
-    (n, count) for each speed. Raises ValueError as `solve_modes` does, and for the first speed Divergence,
-    NoEquilibrium and Unresolved.
+    exact: relative, of squared frequencies. starts: states (n,) near those of large deflections, for each speed.
+    Raises ValueError as `solve_modes` does, and for the first speed Divergence, NoEquilibrium and Unresolved.
     """
-    first = _first(operators, speeds[0], count, exact)
-    found = [(first.eigenvalues, first.shapes)]
+    each = dict(zip(speeds, starts, strict=False))
+    first = _first(operators, speeds[0], count, exact, each.get(speeds[0]))
+    found = [Probed(first.eigenvalues, first.shapes, first.state)]
     for speed in speeds[1:]:
         try:
-            found.append(_from(operators, first, speed, exact))
+            found.append(_from(operators, first, speed, exact, each.get(speed)))
         except (Divergence, NoEquilibrium):
             break
     return found
 
 
-def _first(operators: Operators, speed: float, count: int, exact: float) -> Modes:
+def _first(operators: Operators, speed: float, count: int, exact: float, start: Array | None) -> Modes:
     if operators.gyroscopic is not None:
-        return solve_modes(operators, speed, count)
+        return solve_modes(operators, speed, count, start=start)
     check_count(operators, count)
-    stiffness, state = linearise(operators, speed)
+    stiffness, state = linearise(operators, speed, start)
     return solve_real(operators, speed, stiffness, count, state, tolerance=min(ROUGH, exact))
 
 
-def _from(operators: Operators, known: Modes, speed: float, exact: float) -> tuple[Array, Array]:
+def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
     """Modes at a speed in rad/s from those at another, or by themselves where they differ too much."""
     if operators.gyroscopic is None:
-        stiffness, _ = linearise(operators, speed)
+        stiffness, start = linearise(operators, speed, start)
         near = lowest_modes(stiffness, operators.mass, known.shapes, known.factor, exact)
         if near is not None and near[0][0] > 0.0:
-            return near
-    modes = solve_modes(operators, speed, known.eigenvalues.size)
-    return modes.eigenvalues, modes.shapes
+            return Probed(*near, start)
+    modes = solve_modes(operators, speed, known.eigenvalues.size, start=start)
+    return Probed(modes.eigenvalues, modes.shapes, modes.state)

@@ -32,6 +32,9 @@ ITERATIONS = 25
 CONVERGED = 1e-14
 """Energy of the last Newton step relative to that of the load; what is then left is of the order of its square."""
 
+ON_THE_WAY = 1e-4
+"""The same while the load is not yet whole."""
+
 STALLED = 1e-10
 """Energy from which a step that gains nothing on the one before counts as rounding."""
 
@@ -71,7 +74,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
-        found = _newton(operators, attempt * target, begin)
+        found = _newton(operators, attempt * target, begin, converged=CONVERGED if attempt == 1.0 else ON_THE_WAY)
         if found is None:
             part *= 0.25
             if part < SMALLEST_PART:
@@ -90,7 +93,9 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
     return _respond(operators, omega**2, state)[1]
 
 
-def _newton(operators: Operators, load: float, state: Array, unstable: bool = False) -> Array | None:
+def _newton(
+    operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = CONVERGED
+) -> Array | None:
     """Equilibrium near a state, or None.
 
     Unless an unstable one will do, it is given up as soon as it strays: off the stable branch, or on to another one,
@@ -108,7 +113,7 @@ def _newton(operators: Operators, load: float, state: Array, unstable: bool = Fa
         state = state + step
         work = float(abs(load * operators.load @ state))
         energy = float(abs(step @ residual))
-        if energy <= CONVERGED * work or (0.1 * before <= energy <= STALLED * work):
+        if energy <= converged * work or (0.1 * before <= energy <= STALLED * work):
             return state
         if number >= WILD and energy > before and not unstable:
             return None

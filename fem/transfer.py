@@ -1,0 +1,43 @@
+"""A plate's displacement on one mesh as a start on another one of the same planform."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.fields import gram
+from fem.solver import factorise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators import Operators
+
+    Array = NDArray[np.float64]
+
+FIELDS = ((0, ()), (1, ()), (2, ()), (2, (0,)), (2, (1,)))
+"""u, v, w and the slopes of w, which the rotations of a thin plate are."""
+
+
+def transfer(state: Array, known: Operators, asked: Operators) -> Array | None:
+    """The displacement (n,) on the mesh asked for nearest to one known on another, or None for solids.
+
+    Nearest in the mean square of u, v, w, and of the rotations times the thickness.
+    """
+    model = asked.model
+    if model.theory.startswith("solid"):
+        return None
+    points = model.points[:2].reshape(2, -1)
+    mesh = known.model.mesh
+    mapping = mesh.mapping()
+    cells = mesh.element_finder(mapping=mapping)(*points)
+    reference = mapping.invF(points[:, :, None], tind=cells)[:, :, 0]
+    padded = np.append(state, 0.0)  # the clamped unknowns, numbered -1
+    values = []
+    for number, derivative in FIELDS:
+        weights, unknowns = known.model.spaces[number].probe(cells, reference, derivative)
+        values.append((weights * padded[unknowns]).sum(axis=1).reshape(model.points.shape[1:]))
+    weigh = np.array([1.0, 1.0, 1.0, asked.plate.thickness**2, asked.plate.thickness**2])
+    matrix = gram((model.displacement, np.diag(weigh)))
+    return factorise(matrix).solve(model.displacement.load(weigh[:, None, None] * np.array(values)))

@@ -1,0 +1,119 @@
+"""Modes at further speeds from the factor of the first: the same as when each speed is solved by itself."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from fem_cases import STEEL, rpm
+from scipy.sparse import csc_array
+
+from fem import Divergence, Effects, Plate, Rectangle, Rotor, assemble, solve_modes, statics
+from fem.davidson import lowest_modes
+from fem.probing import probe
+from fem.solver import factorise
+from fem.together import together
+from fem.transfer import transfer
+
+COUNT, EXACT = 6, 1e-7
+
+
+def plate(theory="mindlin", effects=None, stagger=0.3, hub=0.1, thickness=0.002, length=0.2):
+    mesh = Rectangle(length, 0.1).mesh(3)
+    return assemble(Plate(mesh, thickness, STEEL), Rotor(hub, stagger), effects or Effects(), theory)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+@pytest.mark.parametrize("top", [3000.0, 20000.0])
+def test_both_speeds_as_solved_by_themselves(theory, top):
+    """At 20000 rpm the first frequency is three times that at rest."""
+    operators, speeds = plate(theory), (0.0, rpm(top))
+    for (values, shapes, _), speed in zip(probe(operators, speeds, COUNT, EXACT), speeds, strict=True):
+        alone = solve_modes(operators, speed, COUNT)
+        assert values == pytest.approx(alone.eigenvalues, rel=3 * EXACT)
+        alike = np.abs(shapes.T @ operators.mass @ alone.shapes)
+        assert np.diag(alike) == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("effects", [Effects(coriolis=True), Effects(large_deflection=True)])
+def test_with_effects_that_are_not_linear_in_the_squared_speed(effects):
+    operators, speeds = plate(effects=effects), (rpm(2000.0), rpm(6000.0))
+    for (values, *_), speed in zip(probe(operators, speeds, COUNT, EXACT), speeds, strict=True):
+        assert values == pytest.approx(solve_modes(operators, speed, COUNT).eigenvalues, rel=3 * EXACT)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff/bfs", "kirchhoff/argyris"])
+def test_a_state_on_a_coarser_mesh_saves_most_of_newtons_steps(theory, monkeypatch):
+    """Twisted by its load from rest the plate takes 19 steps; from the coarser mesh's state, to the same."""
+    form, omega, steps = Rectangle(0.2, 0.2), rpm(4000.0), []
+    respond = statics._respond
+    monkeypatch.setattr(statics, "_respond", lambda *given: steps.append(1) or respond(*given))
+    coarse, fine = (
+        assemble(Plate(form.mesh(k), 0.002, STEEL), Rotor(0.0, np.pi / 4), Effects(large_deflection=True), theory)
+        for k in (2, 3)
+    )
+    known = statics.equilibrium(coarse, omega)
+    steps.clear()
+    cold = statics.equilibrium(fine, omega)
+    from_rest = len(steps)
+    steps.clear()
+    warm = statics.equilibrium(fine, omega, transfer(known, coarse, fine))
+    assert 2 * len(steps) < from_rest
+    np.testing.assert_allclose(warm, cold, atol=1e-9 * np.abs(cold).max())
+
+
+def test_ends_where_the_plate_diverges():
+    operators = plate(effects=Effects(stress_stiffening=False), stagger=np.pi / 2, thickness=0.001)
+    critical = solve_modes(operators, 0.0, 1).eigenvalues[0] ** 0.5
+    assert len(probe(operators, (0.0, 0.99 * critical), 2, EXACT)) == 2
+    assert len(probe(operators, (0.0, 1.01 * critical), 2, EXACT)) == 1
+    with pytest.raises(Divergence):
+        probe(operators, (1.01 * critical,), 2, EXACT)
+    with pytest.raises(ValueError, match="count of modes"):
+        probe(operators, (0.0,), 0, EXACT)
+
+
+def test_speeds_that_do_not_settle_are_solved_by_themselves(monkeypatch):
+    monkeypatch.setattr("fem.davidson.ROUNDS", 1)
+    operators, top = plate(), rpm(20000.0)
+    assert probe(operators, (0.0, top), COUNT, EXACT)[1][0] == pytest.approx(
+        solve_modes(operators, top, COUNT).eigenvalues, rel=1e-10
+    )
+
+
+def test_lowest_modes_of_random_matrices():
+    rng = np.random.default_rng(1)
+    n, k = 60, 4
+    root = rng.standard_normal((n, n))
+    known = root @ root.T + np.diag(np.arange(1.0, n + 1.0) ** 2)
+    change = rng.standard_normal((n, 5))
+    asked, mass = known + change @ change.T, np.diag(rng.uniform(1.0, 2.0, n))
+    start = scipy.linalg.eigh(known, mass)[1][:, :k]
+    found = lowest_modes(csc_array(asked), csc_array(mass), start, factorise(csc_array(known)), 1e-10)
+    assert found is not None
+    values, vectors = found
+    assert values == pytest.approx(scipy.linalg.eigh(asked, mass, eigvals_only=True)[:k], rel=1e-9)
+    np.testing.assert_allclose(vectors.T @ mass @ vectors, np.eye(k), atol=1e-12)
+
+
+def test_a_factor_of_something_else_does_not_settle():
+    n = 200
+    asked, mass = csc_array(np.diag(np.arange(1.0, n + 1.0))), csc_array(np.eye(n))
+    start = np.random.default_rng(0).standard_normal((n, 3))
+    assert lowest_modes(asked, mass, start, factorise(csc_array(np.eye(n))), 1e-12) is None
+
+
+@pytest.mark.parametrize("name", ["ElementQuadBFS", "ElementTriArgyris", "ElementTriMorley"])
+def test_functions_tabulated_together_are_those_of_scikit_fem(name):
+    import skfem
+
+    kind = getattr(skfem, name)
+    mesh = skfem.MeshQuad.init_tensor(np.array([-1.0, 0.0, 0.3, 1.0]), np.array([-1.0, 0.5, 1.0]))
+    mesh = mesh if "Quad" in name else mesh.to_meshtri()
+    ours, theirs = (skfem.Basis(mesh, element, intorder=5) for element in (together(kind), kind()))
+    at, cells = np.array([[0.3], [0.2]])[:, :, None], np.array([3, 1])
+    for i in range(theirs.Nbfun):
+        pairs = [(ours.basis[i][0], theirs.basis[i][0])]
+        pairs += [tuple(basis.elem.gbasis(basis.mapping, at, i, tind=cells)[0] for basis in (ours, theirs))]
+        for mine, other in pairs:
+            for part in ("grad", "hess"):
+                np.testing.assert_allclose(getattr(mine, part), getattr(other, part), atol=1e-9)
+            np.testing.assert_allclose(np.asarray(mine), np.asarray(other), atol=1e-10)
