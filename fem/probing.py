@@ -20,6 +20,10 @@ ROUGH = 1e-4
 """Largest residual of the modes at the first speed; the error of their frequencies is of the order of its square."""
 
 
+BENT = 1e-2
+"""Energy of Newton's last step to a large deflection as part of what squared frequencies need; its square is left."""
+
+
 class Probed(NamedTuple):
     """Modes at one speed.
 
@@ -55,14 +59,14 @@ def _first(operators: Operators, speed: float, count: int, exact: float, start: 
     if operators.gyroscopic is not None:
         return solve_modes(operators, speed, count, start=start)
     check_count(operators, count)
-    stiffness, state = linearise(operators, speed, start)
+    stiffness, state = linearise(operators, speed, start, BENT * exact)
     return solve_real(operators, speed, stiffness, count, state, tolerance=min(ROUGH, exact))
 
 
 def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
     """Modes at a speed in rad/s from those at another, or by themselves where they differ too much."""
     if operators.gyroscopic is None:
-        stiffness, start = linearise(operators, speed, start)
+        stiffness, start = linearise(operators, speed, start, BENT * exact)
         near = lowest_modes(stiffness, operators.mass, known.shapes, known.factor, exact)
         if near is not None and near[0][0] > 0.0:
             return Probed(*near, start)

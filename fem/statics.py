@@ -53,10 +53,11 @@ class NoEquilibrium(ArithmeticError):
         self.omega = omega
 
 
-def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
+def equilibrium(operators: Operators, omega: float, start: Array | None = None, converged: float = CONVERGED) -> Array:
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
-    start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up
+    start: the state at a neighbouring speed, if known. converged: energy of the last Newton step relative to that of
+    the load; what is then left is of the order of its square. The state is stable where one is found on the way up
     from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a
     plate too thin for its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
     """
@@ -66,7 +67,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
     if start is not None and np.shape(start) != operators.load.shape:
         raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
     target = omega**2
-    if start is not None and (found := _newton(operators, target, start)) is not None:
+    if start is not None and (found := _newton(operators, target, start, converged=converged)) is not None:
         return found
     state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
     while reached < 1.0:
@@ -74,7 +75,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
-        found = _newton(operators, attempt * target, begin, converged=CONVERGED if attempt == 1.0 else ON_THE_WAY)
+        found = _newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
         if found is None:
             part *= 0.25
             if part < SMALLEST_PART:
