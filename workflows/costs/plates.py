@@ -28,8 +28,8 @@ WITH_THEORY = "plate, with the error of the theory"
 """The stage in which all theories are held against the solid."""
 
 METHODS = (
-    ("kirchhoff/bfs", "thin plate, BFS rectangles", 10),
-    ("kirchhoff/argyris", "thin plate, Argyris triangles", 4),
+    ("kirchhoff/bfs", "thin plate, BFS rectangles", 12),
+    ("kirchhoff/argyris", "thin plate, Argyris triangles", 8),
     ("kirchhoff/morley", "thin plate, Morley triangles", 10),
     ("mindlin", "Mindlin, Q2 rectangles", 12),
     ("mindlin on triangles", "Mindlin, P2 triangles", 8),
