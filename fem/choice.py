@@ -37,7 +37,7 @@ cheaper than one beyond; and the least ratio of their sizes."""
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
 
-FIRST, SURE = 0.45, 0.75
+FIRST, SURE = 0.6, 0.75
 """Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured, and after."""
 
 EXACT = 1e-3
@@ -126,10 +126,10 @@ def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
 
 
 def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
-    """The meshes to begin with: the first with enough cells, and one of half its size or less."""
+    """The meshes to begin with: the first with enough cells, and one of two thirds of its size or less."""
     sizes = planform.sizes
     fine = next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
-    return max(size for size in sizes if size <= max(fine / 2, sizes[0])), fine
+    return max(size for size in sizes if size <= max(fine / 1.5, sizes[0])), fine
 
 
 def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: float) -> int | None:

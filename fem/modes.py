@@ -161,22 +161,19 @@ def solve_real(
     return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
 
 
-def linearise(
-    operators: Operators, omega: float, start: Array | None = None, converged: float | None = None
-) -> tuple[csc_array, Array | None]:
+def linearise(operators: Operators, omega: float, start: Array | None = None) -> tuple[csc_array, Array | None]:
     """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
 
-    start, converged: as in `fem.statics.equilibrium`, which has its own where it is None. Raises ValueError for a
-    speed that is not one finite number.
+    Raises ValueError for a speed that is not one finite number.
     """
-    from fem.statics import CONVERGED, equilibrium, tangent
+    from fem.statics import equilibrium, tangent
 
     check_speed(omega)
     if not operators.effects.large_deflection:
         return operators.at(omega), None
     if omega == 0.0:
         return operators.stiffness, np.zeros_like(operators.load)
-    state = equilibrium(operators, omega, start, CONVERGED if converged is None else converged)
+    state = equilibrium(operators, omega, start)
     return tangent(operators, omega, state), state
 
 

@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fem.davidson import lowest_modes
 from fem.modes import Divergence, Modes, check_count, linearise, solve_modes, solve_real
-from fem.statics import NoEquilibrium
+from fem.statics import NoEquilibrium, settle, tangent
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from scipy.sparse import csc_array
 
     from fem.operators import Operators
+    from fem.solver import Factor
 
     Array = NDArray[np.float64]
 
@@ -59,16 +61,26 @@ def _first(operators: Operators, speed: float, count: int, exact: float, start: 
     if operators.gyroscopic is not None:
         return solve_modes(operators, speed, count, start=start)
     check_count(operators, count)
-    stiffness, state = linearise(operators, speed, start, BENT * exact)
-    return solve_real(operators, speed, stiffness, count, state, tolerance=min(ROUGH, exact))
+    stiffness, state = linearise(operators, speed, start)
+    return solve_real(operators, speed, stiffness, count, state, tolerance=min(ROUGH, exact**0.5))
 
 
 def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
     """Modes at a speed in rad/s from those at another, or by themselves where they differ too much."""
     if operators.gyroscopic is None:
-        stiffness, start = linearise(operators, speed, start, BENT * exact)
-        near = lowest_modes(stiffness, operators.mass, known.shapes, known.factor, exact)
+        stiffness, state, factor = _near(operators, known, speed, exact, start)
+        near = lowest_modes(stiffness, operators.mass, known.shapes, factor, exact)
         if near is not None and near[0][0] > 0.0:
-            return Probed(*near, start)
+            return Probed(*near, state)
     modes = solve_modes(operators, speed, known.eigenvalues.size, start=start)
     return Probed(modes.eigenvalues, modes.shapes, modes.state)
+
+
+def _near(
+    operators: Operators, known: Modes, speed: float, exact: float, start: Array | None
+) -> tuple[csc_array, Array | None, Factor]:
+    """The stiffness (n, n) at a speed, the state it is taken about, and the factor of a similar one."""
+    if not operators.effects.large_deflection:
+        return operators.at(speed), None, known.factor
+    state, factor = settle(operators, speed, start, BENT * exact)
+    return tangent(operators, speed, state), state, factor

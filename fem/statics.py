@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.discretisation import Layer
+    from fem.discretisation import Discretisation, Layer
     from fem.operators import Operators
+    from fem.solver import Factor
 
     Array = NDArray[np.float64]
 
@@ -37,6 +38,9 @@ ON_THE_WAY = 1e-4
 
 STALLED = 1e-10
 """Energy from which a step that gains nothing on the one before counts as rounding."""
+
+AT_ONCE = 0.01
+"""Energy of a step with a known factor, relative to that of the step before, up to which the factor is still good."""
 
 SMALLEST_PART = 1e-4
 """Smallest part of the load that is tried before giving up."""
@@ -53,13 +57,22 @@ class NoEquilibrium(ArithmeticError):
         self.omega = omega
 
 
-def equilibrium(operators: Operators, omega: float, start: Array | None = None, converged: float = CONVERGED) -> Array:
+def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
-    start: the state at a neighbouring speed, if known. converged: energy of the last Newton step relative to that of
-    the load; what is then left is of the order of its square. The state is stable where one is found on the way up
-    from rest; otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a
-    plate too thin for its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
+    start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
+    otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a plate too thin for
+    its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
+    """
+    return settle(operators, omega, start)[0]
+
+
+def settle(
+    operators: Operators, omega: float, start: Array | None = None, converged: float = CONVERGED
+) -> tuple[Array, Factor]:
+    """The same, with the factor of a stiffness near that of the state.
+
+    converged: energy of the last Newton step relative to that of the load; what is left is of the order of its square.
     """
     from fem.modes import check_rest, check_speed
 
@@ -70,42 +83,45 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None, 
     if start is not None and (found := _newton(operators, target, start, converged=converged)) is not None:
         return found
     state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
-    while reached < 1.0:
+    while True:
         attempt = min(1.0, reached + part)
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
         found = _newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
-        if found is None:
-            part *= 0.25
-            if part < SMALLEST_PART:
-                found = _newton(operators, target, state, unstable=True)
-                if found is None:
-                    check_rest(operators)
-                    raise NoEquilibrium(omega)
-                return found
-        else:
-            state, reached, part = found, attempt, 2.0 * part
-    return state
+        if found is not None and attempt == 1.0:
+            return found
+        if found is not None:
+            state, reached, part = found[0], attempt, 2.0 * part
+            continue
+        part *= 0.25
+        if part < SMALLEST_PART:
+            found = _newton(operators, target, state, unstable=True)
+            if found is None:
+                check_rest(operators)
+                raise NoEquilibrium(omega)
+            return found
 
 
 def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
     """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
-    return _respond(operators, omega**2, state)[1]
+    return _stiffness(operators, omega**2, _stressed(operators.model, state))
 
 
 def _newton(
     operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = CONVERGED
-) -> Array | None:
-    """Equilibrium near a state, or None.
+) -> tuple[Array, Factor] | None:
+    """Equilibrium near a state with the last factor used, or None.
 
-    Unless an unstable one will do, it is given up as soon as it strays: off the stable branch, or on to another one,
-    Newton's method is as content as on it; smaller parts of the load are not.
+    Between its steps a factor is used again as long as that brings the energy down at once. Unless an unstable
+    equilibrium will do, it is given up as soon as it strays: off the stable branch, or on to another one, Newton's
+    method is as content as on it; smaller parts of the load are not.
     """
     before = np.inf
     for number in range(ITERATIONS):
-        residual, stiffness = _respond(operators, load, state)
-        factor = factorise(stiffness)
+        stressed = _stressed(operators.model, state)
+        residual = _unbalanced(operators, load, state, stressed)
+        factor = factorise(_stiffness(operators, load, stressed))
         if factor.negative and not unstable:
             return None
         step = factor.solve(residual)
@@ -115,36 +131,68 @@ def _newton(
         work = float(abs(load * operators.load @ state))
         energy = float(abs(step @ residual))
         if energy <= converged * work or (0.1 * before <= energy <= STALLED * work):
-            return state
+            return state, factor
         if number >= WILD and energy > before and not unstable:
             return None
         before = energy
+        state, settled = _again(operators, load, state, factor, energy, converged**2 * work)
+        if settled:
+            return state, factor
     return None
 
 
-def _respond(operators: Operators, load: float, state: Array) -> tuple[Array, csc_array]:
-    """Unbalanced force (n,) and tangent stiffness (n, n) at a state under load times the unit load."""
-    model = operators.model
+def _again(
+    operators: Operators, load: float, state: Array, factor: Factor, energy: float, enough: float
+) -> tuple[Array, bool]:
+    """Steps with a factor that is known, while each has but a small part of the energy of the one before.
+
+    What is left after one falls only by as much again: it ends at the square of what Newton's step ends at. Returns
+    the state and whether it has come so far.
+    """
+    while True:
+        residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
+        step = factor.solve(residual)
+        following = float(abs(step @ residual))
+        if not following <= AT_ONCE * energy:
+            return state, False
+        state, energy = state + step, following
+        if energy <= enough:
+            return state, True
+
+
+def _stressed(model: Discretisation, state: Array) -> list[tuple[Layer, Array, Array]]:
+    """Each layer, how its strain varies with the gradients (nstrain, ngradient, ncell, npoint), and its stress."""
     gradients = model.gradient.evaluate(state)
-    force = np.zeros_like(gradients)
-    coefficients = np.zeros((gradients.shape[0],) * 2 + gradients.shape[1:])
-    stresses = []
+    found = []
     for layer in model.elastic:
         strain, variation = _strain(layer, gradients)
-        stress = np.einsum("st,tcp->scp", model.stiffness, strain)
-        stresses.append(stress)
-        force += layer.weight * np.einsum("sgcp,scp->gcp", variation, stress)
-        stiff = np.einsum("st,thcp->shcp", layer.weight * model.stiffness, variation)
-        coefficients += np.einsum("sgcp,shcp->ghcp", variation, stiff, optimize=True)
-    coefficients += geometric_coefficients(model, stresses)
-    residual = load * operators.load - model.gradient.load(force)
+        found.append((layer, variation, np.einsum("st,tcp->scp", model.stiffness, strain)))
+    return found
+
+
+def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[tuple[Layer, Array, Array]]) -> Array:
+    """Force (n,) that is not balanced at a state under load times the unit load."""
+    model = operators.model
+    force = sum(layer.weight * np.einsum("sgcp,scp->gcp", variation, stress) for layer, variation, stress in stressed)
+    residual = load * operators.load - model.gradient.load(np.asarray(force))
     for fields, c in model.extra:
         residual -= fields.load(np.einsum("ij...,j...->i...", c, fields.evaluate(state)))
-    stiffness = gram((model.gradient, coefficients), *model.extra)
     if operators.softening is not None:
         residual += load * (operators.softening @ state)
+    return np.asarray(residual)
+
+
+def _stiffness(operators: Operators, load: float, stressed: list[tuple[Layer, Array, Array]]) -> csc_array:
+    """Tangent stiffness (n, n) of layers under stress, under load times the unit load."""
+    model = operators.model
+    coefficients = geometric_coefficients(model, [stress for _, _, stress in stressed])
+    for layer, variation, _ in stressed:
+        stiff = np.einsum("st,thcp->shcp", layer.weight * model.stiffness, variation)
+        coefficients = coefficients + np.einsum("sgcp,shcp->ghcp", variation, stiff, optimize=True)
+    stiffness = gram((model.gradient, coefficients), *model.extra)
+    if operators.softening is not None:
         stiffness = (stiffness - load * operators.softening).tocsc()
-    return residual, stiffness
+    return stiffness
 
 
 def _strain(layer: Layer, gradients: Array) -> tuple[Array, Array]:

@@ -28,7 +28,7 @@ def together(kind: Any) -> Any:
 
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
             if self.V is None:
-                super().gbasis(mapping, X, 0, tind)  # finds the combinations V of every cell
+                super().gbasis(mapping, X[:, :1], 0, np.zeros(1, dtype=int))  # finds the combinations V of every cell
             combinations = np.swapaxes(self.V if tind is None else self.V[tind], 1, 2)
             at = mapping.F(X, tind=tind)
             tables = []

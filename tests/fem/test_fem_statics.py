@@ -5,7 +5,7 @@ import pytest
 from fem_cases import STEEL, distorted, paper_plate, rpm
 
 from fem import Effects, Material, Plate, Rotor, assemble, displacement, equilibrium, rectangle, solve_modes
-from fem.statics import _respond, tangent
+from fem.statics import _stressed, _unbalanced, tangent
 
 BENT = Effects(large_deflection=True)
 
@@ -15,6 +15,10 @@ def staggered(theory="mindlin", h=0.004, angle=0.7, **keys):
     return assemble(plate, Rotor(0.1, angle), Effects(large_deflection=True, **keys), theory)
 
 
+def unbalanced(operators, omega, state):
+    return _unbalanced(operators, omega**2, state, _stressed(operators.model, state))
+
+
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
 def test_tangent_is_the_derivative_of_the_force(theory):
     operators = staggered(theory)
@@ -22,7 +26,7 @@ def test_tangent_is_the_derivative_of_the_force(theory):
     omega = rpm(9000)
     state = equilibrium(operators, omega)
     step = rng.standard_normal(state.size) * np.abs(state).max() * 1e-5
-    ahead, behind = (_respond(operators, omega**2, state + sign * step)[0] for sign in (1.0, -1.0))
+    ahead, behind = (unbalanced(operators, omega, state + sign * step) for sign in (1.0, -1.0))
     difference, linear = 0.5 * (behind - ahead), tangent(operators, omega, state) @ step
     assert np.linalg.norm(difference - linear) < 1e-6 * np.linalg.norm(linear)
 
@@ -31,7 +35,7 @@ def test_tangent_is_the_derivative_of_the_force(theory):
 def test_equilibrium_balances(theory):
     operators = staggered(theory)
     omega = rpm(9000)
-    residual, _ = _respond(operators, omega**2, equilibrium(operators, omega))
+    residual = unbalanced(operators, omega, equilibrium(operators, omega))
     assert np.linalg.norm(residual) < 1e-8 * np.linalg.norm(omega**2 * operators.load)
 
 
