@@ -52,7 +52,7 @@ class Choice:
     """A plate on the mesh chosen, and what is known of its errors.
 
     size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
-    errors: (k, count) relative, of the frequencies, NaN where there is only one mesh. tolerance: asked for. tried: each
+    errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
     size with its largest error.
     """
 
@@ -79,9 +79,9 @@ def choose_mesh(
     """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
 
     build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
-    at the highest, or where the plate diverges there at the lowest alone.
-    Raises Divergence or NoEquilibrium when there is no mode at the lowest speed, ValueError for a tolerance of 0 or
-    less.
+    at the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of
+    which one is three times as fine. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
+    ValueError for a tolerance of 0 or less.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
@@ -108,15 +108,19 @@ def choose_mesh(
 
 
 def _trust(search: Estimates) -> float:
-    """Part of the tolerance that an estimate must meet."""
+    """Part of the tolerance that an estimate must meet; of solids, thin on coarse cells, two meshes tell too little."""
     if len(search.tried) > 2:
         return SURE
-    return 0.0 if search.pointed else FIRST
+    return 0.0 if search.theory.startswith("solid") else FIRST
 
 
 def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choice:
-    errors = np.maximum(errors, search.drifts(size)[: len(errors)])
-    probes = np.array(search.probes[: len(errors)])
+    alive = search.alive(size)
+    if search.lost is not None and not alive.any():
+        raise search.lost
+    errors = np.maximum(errors, search.drifts(size))[alive]
+    errors = np.where(np.isfinite(errors), errors, np.nan)
+    probes = np.array(search.probes)[alive]
     return Choice(search.operators(size), size, probes, errors, tolerance, tuple(sorted(search.tried.items())))
 
 

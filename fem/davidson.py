@@ -33,10 +33,11 @@ ROUNDS = 10
 def lowest_modes(
     stiffness: csc_array, mass: csc_array, start: Array, factor: Factor, tolerance: float
 ) -> tuple[Array, Array] | None:
-    """Find as many of the lowest eigenpairs of (stiffness, mass) as there are vectors (n, k) to start from.
+    """Find the lowest eigenpairs of (stiffness, mass) that vectors (n, k) to start from lead to, as many as these.
 
-    factor: of a similar stiffness. tolerance: relative, of eigenvalues, by the energy of the error to first order.
-    Returns eigenvalues (k,), ascending, and mass-normalised vectors (n, k), or None where they do not settle.
+    Modes of which the start has no part, for their symmetry, are not found. factor: of a similar stiffness.
+    tolerance: relative, of eigenvalues, by the energy of the error to first order. Returns eigenvalues (k,), ascending,
+    and mass-normalised vectors (n, k), or None where they do not settle.
     """
     count = start.shape[1]
     empty = np.empty((start.shape[0], 0))
@@ -49,7 +50,7 @@ def lowest_modes(
         residual = pushed @ vectors - (image @ vectors) * values
         step = factor.solve(residual)
         far = np.abs(np.einsum("nk,nk->k", residual, step)) > tolerance * np.abs(values)
-        if not far.any():
+        if values.size == count and not far.any():
             return values, basis @ vectors
         block, heavy, _, _ = orthonormal(step[:, far], basis, image, mass)
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])

@@ -6,12 +6,15 @@ edges (`fem.singular`), errors are divided into the layer's part, which is known
 
 from __future__ import annotations
 
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.probing import probe
+from fem.modes import Divergence
+from fem.probing import Probed, alone, complete, probe
 from fem.singular import drift, layer_and_rest, layer_errors, unseen
+from fem.statics import NoEquilibrium
 from fem.transfer import transfer
 
 if TYPE_CHECKING:
@@ -30,11 +33,17 @@ CELLS_PER_MODE = 10
 USUAL = 0.3
 """Where in the planform's range of orders the one lies that two meshes alone are taken to follow."""
 
+SOLID = 2.0
+"""The least order of bricks, which thin plates' coarse meshes converge at."""
+
 LEAST, SLOW = 0.5, 1.0
 """Orders: the least an error is taken to fall at, and that below which three meshes are believed to show it."""
 
 LARGE = 0.3
 """Part of the largest difference from which one counts for whether errors hardly fall."""
+
+SURELY = 3.0
+"""Ratio of the sizes of two meshes at which a plate diverges that makes it believed; coarse ones may do so alone."""
 
 MISSED = 0.1
 """Part of the edge layer that a mesh misses if its errors fall slowly for that reason."""
@@ -49,7 +58,7 @@ class Estimates:
     """Matrices and frequencies of the meshes tried so far, at a few speeds (probes, rad/s), and their errors.
 
     tried: each size with its largest estimated error. slow: whether the errors seen last hardly fall; finer meshes are
-    then not worth their price, and the estimate says what is left.
+    then not worth their price, and the estimate says what is left. lost: why there are no modes, where there are none.
     """
 
     def __init__(
@@ -58,6 +67,7 @@ class Estimates:
         self.probes = probes
         self.tried: dict[int, float] = {}
         self.slow = False
+        self.lost: ArithmeticError | None = None
         self._planform = planform
         self._build = build
         self._count = count
@@ -65,28 +75,41 @@ class Estimates:
         self._operators: dict[int, Operators] = {}
         self._frequencies: dict[int, Array] = {}
         self._drifts: dict[int, Array] = {}
+        self._alone = False
         self._latest: tuple[Operators, tuple[Array | None, ...]] | None = None
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
-        """Estimated relative errors (probes, count) on a coarse mesh and on a finer one."""
+        """Estimated relative errors (probes, count) on a coarse mesh and on a finer one.
+
+        Infinite at speeds at which one of them has modes and the other none, or where none is not yet believed; zero
+        where none is.
+        """
         apart = self._apart(coarse, fine)
         errors = self._errors(apart, coarse, fine)
         self.tried[coarse], self.tried[fine] = float((apart + errors).max()), float(errors.max())
         return apart + errors, errors
 
     def frequencies(self, size: int) -> Array:
-        """Frequencies (probes, count) in Hz, for as many probes as have any."""
+        """Frequencies (probes, count) in Hz, NaN at speeds that have none."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found = probe(operators, self.probes, self._count, self._exact, self._starts(operators))
-            self._frequencies[size] = np.array([np.sqrt(modes.eigenvalues) / (2.0 * np.pi) for modes in found])
-            self._drifts[size] = np.array([drift(operators, modes.eigenvalues, modes.shapes) for modes in found])
+            found = self._modes(operators)
+            frequencies, drifts = (np.full((len(self.probes), self._count), empty) for empty in (np.nan, 0.0))
+            for row, modes in enumerate(found):
+                frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
+                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes)
+            self._frequencies[size], self._drifts[size] = frequencies, drifts
             self._latest = operators, tuple(modes.state for modes in found)
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
         """What `fem.singular.drift` says (probes, count) of a mesh tried."""
         return self._drifts[size]
+
+    def alive(self, *sizes: int) -> NDArray[np.bool_]:
+        """Probes (k,) at which all of some meshes have modes."""
+        found = [np.isfinite(self.frequencies(size)).all(axis=1) for size in sizes]
+        return np.asarray(np.logical_and.reduce(found))
 
     def operators(self, size: int) -> Operators:
         """The matrices of a mesh tried."""
@@ -101,58 +124,98 @@ class Estimates:
         """The theory of the meshes tried."""
         return next(iter(self._operators.values())).model.theory
 
-    @property
-    def pointed(self) -> bool:
-        """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
-        return self.theory.startswith("solid") and next(iter(self._operators.values())).plate.tip_mass > 0.0
+    def _modes(self, operators: Operators) -> list[Probed]:
+        """Modes at each probe; that none is missed is seen on the first mesh, and holds for its like."""
+        starts, first = self._starts(operators), self._latest is None
+        try:
+            if not self._alone:
+                found = probe(operators, self.probes, self._count, self._exact, starts)
+                self._alone = first and not all(map(complete, repeat(operators), self.probes[1:], found[1:]))
+            return alone(operators, self.probes, self._count, starts) if self._alone else found
+        except (Divergence, NoEquilibrium) as error:
+            self.lost = error
+            return []
 
     def _starts(self, operators: Operators) -> tuple[Array | None, ...]:
         """Where large deflections begin: at those on the mesh tried last."""
         if self._latest is None:
             return ()
         known, states = self._latest
-        return tuple(None if state is None else transfer(state, known, operators) for state in states)
+        return tuple(
+            None if state is None or speed == 0.0 else transfer(state, known, operators)
+            for speed, state in zip(self.probes, states, strict=False)
+        )
 
     def _apart(self, coarse: int, fine: int) -> Array:
         """Relative differences (probes, count) between two meshes, apart from what never ends under a point mass."""
         there, here = self.frequencies(coarse), self.frequencies(fine)
-        common = min(len(there), len(here))
-        drift = self._drifts[fine][:common] * np.log(fine / coarse)
-        return np.asarray(np.abs(there[:common] / here[:common] - 1.0 - drift))
+        apart = np.abs(there / here - 1.0 - self._drifts[fine] * np.log(fine / coarse))
+        none = ~self.alive(coarse) & ~self.alive(fine)
+        apart[~self.alive(coarse, fine)] = np.inf
+        apart[none & self._diverges()] = 0.0
+        return np.asarray(apart)
+
+    def _diverges(self) -> NDArray[np.bool_]:
+        """Probes (k,) at which the plate, and not a coarse mesh alone, is believed to have no modes."""
+        missing = {size: ~self.alive(size) for size in self._frequencies}
+        sizes = np.array([np.where(gone, size, np.nan) for size, gone in missing.items()])
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.fmax.reduce(sizes) >= SURELY * np.fmin.reduce(sizes))
 
     def _errors(self, apart: Array, coarse: int, fine: int) -> Array:
-        """Errors (probes, count) on the finer of two meshes that are so far apart."""
-        least, most = self._planform.orders
-        missed = self._unseen(coarse), self._unseen(fine)
-        before = self._before(coarse)
-        if before is not None and missed[0] > MISSED:
-            self.slow = False  # for a reason that the estimate knows
-            both = self._apart(before, coarse)[: len(apart)], apart
-            return layer_and_rest(both, (self._unseen(before), *missed), (before, coarse, fine), most)
-        usual = least + USUAL * (most - least)
-        order = usual if before is None else self._orders(apart, before, coarse, fine)
-        slenderness = self._operators[fine].plate.thickness / min(self._planform.sides)
-        layer = layer_errors(apart, *missed, slenderness)
-        return np.asarray(np.maximum(apart / ((fine / coarse) ** order - 1.0), layer))
+        """Errors (probes, count) on the finer of two meshes that are so far apart.
 
-    def _orders(self, second: Array, before: int, coarse: int, fine: int) -> Array:
-        """The order (probes, count) at which each error falls, by three meshes of which the last two are so far apart.
-
-        All together are taken to fall within the planform's range. A single error may fall more slowly.
+        Where a mesh tried had no modes, two that have are not enough.
         """
-        least, most = self._planform.orders
-        first = self._apart(before, coarse)[: len(second)]
+        errors = self._by_two(apart, coarse, fine)
+        errors[self.alive(coarse, fine) & ~self.alive(*self._frequencies)] = np.inf
+        before = self._before(coarse)
+        if before is not None and (known := self.alive(before, coarse, fine)).any():
+            errors[known] = self._by_three(self._apart(before, coarse)[known], apart[known], before, coarse, fine)
+        return errors
+
+    def _by_two(self, apart: Array, coarse: int, fine: int) -> Array:
+        least, most = self._orders
+        return self._fallen(apart, least + USUAL * (most - least), coarse, fine)
+
+    def _by_three(self, first: Array, second: Array, before: int, coarse: int, fine: int) -> Array:
+        """Errors (k, count) on the finest of three meshes, of which the first two and the last two are so far apart.
+
+        All together are taken to fall at an order within the theory's range. A single error may fall more slowly.
+        """
+        least, most = self._orders
+        missed = tuple(self._unseen(size) for size in (before, coarse, fine))
+        if missed[1] > MISSED:
+            self.slow = False  # for a reason that the estimate knows
+            return layer_and_rest((first, second), missed, (before, coarse, fine), most)
         orders = np.linspace(LEAST, most, 36)
         falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
         together = orders[np.abs(falls * second.max() - first.max()).argmin()]
         self.slow = bool((each < SLOW)[second >= LARGE * second.max()].any())
-        return np.asarray(np.where(each < SLOW, each, max(together, least)))
+        return self._fallen(second, np.where(each < SLOW, each, max(together, least)), coarse, fine)
+
+    def _fallen(self, apart: Array, order: float | Array, coarse: int, fine: int) -> Array:
+        """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves."""
+        slenderness = self._operators[fine].plate.thickness / min(self._planform.sides)
+        layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), slenderness)
+        return np.asarray(np.maximum(apart / ((fine / coarse) ** order - 1.0), layer))
 
     def _before(self, coarse: int) -> int | None:
-        """The mesh tried before a coarse one that shows the order, unless there was none but the coarsest."""
+        """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
         sizes = [size for size in self._frequencies if size < coarse]
-        return max((s for s in sizes if self.pointed or enough_cells(self._planform, s, self._count)), default=None)
+        return max((s for s in sizes if self._pointed or enough_cells(self._planform, s, self._count)), default=None)
+
+    @property
+    def _orders(self) -> tuple[float, float]:
+        """Least and greatest order at which errors fall."""
+        least, most = self._planform.orders
+        return (min(SOLID, least), most) if self.theory.startswith("solid") else (least, most)
+
+    @property
+    def _pointed(self) -> bool:
+        """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
+        return self.theory.startswith("solid") and next(iter(self._operators.values())).plate.tip_mass > 0.0
 
     def _unseen(self, size: int) -> float:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""

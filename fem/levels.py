@@ -99,7 +99,7 @@ class Given:
     """A mesh made elsewhere; a size is how many parts each of its edges is split into, up to MOST_CELLS cells."""
 
     given: Any
-    orders: tuple[float, float] = (2.0, 2.0)
+    orders: tuple[float, float] = (1.0, 3.0)
 
     @property
     def sizes(self) -> tuple[int, ...]:

@@ -1,15 +1,21 @@
-"""Modes of one plate at a few speeds, as exact as it takes to compare meshes, for little more than one solution."""
+"""Modes of one plate at a few speeds, as exact as it takes to compare meshes, for little more than one solution.
+
+Further speeds begin with the modes at the first and use its factor. Modes that no part of these leads to, for their
+symmetry, would stay unseen: `complete` tells.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from fem.davidson import lowest_modes
 from fem.modes import Divergence, Modes, check_count, linearise, solve_modes, solve_real
+from fem.solver import factorise
 from fem.statics import NoEquilibrium, settle, tangent
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
@@ -22,8 +28,12 @@ ROUGH = 1e-4
 """Largest residual of the modes at the first speed; the error of their frequencies is of the order of its square."""
 
 
-BENT = 1e-2
+BENT = 1e-3
 """Energy of Newton's last step to a large deflection as part of what squared frequencies need; its square is left."""
+
+
+SAME = 1e-5
+"""Relative difference of eigenvalues that count as the same."""
 
 
 class Probed(NamedTuple):
@@ -55,6 +65,33 @@ def probe(
         except (Divergence, NoEquilibrium):
             break
     return found
+
+
+def alone(
+    operators: Operators, speeds: tuple[float, ...], count: int, starts: tuple[Array | None, ...] = ()
+) -> list[Probed]:
+    """The same as `probe`, every speed solved by itself."""
+    each = dict(zip(speeds, starts, strict=False))
+    found: list[Probed] = []
+    for speed in speeds:
+        try:
+            modes = solve_modes(operators, speed, count, start=each.get(speed))
+        except (Divergence, NoEquilibrium):
+            if not found:
+                raise
+            break
+        found.append(Probed(modes.eigenvalues, modes.shapes, modes.state))
+    return found
+
+
+def complete(operators: Operators, speed: float, modes: Probed) -> bool:
+    """Whether modes at a speed in rad/s are the lowest, none left out: by the inertia of a shifted stiffness."""
+    if operators.gyroscopic is not None:
+        return True
+    stiffness = operators.at(speed) if modes.state is None else tangent(operators, speed, modes.state)
+    shift = float(modes.eigenvalues[-1]) * (1.0 - SAME)
+    below = np.count_nonzero(modes.eigenvalues < shift)
+    return factorise((stiffness - shift * operators.mass).tocsc()).negative == below
 
 
 def _first(operators: Operators, speed: float, count: int, exact: float, start: Array | None) -> Modes:

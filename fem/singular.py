@@ -28,18 +28,16 @@ if TYPE_CHECKING:
 
 
 def unseen(edge: float, thickness: float) -> float:
-    """Part of the edge layer's effect that quadratic cells of a width (m) above 0 miss; between 0 and 1.
+    """Part of the edge layer's effect that quadratic cells of a width (m) miss; between 0 and 1.
 
     In the layer the twist falls off as e^(-d/l), l = h / sqrt(12 k) with the shear correction k, as the twisting
-    stiffness E h³ / (24 (1 + nu)) and the shear stiffness k G h have it. Its energy is taken from a row of equal
-    quadratic elements without end, whose stiffness z at the edge is that of one more in front: z = a - b² / (z + a).
+    stiffness E h³ / (24 (1 + nu)) and the shear stiffness k G h have it. A row of equal quadratic elements without end
+    is stiffer at the edge: the stiffness z of v'' = v obeys z = a - b² / (z + a), one more element in front, where a
+    and b are an element's once its middle is eliminated. With w = edge / l, 1 - 1/z² is w⁴ / ((12 + w²)(60 + w²)).
     """
-    width = edge / thickness * np.sqrt(12.0 * SHEAR_CORRECTION)
-    corner, middle, across, far = (
-        stiff / (3.0 * width) + mass * width / 30.0 for stiff, mass in ((7, 4), (16, 16), (-8, 2), (1, -1))
-    )
-    a, b = corner - across**2 / middle, far - across**2 / middle
-    return float(max(0.0, 1.0 - 1.0 / np.sqrt(a**2 - b**2)))
+    square = 12.0 * SHEAR_CORRECTION * (edge / thickness) ** 2
+    lost = square**2 / ((12.0 + square) * (60.0 + square))
+    return float(lost / (1.0 + np.sqrt(1.0 - lost)))
 
 
 def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -> Array:
@@ -48,6 +46,8 @@ def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -
     apart: relative differences of the two. coarse, fine: what their edge cells miss of the layer, see `unseen`.
     slenderness: thickness over width; the whole layer lowers twist by TORSION times that.
     """
+    if fine == 0.0:
+        return np.zeros_like(apart)
     largest = TORSION * slenderness * fine
     return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), largest)
 
@@ -66,7 +66,7 @@ def layer_and_rest(
     with np.errstate(divide="ignore", invalid="ignore"):
         layer = (first * d - second * b) / (a * d - c * b)
         other = (second * a - first * c) / (a * d - c * b)
-    alone = np.where(layer > 0.0, second / c * missed[2], second / d * rest[2])
+        alone = np.where(layer > 0.0, second / c * missed[2], second / d * rest[2])
     both = layer * missed[2] + other * rest[2]
     return np.asarray(np.where((layer > 0.0) & (other > 0.0), both, alone))
 

@@ -112,6 +112,26 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
         choose_mesh(planform, build, (rpm(20000),), 2, 1e-2)
 
 
+def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
+    """Its errors are not known until two meshes have modes there; until then the choice is not met."""
+    import fem.estimates
+
+    planform, probe = Rectangle(0.2, 0.08), fem.estimates.probe
+
+    def gone(operators, *given):
+        return probe(operators, *given)[: 1 if operators.mass.shape[0] < 3000 else 2]
+
+    monkeypatch.setattr("fem.estimates.probe", gone)
+    speeds = 0.0, rpm(9000)
+    choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
+    assert choice.met
+    assert choice.errors.shape == (2, 2)
+    monkeypatch.setitem(__import__("fem.choice").choice.MOST_UNKNOWNS, "mindlin", 4000)
+    choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-5)
+    assert not choice.met
+    assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()
+
+
 def test_errors_between_probes():
     planform = Rectangle(0.2, 0.08)
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0, 100.0), 3, 1e-2)

@@ -6,9 +6,21 @@ import scipy.linalg
 from fem_cases import STEEL, rpm
 from scipy.sparse import csc_array
 
-from fem import Divergence, Effects, Plate, Rectangle, Rotor, assemble, solve_modes, statics
+from fem import (
+    Divergence,
+    Effects,
+    Given,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    choose_mesh,
+    rectangle,
+    solve_modes,
+    statics,
+)
 from fem.davidson import lowest_modes
-from fem.probing import probe
+from fem.probing import alone, complete, probe
 from fem.solver import factorise
 from fem.together import together
 from fem.transfer import transfer
@@ -60,6 +72,22 @@ def test_a_state_on_a_coarser_mesh_saves_most_of_newtons_steps(theory, monkeypat
     np.testing.assert_allclose(warm, cold, atol=1e-9 * np.abs(cold).max())
 
 
+def test_a_point_not_found_is_no_start_and_no_failure(monkeypatch):
+    """On sheared cells points lie on the diagonals at which scikit-fem's search loses them."""
+    mesh = rectangle(0.3, 0.05, 2, 4)
+    mesh = type(mesh)(mesh.p + np.array([[0.0], [0.75]]) * mesh.p[0], mesh.t)
+    form = Given(mesh)
+
+    def build(size):
+        return assemble(Plate(form.mesh(size), 0.002, STEEL), Rotor(0.1, 0.7), Effects(large_deflection=True))
+
+    assert choose_mesh(form, build, (0.0, 300.0), 1, 1e-2).errors.shape == (2, 1)
+    coarse, fine = build(1), build(2)
+    state = statics.equilibrium(coarse, 300.0)
+    monkeypatch.setattr("fem.transfer._fields", lambda *_: 1 / 0)
+    assert transfer(state, coarse, fine) is None
+
+
 def test_ends_where_the_plate_diverges():
     operators = plate(effects=Effects(stress_stiffening=False), stagger=np.pi / 2, thickness=0.001)
     critical = solve_modes(operators, 0.0, 1).eigenvalues[0] ** 0.5
@@ -69,6 +97,41 @@ def test_ends_where_the_plate_diverges():
         probe(operators, (1.01 * critical,), 2, EXACT)
     with pytest.raises(ValueError, match="count of modes"):
         probe(operators, (0.0,), 0, EXACT)
+
+
+def test_a_mode_that_the_start_does_not_lead_to_is_noticed():
+    """Flap modes stiffen past the third twist, which is then the sixth mode and not among the six at rest."""
+    form, rotor = Rectangle(0.3, 0.05), Rotor(0.3)
+
+    def build(size):
+        return assemble(Plate(form.mesh(size), 1.5904e-3, STEEL), rotor, Effects(), "kirchhoff")
+
+    operators = build(3)
+    top = 2.02 * float(solve_modes(operators, 0.0, 1).eigenvalues[0] ** 0.5)
+    found = probe(operators, (0.0, top), COUNT, 1e-6)
+    true = solve_modes(operators, top, COUNT).eigenvalues
+    assert found[1].eigenvalues[-1] > 1.05 * true[-1]
+    assert not complete(operators, top, found[1])
+    by_itself = alone(operators, (0.0, top), COUNT)
+    assert complete(operators, top, by_itself[1])
+    np.testing.assert_allclose(by_itself[1].eigenvalues, true)
+    choice = choose_mesh(form, build, (0.0, top), COUNT, 1e-3)
+    limit = solve_modes(build(2 * choice.size), top, COUNT).frequencies_hz
+    true_error = np.abs(solve_modes(choice.operators, top, COUNT).frequencies_hz / limit - 1.0).max()
+    assert choice.errors[1].max() / 3.0 <= true_error <= 1e-3
+
+
+def test_a_divergence_that_the_start_does_not_lead_to_is_noticed():
+    """Softened in its plane of rotation a deep strip loses its lag mode, of which flap modes have no part."""
+    form = Rectangle(0.2, 0.04)
+
+    def build(size):
+        return assemble(Plate(form.mesh(size), 0.008, STEEL), Rotor(0.1), Effects(stress_stiffening=False))
+
+    top = 5.0 * float(solve_modes(build(2), 0.0, 1).eigenvalues[0] ** 0.5)
+    with pytest.raises(Divergence):
+        solve_modes(build(2), top, 1)
+    assert choose_mesh(form, build, (0.0, top), 1, 1e-2).probes.tolist() == [0.0]
 
 
 def test_speeds_that_do_not_settle_are_solved_by_themselves(monkeypatch):
