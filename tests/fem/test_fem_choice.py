@@ -132,6 +132,40 @@ def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()
 
 
+def promise_kept(planform, build, speeds, count, tolerance, finer):
+    choice = choose_mesh(planform, build, speeds, count, tolerance)
+    assert choice.met
+    np.testing.assert_allclose(choice.probes, speeds)
+    limit = np.array([solve_modes(build(finer), speed, count).frequencies_hz for speed in speeds])
+    found = np.array([solve_modes(choice.operators, speed, count).frequencies_hz for speed in speeds])
+    true = np.abs(found / limit - 1.0)
+    assert true.max() <= tolerance
+    assert true.max() / 3.0 <= choice.errors.max() <= 3.0 * true.max()
+
+
+def test_coarse_bricks_of_a_thin_plate_are_not_believed():
+    """One cell's width apart they differ by a tenth of their error: they converge slowly until they are fine."""
+    planform = Rectangle(0.1, 0.1)
+    promise_kept(planform, builder(planform, 0.004, "solid"), (0.0,), 3, 2e-2, 8)
+
+
+def test_a_coarse_mesh_that_diverges_is_not_believed():
+    """Near the critical speed of a thin plate in its plane of rotation, 28 Hz are left, and none on the coarsest mesh."""
+    planform = Rectangle(0.2, 0.1)
+    build = builder(planform, 0.001, rotor=Rotor(0.0, np.pi / 2))
+    with pytest.raises(Divergence):
+        solve_modes(build(1), 9500.0, 2)
+    promise_kept(planform, build, (0.0, 9500.0), 2, 5e-2, 12)
+    promise_kept(planform, build, (9500.0,), 2, 5e-2, 12)
+
+
+def test_corners_that_point_inwards():
+    mesh = rectangle(0.2, 0.1, 8, 6)
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    planform = Given(mesh.remove_elements(np.flatnonzero((np.abs(y) < 0.017) & (x > 0.06) & (x < 0.14))))
+    promise_kept(planform, builder(planform, 0.005), (0.0,), COUNT, 1e-2, 8)
+
+
 def test_errors_between_probes():
     planform = Rectangle(0.2, 0.08)
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0, 100.0), 3, 1e-2)
