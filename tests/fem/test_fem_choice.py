@@ -150,7 +150,7 @@ def test_coarse_bricks_of_a_thin_plate_are_not_believed():
 
 
 def test_a_coarse_mesh_that_diverges_is_not_believed():
-    """Near the critical speed of a thin plate in its plane of rotation, 28 Hz are left, and none on the coarsest mesh."""
+    """Near the critical speed of a thin plate in its plane of rotation, 28 Hz are left, none on the coarsest mesh."""
     planform = Rectangle(0.2, 0.1)
     build = builder(planform, 0.001, rotor=Rotor(0.0, np.pi / 2))
     with pytest.raises(Divergence):
