@@ -496,13 +496,13 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
     found = timing.compared(job("with", 0.03), job("without", 0.02))
-    assert calls == ["with"] + ["with", "without"] * 5
+    assert calls == ["with"] + ["with", "without"] * 7
     assert found.value == "with"
     assert 0 < found.low < found.extra < found.high
     assert found.seconds > found.others
 
 
-@pytest.mark.parametrize(("low", "high", "noise"), [(-0.01, 0.05, True), (0.019, 0.021, False)])
+@pytest.mark.parametrize(("low", "high", "noise"), [(-0.01, 0.05, True), (0.002, 0.14, False), (-0.03, -0.01, False)])
 def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
     row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise

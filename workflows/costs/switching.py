@@ -53,11 +53,11 @@ class Switched:
 
     @property
     def within_noise(self) -> bool | None:
-        """Whether the time is smaller than the width of its spread; None without a time."""
+        """Whether runs do not agree on the time's sign; None without a time."""
         if self.time_s is None or self.time_spread_s is None:
             return None
         low, high = self.time_spread_s
-        return abs(self.time_s) < high - low
+        return low <= 0.0 <= high
 
 
 @dataclass(frozen=True, eq=False)

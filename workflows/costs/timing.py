@@ -17,7 +17,7 @@ _LONG = 1.0
 _TOO_LONG = 4.0
 """Seconds from which the first run is the only one."""
 
-_PAIRS, _FEWER, _FEWEST = 5, 3, 2
+_PAIRS, _FEWER, _FEWEST = 7, 3, 2
 """Pairs of runs by which two pieces of work are compared: of short ones, of long ones, of those that take too long."""
 
 POLICY = (
@@ -27,9 +27,9 @@ POLICY = (
 )
 
 POLICY_OF_DIFFERENCES = (
-    "What an effect takes is the median difference of five pairs of runs, with and without it, in turns after a"
+    "What an effect takes is the median difference of seven pairs of runs, with and without it, in turns after a"
     " warm-up; of three pairs where a run takes a second, of two where it takes four. Its spread is the least and the"
-    " most of them; a difference smaller than the width of its spread is called within noise."
+    " most of them; where these are not of one sign the difference is called within noise."
 )
 
 
