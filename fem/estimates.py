@@ -131,7 +131,7 @@ class Estimates:
             if not self._alone:
                 found = probe(operators, self.probes, self._count, self._exact, starts)
                 self._alone = first and not all(map(complete, repeat(operators), self.probes[1:], found[1:]))
-            return alone(operators, self.probes, self._count, starts) if self._alone else found
+            return alone(operators, self.probes, self._count, self._exact, starts) if self._alone else found
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
             return []

@@ -57,7 +57,7 @@ def probe(
     Raises ValueError as `solve_modes` does, and for the first speed Divergence, NoEquilibrium and Unresolved.
     """
     each = dict(zip(speeds, starts, strict=False))
-    first = _first(operators, speeds[0], count, exact, each.get(speeds[0]))
+    first = _solve(operators, speeds[0], count, exact, each.get(speeds[0]))
     found = [Probed(first.eigenvalues, first.shapes, first.state)]
     for speed in speeds[1:]:
         try:
@@ -68,14 +68,14 @@ def probe(
 
 
 def alone(
-    operators: Operators, speeds: tuple[float, ...], count: int, starts: tuple[Array | None, ...] = ()
+    operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
 ) -> list[Probed]:
     """The same as `probe`, every speed solved by itself."""
     each = dict(zip(speeds, starts, strict=False))
     found: list[Probed] = []
     for speed in speeds:
         try:
-            modes = solve_modes(operators, speed, count, start=each.get(speed))
+            modes = _solve(operators, speed, count, exact, each.get(speed))
         except (Divergence, NoEquilibrium):
             if not found:
                 raise
@@ -94,7 +94,7 @@ def complete(operators: Operators, speed: float, modes: Probed) -> bool:
     return factorise((stiffness - shift * operators.mass).tocsc()).negative == below
 
 
-def _first(operators: Operators, speed: float, count: int, exact: float, start: Array | None) -> Modes:
+def _solve(operators: Operators, speed: float, count: int, exact: float, start: Array | None) -> Modes:
     if operators.gyroscopic is not None:
         return solve_modes(operators, speed, count, start=start)
     check_count(operators, count)
