@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 MARGIN = 1.25
 """Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""
 
+PAIRED = 1.5
+"""Least ratio of the sizes of the first two meshes, where the ladder has it."""
+
 STEP = 2.0
 """Largest ratio of sizes from one mesh to the next: estimates from coarse meshes reach no further."""
 
@@ -130,10 +133,10 @@ def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
 
 
 def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
-    """The meshes to begin with: the first with enough cells, and one of two thirds of its size or less."""
+    """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
     sizes = planform.sizes
     fine = next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
-    return max(size for size in sizes if size <= max(fine / 1.5, sizes[0])), fine
+    return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine
 
 
 def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: float) -> int | None:

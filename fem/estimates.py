@@ -6,7 +6,6 @@ edges (`fem.singular`), errors are divided into the layer's part, which is known
 
 from __future__ import annotations
 
-from itertools import repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -130,7 +129,8 @@ class Estimates:
         try:
             if not self._alone:
                 found = probe(operators, self.probes, self._count, self._exact, starts)
-                self._alone = first and not all(map(complete, repeat(operators), self.probes[1:], found[1:]))
+                further = list(zip(self.probes, found, strict=False))[1:]
+                self._alone = first and not all(complete(operators, speed, modes) for speed, modes in further)
             return alone(operators, self.probes, self._count, self._exact, starts) if self._alone else found
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
@@ -157,8 +157,7 @@ class Estimates:
 
     def _diverges(self) -> NDArray[np.bool_]:
         """Probes (k,) at which the plate, and not a coarse mesh alone, is believed to have no modes."""
-        missing = {size: ~self.alive(size) for size in self._frequencies}
-        sizes = np.array([np.where(gone, size, np.nan) for size, gone in missing.items()])
+        sizes = np.array([np.where(self.alive(size), np.nan, size) for size in self._frequencies])
         with np.errstate(invalid="ignore"):
             return np.asarray(np.fmax.reduce(sizes) >= SURELY * np.fmin.reduce(sizes))
 

@@ -16,6 +16,8 @@ from fem.solver import factorise
 from fem.statics import NoEquilibrium, settle, tangent
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
@@ -56,31 +58,32 @@ def probe(
     exact: relative, of squared frequencies. starts: states (n,) near those of large deflections, for each speed.
     Raises ValueError as `solve_modes` does, and for the first speed Divergence, NoEquilibrium and Unresolved.
     """
-    each = dict(zip(speeds, starts, strict=False))
-    first = _solve(operators, speeds[0], count, exact, each.get(speeds[0]))
-    found = [Probed(first.eigenvalues, first.shapes, first.state)]
-    for speed in speeds[1:]:
-        try:
-            found.append(_from(operators, first, speed, exact, each.get(speed)))
-        except (Divergence, NoEquilibrium):
-            break
-    return found
+    return _climb(operators, speeds, count, exact, starts, _from)
 
 
 def alone(
     operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
 ) -> list[Probed]:
     """The same as `probe`, every speed solved by itself."""
+    return _climb(operators, speeds, count, exact, starts, _by_itself)
+
+
+def _climb(
+    operators: Operators,
+    speeds: tuple[float, ...],
+    count: int,
+    exact: float,
+    starts: tuple[Array | None, ...],
+    further: Callable[[Operators, Modes, float, float, Array | None], Probed],
+) -> list[Probed]:
     each = dict(zip(speeds, starts, strict=False))
-    found: list[Probed] = []
-    for speed in speeds:
+    first = _solve(operators, speeds[0], count, exact, each.get(speeds[0]))
+    found = [_kept(first)]
+    for speed in speeds[1:]:
         try:
-            modes = _solve(operators, speed, count, exact, each.get(speed))
+            found.append(further(operators, first, speed, exact, each.get(speed)))
         except (Divergence, NoEquilibrium):
-            if not found:
-                raise
             break
-        found.append(Probed(modes.eigenvalues, modes.shapes, modes.state))
     return found
 
 
@@ -102,15 +105,23 @@ def _solve(operators: Operators, speed: float, count: int, exact: float, start: 
     return solve_real(operators, speed, stiffness, count, state, tolerance=min(ROUGH, exact**0.5))
 
 
+def _kept(modes: Modes) -> Probed:
+    return Probed(modes.eigenvalues, modes.shapes, modes.state)
+
+
+def _by_itself(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
+    """As many modes at a speed in rad/s as are known at another, not made from these."""
+    return _kept(_solve(operators, speed, known.eigenvalues.size, exact, start))
+
+
 def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
     """Modes at a speed in rad/s from those at another, or by themselves where they differ too much."""
     if operators.gyroscopic is None:
-        stiffness, state, factor = _near(operators, known, speed, exact, start)
+        stiffness, start, factor = _near(operators, known, speed, exact, start)
         near = lowest_modes(stiffness, operators.mass, known.shapes, factor, exact)
         if near is not None and near[0][0] > 0.0:
-            return Probed(*near, state)
-    modes = solve_modes(operators, speed, known.eigenvalues.size, start=start)
-    return Probed(modes.eigenvalues, modes.shapes, modes.state)
+            return Probed(*near, start)
+    return _kept(solve_modes(operators, speed, known.eigenvalues.size, start=start))
 
 
 def _near(
