@@ -11,6 +11,7 @@ from damper.model import Formulation, ParticleDamper
 from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
 from damper.sample import History, sample
 from damper.stepping import SteppedRingDown, stepped_ringdown
+from damper.working import Working, working
 
 __all__ = [
     "Batch",
@@ -22,6 +23,7 @@ __all__ = [
     "ParticleDamper",
     "RingDown",
     "SteppedRingDown",
+    "Working",
     "ball_density",
     "capacity",
     "intrinsic_sdc",
@@ -31,4 +33,5 @@ __all__ = [
     "stepped_ringdown",
     "two_hit_bound",
     "work_bound",
+    "working",
 ]

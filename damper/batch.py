@@ -109,20 +109,37 @@ def _run(prepared: Prepared, threads: int, max_events: int, progress: Callable[[
     """Have every ring-down run, block by block on a pool of threads; the compiled engine needs no lock."""
     from damper import engine
 
-    size = len(prepared.clocks)
-    status = np.zeros(size, np.int64)
+    status = np.zeros(len(prepared.clocks), np.int64)
     tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
     p = prepared
 
-    def work(begin: int) -> int:
-        block = (begin, min(begin + _BLOCK, size))
+    def work(block: tuple[int, int]) -> None:
         engine.run_block(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, max_events, status)
+
+    in_blocks(work, len(status), threads, progress)
+    return status
+
+
+def in_blocks(
+    work: Callable[[tuple[int, int]], None],
+    size: int,
+    threads: int,
+    progress: Callable[[int], None] | None = None,
+) -> None:
+    """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
+
+    The idle call compiles: two threads that compile at once would wait for each other anyway.
+    """
+    if size:
+        work((0, 0))
+
+    def counted(begin: int) -> int:
+        block = (begin, min(begin + _BLOCK, size))
+        work(block)
         return block[1] - begin
 
-    if size:
-        engine.run_block((0, 0), p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, max_events, status)
     with ThreadPoolExecutor(threads) as pool:
-        pending = {pool.submit(work, begin) for begin in range(0, size, _BLOCK)}
+        pending = {pool.submit(counted, begin) for begin in range(0, size, _BLOCK)}
         done = 0
         try:
             while pending:
@@ -133,7 +150,6 @@ def _run(prepared: Prepared, threads: int, max_events: int, progress: Callable[[
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise
-    return status
 
 
 def _summary(rows: Parameters, prepared: Prepared, status: Integers, *, asked: bool) -> Batch:

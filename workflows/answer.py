@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import groupby
 
-from workflows import paper
+from workflows import paper, worth
 from workflows.records import Results, SpeedPoint
 from workflows.wording import significant, span
-
-STRONG, MODEST = 1e-2, 1e-3
-"""Damping ratios: what the ball adds is called strong above the one and modest above the other."""
-
+from workflows.worth import AIR, ENDURED, Grade
 
 _NEAR = 0.1
 """Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
+
+_STEPS_AT_MOST = 3
+"""Grades that a verdict names one after the other with rising load; more are not told apart."""
+
+_NOTABLE_TILT = 0.01
+"""Share of the drive from which on the tilt of the floor is worth a sentence."""
+
+_WORDS = {Grade.YES: "yes", Grade.MODESTLY: "modestly", Grade.HARDLY: "hardly", Grade.NO: "not"}
 
 
 @dataclass(frozen=True)
@@ -25,28 +31,29 @@ class Answer:
     sentences: tuple[str, ...]
 
 
-def ball_capacity(point: SpeedPoint) -> float | None:
-    """Share of the energy that the ball takes in a cycle, averaged by energy over the cycles in which it moved.
+def answer(results: Results) -> Answer:
+    """What the run found, most important first.
 
-    From the energy books, so that the structure's own damping has no part in it.
+    It speaks of the damper's own figures, which no release and no damping of the structure has a part in.
     """
-    damping, reduced = point.damping, point.reduced
-    if damping is None or reduced is None or not moves(point):
-        return None
-    moving = damping.amplitude_g >= (damping.cutoff_g or 0.0) * (1 - 1e-12)
-    energy = 0.5 * reduced.M1 * float((damping.peak_velocity[moving] ** 2).sum())
-    taken = damping.energy.rolling + damping.energy.impact + damping.energy.slip
-    return taken / energy if energy > 0 else None
-
-
-def moves(point: SpeedPoint) -> bool:
-    """Whether the ball moved at all: any event but the release."""
-    return point.damping is not None and point.damping.events > 0
-
-
-def equivalent_ratio(capacity: float) -> float:
-    """Damping ratio of an oscillator that loses the share `capacity` of its energy in a cycle."""
-    return -math.log1p(-min(capacity, 1 - 1e-12)) / (4 * math.pi)
+    points = sorted((p for p in results.speeds if p.working is not None), key=lambda p: p.load_g)
+    if not points:
+        return _plate_only(results)
+    turning = [p for p in points if p.load_g > 0] or points
+    grades = [(p, worth.grade(results, p)) for p in turning]
+    if all(grade is Grade.NO for _, grade in grades):
+        return Answer(*_why_not(results, turning))
+    fed = _fed(points)
+    parts = (
+        fed,
+        _how_much(results, turning),
+        _between(results, turning),
+        _reach(results, turning),
+        _tilt(turning),
+        _beside_the_paper(results),
+    )
+    verdict = _verdict(grades) if fed is None else "No verdict: the equations as printed create energy"
+    return Answer(verdict, tuple(part for part in parts if part))
 
 
 def first_frequency(point: SpeedPoint) -> float | None:
@@ -57,85 +64,128 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f1_hz if point.reduced is not None else None
 
 
-def answer(results: Results) -> Answer:
-    """What the run found, most important first."""
-    points = [p for p in results.speeds if p.damping is not None]
-    if not points:
-        return _plate_only(results)
-    capacities = [c for p in points if (c := ball_capacity(p)) is not None]
-    if not any(moves(p) for p in points):
-        return Answer("No: the ball never moves", (_never_moves(results, points),))
-    if not capacities:
-        return Answer("No: the ball takes nothing", tuple(_up_to(results, points)))
-    ratio = equivalent_ratio(max(capacities))
-    zeta = results.scene.damper.damping_ratio if results.scene.damper else 0.0
-    if ratio >= STRONG or (zeta > 0 and ratio > zeta):
-        verdict = "Yes"
-    elif ratio >= MODEST:
-        verdict = "Modestly"
-    else:
-        verdict = "Hardly"
-    return Answer(verdict, (_how_much(capacities, zeta), *_beside_the_paper(results), *_up_to(results, points)))
+def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
+    """Acceleration over g of a vibration of that amplitude [m]."""
+    if point.reduced is None or not point.load_g:
+        return None
+    gravity = point.omega**2 * point.radius / point.load_g
+    return (2 * math.pi * point.reduced.f1_hz) ** 2 * amplitude / gravity
 
 
-def _how_much(capacities: list[float], zeta: float) -> str:
-    low, high = min(capacities), max(capacities)
-    ratio = equivalent_ratio(high)
+def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
+    """One word for all loads, or a word for each stretch of them: Yes up to 5483 g, hardly above."""
+    stretches = [(grade, [p for p, _ in run]) for grade, run in groupby(grades, key=lambda pair: pair[1])]
+    if len(stretches) == 1:
+        return _WORDS[stretches[0][0]].capitalize()
+    if len(stretches) > _STEPS_AT_MOST:
+        return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
+    words = [f"{_WORDS[grade]} up to {run[-1].load_g:.0f} g" for grade, run in stretches[:-1]]
+    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {stretches[-1][1][0].load_g:.0f} g on"])
+    return text[0].upper() + text[1:]
+
+
+def _how_much(results: Results, points: list[SpeedPoint]) -> str:
+    found = [(b, p) for p in points if (b := worth.best(results, p)) is not None]
+    top, at = max(found, key=lambda pair: pair[0].damping_ratio)
+    share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
-        f"While it moves, the ball takes {span(100 * low, 100 * high)} % of the vibration's energy in a cycle,"
-        f" as a damping ratio of {span(equivalent_ratio(low), ratio, 1)} would."
+        f"At its best, {_load(at)} and an amplitude of {_millimetres(top.amplitude)} mm, the ball damps like a damping"
+        f" ratio of {_percent(top.damping_ratio)} %: it takes {_percent(share)} % of the vibration's energy in a cycle."
     )
-    if zeta > 0 and ratio < zeta / 10:
-        text += (
-            f" The structure's own ζ = {significant(zeta)} does {significant(zeta / ratio, 2)} times as much or more:"
-            " nearly all the damping below is the structure's, not the ball's."
-        )
-    elif zeta > 0:
-        text += f" The structure's own damping ratio is {significant(zeta)}."
+    least, there = min(found, key=lambda pair: pair[0].damping_ratio)
+    if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
+        said = f"{_load(there)} it comes to {_percent(least.damping_ratio)} % at best."
+        text += f" {said[0].upper()}{said[1:]}"
+    return f"{text} The air alone gives turbine blades {_percent(AIR[0])} to {_percent(AIR[1])} %."
+
+
+def _between(results: Results, points: list[SpeedPoint]) -> str:
+    """Between what amplitudes the ball works, at the lowest load at which it does and at the highest."""
+    working = [(p, w) for p in points if worth.best(results, p) is not None and (w := worth.felt(p)) is not None]
+    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
+    limit = worth.endured(results) or math.inf
+    ranges = []
+    for point, figures in ends:
+        low, high = figures.range[0], min(figures.range[1], limit)
+        loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
+        said = f" ({loads[0]:.0f} to {loads[1]:.0f} g)" if loads else ""
+        ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}")
+    below = "Below, the load holds the ball at rest" if ends[0][1].cutoff > 0 else "Below, the ball misses the walls"
+    beyond = ", or the plate does not endure it" if any(w.range[1] > limit for _, w in ends) else ""
+    return f"It works {', '.join(ranges)}. {below}; above, less than half of its best is left{beyond}."
+
+
+def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
+    """From what load on the ball is out of reach of what the plate endures."""
+    limit = worth.endured(results)
+    lost = [(p, w) for p in points if worth.best(results, p) is None and (w := worth.felt(p)) is not None]
+    lost = [(p, w) for p, w in lost if w.peak > 0]
+    if limit is None or not lost:
+        return None
+    point, figures = lost[0]
+    said = _load(point)
+    return (
+        f"{said[0].upper()}{said[1:]} it takes {_millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
+        f" {_millimetres(limit)} mm would strain the plate's root by over {100 * ENDURED:g} %, which no blade metal"
+        " endures in vibration: there the damper is out of reach."
+    )
+
+
+def _tilt(points: list[SpeedPoint]) -> str | None:
+    """What the tilt of the cavity's floor has to do with it."""
+    shares = [p.tilt_share for p in points]
+    if max(shares) < _NOTABLE_TILT:
+        return None
+    stuck = [p for p in points if p.tilt_share >= 1]
+    text = (
+        "As the plate bends, the cavity's floor tilts and the load pulls the ball back down the slope: these figures"
+        f" count in the {span(100 * min(shares), 100 * min(max(shares), 1))} % of the ball's drive that it takes."
+    )
+    if stuck:
+        text += f" From {stuck[0].load_g:.0f} g on it takes all of it, and the ball never moves."
     return text
 
 
-def _up_to(results: Results, points: list[SpeedPoint]) -> list[str]:
-    """From what amplitude on the ball works, and up to what load."""
-    ratios = [p.damping.cutoff_ratio for p in points if p.damping and p.damping.cutoff_ratio is not None]
-    sentences = []
-    if ratios:
-        what = "plate" if results.scene.plate is not None else "structure"
-        sentences.append(
-            f"It works while the {what}'s acceleration, both axes taken together, is above"
-            f" {span(min(ratios), max(ratios))} times the centrifugal load; below that the ball rests."
-        )
-    else:
-        sentences.append("The run ended before the ball came to rest, so that there is no cut-off to report.")
-    moving = max((p for p in points if moves(p)), key=lambda p: p.load_g)
-    held = [p for p in points if p.load_g > moving.load_g]
-    if held:
-        first = min(held, key=lambda p: p.load_g)
-        sentences.append(
-            f"After this release the ball moves up to a load of {moving.load_g:.0f} g; at {first.load_g:.0f} g, the"
-            " next one examined, and above, the load holds it."
-        )
-    else:
-        sentences += _at_the_top(moving)
-    return sentences
-
-
-def _at_the_top(point: SpeedPoint) -> list[str]:
-    start, cutoff = release_g(point), point.damping.cutoff_g if point.damping else None
-    if start is None or not cutoff:
-        return []
-    return [
-        f"At the highest load examined, {point.load_g:.0f} g, the release gives {start:.0f} g,"
-        f" {significant(start / cutoff, 2)} times the cut-off: the ball still moves there."
+def _fed(points: list[SpeedPoint]) -> str | None:
+    """Equations that do not conserve energy may drive the vibration instead of damping it."""
+    fed = [
+        (w.amplitude[w.damping_ratio < -1e-3 * w.peak].min(), p)
+        for p in points
+        if (w := worth.felt(p)) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
     ]
+    if not fed:
+        return None
+    amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
+    said = _load(point)
+    return (
+        f"{said[0].upper()}{said[1:]} and above {_millimetres(amplitude)} mm they drive the vibration instead of"
+        " damping it, which no ball can do."
+    )
 
 
-def _beside_the_paper(results: Results) -> list[str]:
+def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str, ...]]:
+    """Why the damper does nothing at any speed."""
+    damper = results.scene.damper
+    if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+        return "No: the ball never moves", ("The ball fills its cavity along the bending direction.",)
+    low = points[0]
+    figures = worth.felt(low)
+    if figures is None:
+        return "No: the ball never moves", (
+            f"As the plate bends, the cavity's floor tilts, and already at {low.load_g:.0f} g the load pulls the ball"
+            " down the slope by more than the vibration drives it.",
+        )
+    if figures.peak > 0 and (reach := _reach(results, points)) is not None:
+        return "No: the ball never moves", tuple(part for part in (reach, _tilt(points)) if part)
+    return "No: the ball takes nothing", ("It neither rolls against a resistance nor loses speed at the walls.",)
+
+
+def _beside_the_paper(results: Results) -> str | None:
     rows = [(row, p) for p in results.speeds if (row := paper.row(results.scene, p.load_g)) is not None]
     if not rows:
-        return []
+        return None
     low, high = (round(100 * value) for value in paper.SDC_RANGE)
-    text = f"The paper reports {low} to {high} % for this plate. "
+    text = f"The paper reports losses of {low} to {high} % in a cycle for this plate. "
     if results.scene.damper is not None and results.scene.damper.formulation == "consistent":
         text += "The ball cannot do that: a bound on its work in this cavity rules it out."
     else:
@@ -144,33 +194,25 @@ def _beside_the_paper(results: Results) -> list[str]:
     near = [pair for pair in off if pair[0] <= _NEAR]
     if near:
         loads = [load for _, load in near]
-        text += f" The paper's cut-off is reproduced to {100 * max(near)[0]:.0f} % at {len(near)} of {len(rows)} loads"
+        text += (
+            f" Its cut-offs, for a floor that does not tilt, are reproduced to {100 * max(near)[0]:.0f} % at"
+            f" {len(near)} of {len(rows)} loads"
+        )
         text += "." if len(near) == len(rows) else f" ({span(min(loads), max(loads), 5)} g)."
-    return [text]
+    return text
 
 
-def release_g(point: SpeedPoint) -> float | None:
-    """Acceleration amplitude of the release over g."""
-    damping, reduced = point.damping, point.reduced
-    if damping is None or reduced is None or not len(damping.amplitude_g) or not point.load_g:
-        return None
-    gravity = point.omega**2 * point.radius / point.load_g
-    return (2 * math.pi * reduced.f1_hz) ** 2 * math.hypot(*damping.release) / gravity
+def _load(point: SpeedPoint) -> str:
+    """Where in the range of loads, within a sentence."""
+    return f"at {point.load_g:.0f} g" if point.load_g > 0 else "at rest"
 
 
-def _never_moves(results: Results, points: list[SpeedPoint]) -> str:
-    damper = results.scene.damper
-    if damper is not None and all(side <= 2 * damper.radius for side in damper.cavity):
-        return "The ball fills its cavity."
-    release = results.scene.release
-    if release is not None and release.ratio is not None:
-        points = [p for p in points if p.load_g > 0]
-        if not points:
-            return "There is no load, and a release that is a ratio of it sets nothing in motion."
-    top = min(points, key=lambda p: p.load_g)
-    start = release_g(top)
-    shake = "" if start is None else f" At {top.load_g:.0f} g, the lowest load, the release gives {start:.0f} g."
-    return "The load holds the ball to the floor: the release does not overcome its rolling resistance." + shake
+def _millimetres(length: float) -> str:
+    return significant(1e3 * length, 2)
+
+
+def _percent(share: float) -> str:
+    return significant(100 * share, 2)
 
 
 def _plate_only(results: Results) -> Answer:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workflows import wording
+from workflows import wording, worth
 from workflows.records import Floats, Results, SpeedPoint
 
-FILES = r"(campbell_\w+_\d+|(velocity_[xy]|sdc)_[\d.e+]+rpm)\.csv"
+FILES = r"(campbell_\w+_\d+|(velocity_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
@@ -69,10 +69,22 @@ def capacity(results: Results) -> list[Curve]:
     return curves
 
 
+def damping_ratio(results: Results) -> list[Curve]:
+    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
+    curves = []
+    for point in results.speeds:
+        figures = worth.felt(point)
+        if figures is not None and figures.amplitude.size:
+            label = f"{wording.fixed(point.load_g)} g"
+            name = f"damping_ratio_{speed_tag(point)}"
+            curves.append(Curve(name, label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio))
+    return curves
+
+
 def every(results: Results) -> list[Curve]:
     """All curves of a run."""
     history = [curve for point in results.speeds for curve in velocity(point)]
-    return campbell(results) + history + capacity(results)
+    return campbell(results) + history + capacity(results) + damping_ratio(results)
 
 
 def speed_tag(point: SpeedPoint) -> str:

@@ -158,4 +158,4 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
         found = reduce_over(operators, diagram, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio)
     except ValueError as error:
         raise plate_mesh.off_the_plate(source, error) from error
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.floor_tilt) for r in found]
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from workflows.effects import Effect, Theory
 from workflows.scene import Scene
+
+if TYPE_CHECKING:
+    from damper import Working
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,7 +40,7 @@ class Reduced:
     Attributes:
         f1_hz, M1, K1: frequency, mass and stiffness with the ball stuck.
         f2_hz, M2, K2: the same without the ball.
-        floor_tilt: share of the drive that the tilting floor of the cavity would take away; None if unknown.
+        floor_tilt: slope over displacement of the cavity's floor as the structure bends [1/m]; None if unknown.
     """
 
     f1_hz: float
@@ -105,7 +110,10 @@ class Damping:
 
 @dataclass(frozen=True, eq=False)
 class SpeedPoint:
-    """Everything found at one speed. `radius` is the damper's (or the tip's) distance from the axis."""
+    """Everything found at one speed. `radius` is the damper's (or the tip's) distance from the axis.
+
+    `damping` tells of the scene's release; `working` are the damper's own figures on a level floor.
+    """
 
     omega: float
     rpm: float
@@ -114,6 +122,14 @@ class SpeedPoint:
     modes: tuple[Mode, ...] = ()
     reduced: Reduced | None = None
     damping: Damping | None = None
+    working: Working | None = None
+
+    @property
+    def tilt_share(self) -> float:
+        """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]; 0 where unknown."""
+        if self.reduced is None or self.reduced.floor_tilt is None:
+            return 0.0
+        return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
 
 
 @dataclass(frozen=True, eq=False)

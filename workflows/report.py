@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from workflows import answer, drawing, figures, paper, resolved, wording
+from workflows import answer, drawing, figure_working, figures, paper, resolved, wording, worth
 from workflows.assumptions import assumptions
 from workflows.mode_shape import Picture
 from workflows.provenance import hashes, versions
@@ -25,6 +25,7 @@ class Drawings:
     campbell: str
     velocity: str
     capacity: str
+    working: str
     css: str
     shape: Picture | None
 
@@ -36,6 +37,7 @@ def draw(results: Results, shape: Picture | None = None) -> Drawings:
             campbell=figures.campbell(results),
             velocity=figures.velocity(results),
             capacity=figures.capacity(results),
+            working=figure_working.working(results),
             css=drawing.shades_css(len(results.speeds)),
             shape=shape,
         )
@@ -67,6 +69,8 @@ def render(results: Results, drawings: Drawings) -> str:
         campbell=Markup(drawings.campbell),
         velocity=Markup(drawings.velocity),
         capacity=Markup(drawings.capacity),
+        working=Markup(drawings.working),
+        air=worth.AIR,
         shown=next((p for p in results.speeds if p.damping and p.damping.history), None),
         shape=None if shape is None else base64.b64encode(shape.png).decode(),
         shape_remark="" if shape is None else shape.remark,
@@ -84,7 +88,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "ball": answer.ball_capacity(point),
+        "felt": worth.felt(point),
         "damping": point.damping,
     }
 

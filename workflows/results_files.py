@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows import curves, provenance
+from workflows import curves, provenance, worth
 from workflows.records import Floats, Results, Surface
 
 if TYPE_CHECKING:
@@ -80,8 +80,12 @@ def dataset(results: Results) -> xr.Dataset:
         for name, unit in (("f1_hz", "Hz"), ("f2_hz", "Hz"), ("M1", "kg"), ("M2", "kg"), ("K1", "N/m"), ("K2", "N/m")):
             state = "with the ball stuck" if "1" in name else "without the ball"
             _put(data, name, ("rpm",), [_known(p.reduced, name) for p in points], unit, f"{name[0]} {state}")
+        said = "slope over displacement of the cavity's floor"
+        _put(data, "floor_tilt", ("rpm",), [_known(p.reduced, "floor_tilt") for p in points], "1/m", said)
     if any(p.damping is not None for p in points):
         _dampings(data, results)
+    if any(p.working is not None for p in points):
+        _workings(data, results)
     return data
 
 
@@ -120,6 +124,24 @@ def _dampings(data: xr.Dataset, results: Results) -> None:
     for name in ("initial", "final", "structure", "rolling", "impact", "slip", "residual"):
         values = [np.nan if d is None else getattr(d.energy, name) for d in dampings]
         _put(data, f"energy_{name}", ("rpm",), values, "J", f"{name} energy")
+
+
+def _workings(data: xr.Dataset, results: Results) -> None:
+    """The damper's own figures, the tilt of its floor counted in."""
+    felt = [worth.felt(point) for point in results.speeds]
+    for name, field, unit, said in (
+        ("damping_ratio_peak", "peak", "1", "largest damping ratio that the ball's losses amount to"),
+        ("at_amplitude", "peak_amplitude", "m", "amplitude there"),
+        ("cutoff", "cutoff", "m", "amplitude up to which the ball stays at rest"),
+        ("working_error", "error", "1", "relative error of the largest damping ratio"),
+    ):
+        _put(data, name, ("rpm",), [_known(w, field) for w in felt], unit, said)
+    for end, side in enumerate(("low", "high")):
+        ends = [np.nan if w is None else w.range[end] for w in felt]
+        _put(data, f"range_{side}", ("rpm",), ends, "m", f"{side} end of the amplitudes at which the damper works")
+    for name, field, unit in (("working_amplitude", "amplitude", "m"), ("working_damping_ratio", "damping_ratio", "1")):
+        rows = [[] if w is None else list(getattr(w, field)) for w in felt]
+        _put(data, name, ("rpm", "point"), _ragged(rows), unit, f"{field.replace('_', ' ')} along the damper's curve")
 
 
 def write_vtu(surface: Surface, results: Results, path: Path) -> None:

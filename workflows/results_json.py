@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from workflows import provenance, resolved
+from workflows import provenance, resolved, worth
 from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint
 
+if TYPE_CHECKING:
+    from damper import Working
+
 SCHEMA_VERSION = 1
+
+REDUCED = ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2", "floor_tilt")
+"""Names of the reduced parameters."""
 
 
 def document(results: Results) -> dict[str, Any]:
@@ -40,6 +46,8 @@ def _speed(point: SpeedPoint) -> dict[str, Any]:
     }
     if point.reduced is not None:
         entry["reduced"] = _reduced(point.reduced)
+    if point.working is not None:
+        entry["working"] = _working(point)
     if point.damping is not None:
         entry["damper"] = _damper(point.damping)
     return entry
@@ -55,7 +63,43 @@ def _mode(mode: Mode) -> dict[str, Any]:
 
 
 def _reduced(reduced: Reduced) -> dict[str, Any]:
-    return {name: _number(getattr(reduced, name)) for name in ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2")}
+    return {name: _number(getattr(reduced, name)) for name in REDUCED}
+
+
+def _working(point: SpeedPoint) -> dict[str, Any]:
+    """The damper's own figures, the tilt of its floor counted in, and those on a level floor."""
+    level, felt = point.working, worth.felt(point)
+    return {
+        **_figures(felt),
+        "error": None if level is None else _number(level.error),
+        "floor_tilt_share": _number(point.tilt_share),
+        "level_floor": None if level is None else _figures(level),
+    }
+
+
+def _figures(working: Working | None) -> dict[str, Any]:
+    """Figures as plain data; of a ball that can never move, a damping ratio of 0 at no amplitude."""
+    if working is None:
+        nowhere = [None, None]
+        return {
+            "damping_ratio_peak": 0.0,
+            "at_amplitude": None,
+            "range": nowhere,
+            "half_range": nowhere,
+            "cutoff": None,
+            "curve": [],
+        }
+    return {
+        "damping_ratio_peak": _number(working.peak),
+        "at_amplitude": _number(working.peak_amplitude),
+        "range": [_number(end) for end in working.range],
+        "half_range": [_number(end) for end in working.half],
+        "cutoff": _number(working.cutoff),
+        "curve": [
+            {"amplitude": _number(a), "damping_ratio": _number(z)}
+            for a, z in zip(working.amplitude, working.damping_ratio, strict=True)
+        ],
+    }
 
 
 def _damper(damping: Damping) -> dict[str, Any]:

@@ -55,12 +55,15 @@ def simulate(
     stages: Stages,
     shown: int | None = None,
 ) -> tuple[SpeedPoint, ...]:
-    """Ring down at every speed; the point number `shown` keeps its time history."""
+    """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
+    from damper import working
+
     with stages("damper", len(points)) as step:
         done = []
         for number, point in enumerate(points):
-            damping = _one(scene, effects, point, keep=number == shown)
-            done.append(replace(point, damping=damping))
+            system = particle_damper(scene, effects, point)
+            damping = _one(scene, system, point, keep=number == shown)
+            done.append(replace(point, damping=damping, working=working(system)))
             step.advance(f"{point.rpm:.0f} rpm")
     return tuple(done)
 
@@ -108,12 +111,11 @@ def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     return (release.ratio or 0.0) * point.omega**2 * point.radius / square, 0.0
 
 
-def _one(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, keep: bool) -> Damping:
+def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
     from damper import capacity, ringdown
 
     release = released_at(scene, point)
     cycles = scene.release.cycles if scene.release is not None else "auto"
-    system = particle_damper(scene, effects, point)
     motion = ringdown(system, release, None if isinstance(cycles, str) else cycles, keep_events=keep, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.argmax(found.sdc)) if len(found.sdc) else None

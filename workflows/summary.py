@@ -6,10 +6,10 @@ import shutil
 import textwrap
 from pathlib import Path
 
-from workflows import answer
+from workflows import answer, worth
 from workflows.errors import one_line
 from workflows.records import Results, SpeedPoint
-from workflows.wording import fixed, percent
+from workflows.wording import fixed, percent, significant
 
 _MODES_AT_MOST = 8
 
@@ -40,7 +40,17 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
 
 def _table(results: Results) -> list[str]:
     if any(point.damping is not None for point in results.speeds):
-        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %", "by ball %", "hits")
+        heads: tuple[str, ...] = (
+            "rpm",
+            "load g",
+            "first Hz",
+            "cut-off g",
+            "/ load",
+            "SDC %",
+            "ball ζ %",
+            "at mm",
+            "hits",
+        )
         return _aligned([heads, *(_damped(point) for point in results.speeds)])
     count = min(max(len(point.modes) for point in results.speeds), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
@@ -52,8 +62,8 @@ def _table(results: Results) -> list[str]:
 
 
 def _damped(point: SpeedPoint) -> tuple[str, ...]:
-    damping, reduced = point.damping, point.reduced
-    if damping is None or reduced is None:
+    damping, figures = point.damping, worth.felt(point)
+    if damping is None:
         return (fixed(point.rpm), fixed(point.load_g))
     return (
         fixed(point.rpm),
@@ -62,7 +72,8 @@ def _damped(point: SpeedPoint) -> tuple[str, ...]:
         fixed(damping.cutoff_g),
         fixed(damping.cutoff_ratio, 3),
         percent(damping.peak_sdc, 3),
-        percent(answer.ball_capacity(point), 3),
+        significant(100 * figures.peak if figures else 0.0),
+        significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
 

@@ -34,7 +34,6 @@ def slips(study: Study) -> list[Slip]:
     point = study.plate[SHOWN]
     rest = TABLE_II[0].frequency ** 2 - (point_frequency(study, 0) ** 2 - study.rest_hz**2)
     wrong_top = RELEASE[0] - RELEASE[1]
-    tilt = study.plate[SHOWN].reduced
     return [
         Slip(
             "eq. (2)",
@@ -95,7 +94,7 @@ def slips(study: Study) -> list[Slip]:
         Slip(
             "Fig. 1",
             "The cavity only shifts; on a bending plate its floor tilts, and the load pulls the ball back.",
-            100 * ((tilt.floor_tilt or 0.0) if tilt else 0.0),
+            100 * study.plate[SHOWN].tilt_share,
             "%",
             "of the drive at 10000 rpm that the tilt would take away",
         ),

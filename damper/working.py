@@ -1,0 +1,252 @@
+"""What a damper does to a steady vibration: equivalent damping ratio against amplitude, and where it works.
+
+A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
+energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A.
+It is measured on a ladder of releases, whose rungs are so close that each amplitude is met by several ring-downs.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from damper.batch import in_blocks
+from damper.parameters import inertia_ratio
+from damper.prepare import prepare
+from damper.records import EVENT
+
+if TYPE_CHECKING:
+    from damper.arrays import Floats
+    from damper.model import ParticleDamper
+
+_SETTLING, _CYCLES = 8, 64
+"""Cycles that the ball is given to find its motion, and after which a rung ends."""
+
+_EVENTS = 2000
+"""Most events that a cycle may have on average; a rung with more is left out from there on."""
+
+_RUNGS, _BINS = 24, 12
+"""Releases, and points of the curve, in an octave of amplitude."""
+
+_OCTAVES = 2
+"""By which the ladder grows at its top until the damping has fallen to half its peak, and the most it may have."""
+
+_MOST_OCTAVES = 24
+
+_LEAST_STAY = 1.0
+"""Cycles that must have been spent in a bin for it to have a point of the curve."""
+
+_LOWEST = 1e-3
+"""Least amplitude over half the clearance that is looked at where nothing holds the ball."""
+
+_SMALL = 1e-15
+"""Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
+
+
+@dataclass(frozen=True, eq=False)
+class Working:
+    """The damper's own figures; amplitudes are the structure's displacements along x at the damper.
+
+    Attributes:
+        amplitude: A, ascending, shape (n,) [m].
+        damping_ratio: -ln(1 - Psi) / (4 pi) at A, Psi being the share of the energy taken in a cycle, shape (n,) [-].
+        cutoff: amplitude up to which the ball stays at rest, a_r / omega_1^2 [m].
+        peak: largest damping ratio [-]; 0 where the ball takes nothing.
+        peak_amplitude: A there [m].
+        range: amplitudes between which the damper works, from the cut-off (or, where nothing holds the ball, from half
+            the peak) to where the damping has fallen to half its peak [m].
+        half: amplitudes between which the damping is at least half its peak [m].
+        error: of the peak, relative: what halves of the ladder, every other release each, and of its cycles, early and
+            late, make of the damping around it differs by this much at most [-].
+    """
+
+    amplitude: Floats
+    damping_ratio: Floats
+    cutoff: float
+    peak: float
+    peak_amplitude: float
+    range: tuple[float, float]
+    half: tuple[float, float]
+    error: float
+
+    def tilted(self, share: float) -> Working | None:
+        """The figures where the cavity's floor tilts with the structure; None where the ball can never move.
+
+        At a slope kappa over displacement the load G pulls the ball by G kappa u = -tau u'' down the slope,
+        tau = G kappa / omega_1^2, so that what drives it is (1 - tau) u'' instead of u''. To leading order in the mass
+        ratio the ball moves as it would at the amplitude (1 - tau) A on a level floor, and takes the same energy.
+
+        Args:
+            share: tau [-].
+        """
+        if not share < 1:
+            return None
+        left = 1 - share
+        low, high = self.range
+        return replace(
+            self,
+            amplitude=self.amplitude / left,
+            damping_ratio=self.damping_ratio * left**2,
+            cutoff=self.cutoff / left,
+            peak=self.peak * left**2,
+            peak_amplitude=self.peak_amplitude / left,
+            range=(low / left, high / left),
+            half=(self.half[0] / left, self.half[1] / left),
+        )
+
+
+def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
+    """Measure the damper on a ladder of releases along x, the structure's own damping set aside.
+
+    The ball starts at a wall, so that one that nothing holds meets the other wall however small the amplitude: the
+    figures are those of a ball in motion.
+
+    Args:
+        damper: what is measured; its damping ratio has no influence.
+        threads: see :func:`damper.ringdowns`.
+    """
+    bare = replace(damper, damping_ratio=0.0)
+    gap, cutoff = bare.half_gap[0], bare.rolling_threshold / bare.stuck_frequency**2
+    if gap == 0 or (cutoff == 0 and bare.restitution == 1):
+        return _nothing(cutoff)
+    lowest, top = max(cutoff, _freely(bare) * gap), 4 * max(cutoff, gap)
+    samples = _climb(bare, lowest, top, threads)
+    while True:
+        whole = _figures(samples, cutoff)
+        if whole is None or whole.damping_ratio[-1] < whole.peak / 2 or top > lowest * 2**_MOST_OCTAVES:
+            break
+        more = _climb(bare, top, top * 2**_OCTAVES, threads)
+        samples, top = np.concatenate([samples, more]), top * 2**_OCTAVES
+    if whole is None:
+        return _nothing(cutoff)
+    return replace(whole, error=_spread(samples, whole))
+
+
+def _freely(damper: ParticleDamper) -> float:
+    """Half the amplitude, over half the clearance, down to which a ball that nothing holds keeps bouncing.
+
+    Two symmetric hits a cycle exist from rho / sqrt(1 + rho^2) on, rho = (2/pi) (1 - e)/(1 + e), for a free ball
+    (Weidemann, Bergman, Vakakis and Krack 2025, doi 10.1007/s11071-025-10928-4); a rolling one feels beta times that.
+    """
+    e, beta = damper.restitution, float(inertia_ratio(damper.parameters)[0])
+    rho = 2 / math.pi * (1 - e) / (1 + e)
+    return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
+
+
+def _climb(damper: ParticleDamper, low: float, high: float, threads: int | None) -> Floats:
+    """Samples on a ladder from low to high, a row for each cycle of each rung.
+
+    Columns: the logarithms of the amplitude before and after it, whether the rung is odd, whether the cycle is late.
+    """
+    from damper import engine
+
+    count = max(4, math.ceil(_RUNGS * math.log2(high / low)))
+    start = np.zeros((count, 5, 2))
+    start[:, 0, 0] = low * (high / low) ** ((np.arange(count) + 0.5) / count)
+    start[:, 2, 0] = damper.half_gap[0]
+    p = prepare(np.repeat(damper.parameters, count), start, _CYCLES, _CYCLES)
+    tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
+    energy = np.full((count, _CYCLES), np.nan)
+
+    def work(block: tuple[int, int]) -> None:
+        engine.run_by_cycles(
+            block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, _EVENTS * _CYCLES, energy
+        )
+
+    in_blocks(work, count, threads or os.cpu_count() or 1)
+    with np.errstate(divide="ignore"):
+        level = 0.5 * np.log(2 * energy[:, _SETTLING - 1 :] / damper.stiffness[0])
+    before, after = level[:, :-1].ravel(), level[:, 1:].ravel()
+    cycle = np.arange(_CYCLES - _SETTLING)
+    odd = np.repeat(np.arange(count) % 2, cycle.size)
+    late = np.tile(cycle >= cycle.size / 2, count)
+    rows = np.column_stack([before, after, odd, late])
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _figures(samples: Floats, cutoff: float) -> Working | None:
+    """The curve through samples and what is read off it; None where the ball takes nothing."""
+    amplitude, ratio = _curve(samples, cutoff)
+    if not len(ratio) or ratio.max() < _SMALL:
+        return None
+    best = int(np.argmax(ratio))
+    below, above = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
+    return Working(
+        amplitude=amplitude,
+        damping_ratio=ratio,
+        cutoff=cutoff,
+        peak=float(ratio[best]),
+        peak_amplitude=float(amplitude[best]),
+        range=(cutoff if cutoff > 0 else below, above),
+        half=(below, above),
+        error=0.0,
+    )
+
+
+def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
+    """Mean damping ratio in bins of amplitude, shape (n,) each: what was lost in a bin over the cycles spent in it.
+
+    A cycle that crosses bins counts in each by its share, so that nothing is left out or counted twice however steep
+    the decay.
+    """
+    before, after = samples[:, 0], samples[:, 1]
+    if cutoff > 0:
+        moving = before > math.log(cutoff) + 1e-12
+        before, after = before[moving], after[moving]
+    if not before.size:
+        return np.zeros(0), np.zeros(0)
+    width = math.log(2) / _BINS
+    low, high = np.minimum(before, after) / width, np.maximum(before, after) / width
+    origin = math.floor(low.min())
+    size = math.floor(high.max()) - origin + 1
+    cycles, lost, place = np.zeros(size), np.zeros(size), np.zeros(size)
+    ratio = (before - after) / (2 * math.pi)
+    for step in range(math.floor((np.floor(high) - np.floor(low)).max()) + 1):
+        at = np.floor(low) + step
+        begin, end = np.maximum(low, at), np.minimum(high, at + 1)
+        share = np.where(high > low, (end - begin) / np.maximum(high - low, 1e-300), step == 0)
+        inside = share > 0
+        bins = (at[inside] - origin).astype(int)
+        np.add.at(cycles, bins, share[inside])
+        np.add.at(lost, bins, share[inside] * ratio[inside])
+        np.add.at(place, bins, share[inside] * 0.5 * (begin + end)[inside])
+    met = cycles > _LEAST_STAY
+    return np.exp(place[met] / cycles[met] * width), lost[met] / cycles[met]
+
+
+def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
+    """Amplitude at which the curve has fallen to half its peak on one side; the last one where it does not."""
+    at = best
+    while 0 <= at + step < len(ratio) and ratio[at + step] > ratio[best] / 2:
+        at += step
+    if not 0 <= at + step < len(ratio):
+        return float(amplitude[at])
+    share = (ratio[at] - ratio[best] / 2) / (ratio[at] - ratio[at + step])
+    return float(amplitude[at] * (amplitude[at + step] / amplitude[at]) ** share)
+
+
+def _spread(samples: Floats, whole: Working) -> float:
+    """Largest relative deviation of the damping around the peak in a half of the samples.
+
+    Around the peak means within a bin on either side of it. 1 where fewer than two halves see it.
+    """
+    near = math.exp(1.5 * math.log(2) / _BINS)
+    found = []
+    for column in (2, 3):
+        for value in (0, 1):
+            amplitude, ratio = _curve(samples[samples[:, column] == value], whole.cutoff)
+            around = (amplitude > whole.peak_amplitude / near) & (amplitude < whole.peak_amplitude * near)
+            if around.any():
+                found.append(float(ratio[around].mean()))
+    around = (whole.amplitude > whole.peak_amplitude / near) & (whole.amplitude < whole.peak_amplitude * near)
+    mean = float(whole.damping_ratio[around].mean())
+    return max(abs(one / mean - 1) for one in found) if len(found) > 1 else 1.0
+
+
+def _nothing(cutoff: float) -> Working:
+    empty = np.zeros(0)
+    return Working(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), (math.nan, math.nan), 0.0)
