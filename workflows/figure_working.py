@@ -18,7 +18,7 @@ def working(results: Results) -> str:
     felt = [w for point in results.speeds if (w := worth.felt(point)) is not None and w.amplitude.size]
     if not lines:
         return ""
-    figure, (axes,) = drawing.canvas(3.1, left=0.085, right=0.85, top=0.95, bottom=0.145)
+    figure, (axes,) = drawing.canvas(3.1, left=0.11, right=0.85, top=0.95, bottom=0.145)
     for line, figures, colour in zip(lines, felt, drawing.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
@@ -37,6 +37,9 @@ def working(results: Results) -> str:
         va="top",
         color=drawing.MUTED,
     )
+    limit = worth.endured(results)
+    if limit is not None and 1e3 * limit < axes.get_xlim()[1]:
+        axes.axvline(1e3 * limit, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
     top = 100 * max(figures.peak for figures in felt)
     least = 100 * min(figures.peak for figures in felt)
     axes.set_xscale("log")

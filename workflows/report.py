@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,6 +72,8 @@ def render(results: Results, drawings: Drawings) -> str:
         capacity=Markup(drawings.capacity),
         working=Markup(drawings.working),
         air=worth.AIR,
+        endured=worth.endured(results),
+        strain=worth.ENDURED,
         shown=next((p for p in results.speeds if p.damping and p.damping.history), None),
         shape=None if shape is None else base64.b64encode(shape.png).decode(),
         shape_remark="" if shape is None else shape.remark,
@@ -88,7 +91,8 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "felt": worth.felt(point),
+        "felt": (felt := worth.felt(point)),
+        "share": -math.expm1(-4 * math.pi * felt.peak) if felt else 0.0,
         "damping": point.damping,
     }
 

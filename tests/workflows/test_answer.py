@@ -110,7 +110,7 @@ def test_a_ratio_of_no_load_releases_nothing(tmp_path: Path) -> None:
     found = workflows.run(workflows.load(_by_ratio(tmp_path, '"0 rpm", "3500 rpm"')))
     assert not any(moves(point) for point in found.speeds)
     load = found.speeds[1].load_g
-    assert any(note.startswith(f"From {load:.0f} g on, this scene's release of 0.478 mm") for note in found.notes)
+    assert any(note.startswith(f"From {load:.0f} g on, this scene's release of 0.469 mm") for note in found.notes)
     assert "At 0 rpm there is no load, so that a ratio of it releases nothing: nothing moves there." in found.notes
 
 
