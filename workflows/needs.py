@@ -30,10 +30,9 @@ _LINE, _LINE_TIME = 2.5e3, 2e-5
 """Bytes and seconds of a mode at a speed; a speed itself counts as four."""
 
 _UNKNOWN, _UNKNOWN_TIME = 1.8e4, 4e-4
-"""Bytes and seconds for each unknown of a plate, up to 250 000; from there on both grow as their power 1.3."""
+"""Bytes and seconds for each unknown of a plate, up to _LINEAR; from there on both grow as their power 1.3."""
 
-_FACTORED = 250_000
-"""Unknowns up to which a mesh is refined, each edge split in two, where its accuracy asks for it."""
+_LINEAR = 250_000
 
 _UNKNOWNS_AT_A_POINT = {"kirchhoff": 4, "mindlin": 3, "auto": 3, "solid": 9}
 _CELLS_FOR_A_MODE = 80
@@ -67,10 +66,10 @@ def parts(source: SceneFile) -> list[Part]:
     found = []
     if scene.plate is not None:
         unknowns, points = _size(source)
-        growth = max(unknowns / _FACTORED, 1.0) ** 0.3
+        growth = max(unknowns / _LINEAR, 1.0) ** 0.3
         cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
         if source.mesh is not None:
-            unknowns = max(unknowns, min(4 * unknowns, _FACTORED))
+            unknowns = max(unknowns, min(4 * unknowns, _refined_to(scene.plate.theory)))
             cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
         found.append(Part(unknowns * _UNKNOWN * growth, unknowns * _UNKNOWN_TIME * growth, *cause))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, _SHAPES_AT_MOST))
@@ -147,7 +146,14 @@ def _size(source: SceneFile) -> tuple[float, float]:
         points = source.mesh.stat().st_size / _BYTES_OF_A_CELL
         return points * _UNKNOWNS_AT_A_POINT[theory], points
     points = float(_CELLS_FOR_A_MODE * scene.rotor.modes)
-    return min(points * _UNKNOWNS_AT_A_POINT[theory], _FACTORED), points
+    return min(points * _UNKNOWNS_AT_A_POINT[theory], _refined_to(theory)), points
+
+
+def _refined_to(theory: str) -> float:
+    """Unknowns up to which the search for a mesh refines; while the theory is open, the most of any."""
+    from fem.choice import MOST_UNKNOWNS
+
+    return float(MOST_UNKNOWNS.get(theory, max(MOST_UNKNOWNS.values())))
 
 
 def in_words(size: float) -> str:
