@@ -6,7 +6,6 @@ terabyte. Each was measured on the shipped scenes (the growth of the process, re
 
 from __future__ import annotations
 
-import os
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,12 +113,11 @@ def check(source: SceneFile) -> None:
 
 def available() -> float:
     """Bytes of memory that a program can still get here; infinite where the system does not say."""
+    import psutil
+
     found = [float("inf")]
-    with suppress(OSError, ValueError, AttributeError):
-        found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
-    with suppress(OSError, ValueError, StopIteration):
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        found.append(1024.0 * float(next(line for line in lines if line.startswith("MemAvailable")).split()[1]))
+    with suppress(OSError, psutil.Error):
+        found.append(float(psutil.virtual_memory().available))
     with suppress(OSError, ValueError):  # of a container
         found.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
     with suppress(ImportError, OSError, ValueError):
@@ -127,15 +125,8 @@ def available() -> float:
 
         limit = getrlimit(RLIMIT_AS)[0]
         if limit != RLIM_INFINITY:
-            found.append(max(limit - _mapped(), 0.0) / _ADDRESSES)
+            found.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
     return min(found)
-
-
-def _mapped() -> float:
-    """Bytes of address space that this process has taken so far; 0 where the system does not say."""
-    with suppress(OSError, ValueError, AttributeError):
-        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
-    return 0.0
 
 
 def _size(source: SceneFile) -> tuple[float, float]:
