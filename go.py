@@ -17,9 +17,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
-PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 OLDEST = (3, 11)
 PACKAGES = ["fem", "damper", "workflows", "tests", "meshes", "go.py"]
+
+
+def program(name):
+    """A program of .venv."""
+    return BIN / (f"{name}.exe" if os.name == "nt" else name)
+
+
+PYTHON, SPINDAMP = program("python"), program("spindamp")
 
 
 def main(arguments):
@@ -35,7 +42,7 @@ def main(arguments):
     except subprocess.CalledProcessError as error:
         return fail(f"the installation ended with status {error.returncode}; remove .venv to begin afresh")
     try:
-        return test(rest) if command == "test" else call(BIN / "spindamp", command, *rest)
+        return test(rest) if command == "test" else call(SPINDAMP, command, *rest)
     except KeyboardInterrupt:
         return 130
 
@@ -91,7 +98,7 @@ def make_venv():
 
 def call(*command):
     """Run a command in the project's folder or, for spindamp, where the user is."""
-    where = None if command[0] == BIN / "spindamp" else ROOT
+    where = None if command[0] == SPINDAMP else ROOT
     return subprocess.run([os.fspath(part) for part in command], cwd=where, check=False).returncode
 
 

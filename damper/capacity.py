@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from damper.parameters import number, whole
+from damper.parameters import number, pair, whole
 from damper.ringdown import RingDown
 
 if TYPE_CHECKING:
@@ -67,19 +67,41 @@ def intrinsic_sdc(damper: ParticleDamper) -> float:
     return -math.expm1(-4 * math.pi * float(law["decay"]) / float(law["frequency"]))
 
 
-def work_bound(damper: ParticleDamper, amplitude: float) -> float:
-    """Most that one ball can take of the energy in a cycle at a displacement amplitude [m], per axis x [-].
+def work_bound(damper: ParticleDamper, amplitude: float | tuple[float, float]) -> float:
+    """Most that the ball can take of the energy in a cycle at a displacement amplitude [-].
 
-    In the structure's frame the ball feels -m_p u''; over a cycle this does the work m_p * integral of s du'' with
-    |s| at most half the clearance, while u'' sweeps four times its amplitude: 4 (m_p / M2) clearance / amplitude to
-    leading order in the mass ratio, whatever restitution, friction or the number of bounces.
+    In the structure's frame the ball feels -m_p u''. From one velocity maximum to the next but one this does the work
+    m_p * integral of s du'' (by parts; u'' is zero there). On either axis |s| is at most half the clearance d, and u''
+    sweeps four times its amplitude omega^2 A: in all 2 m_p omega_x^2 A_x d_x + 2 m_p omega_y^2 A_y d_y, to leading
+    order in m_p / M2, whatever restitution, friction or the number of bounces. Out of (K_x A_x^2 + K_y A_y^2) / 2 that
+    is 4 (m_p / M2) d / A for motion along one axis. Of all directions the worst is that in which the amplitudes are as
+    the clearances: 4 (m_p / M2) |d| / |A| with equal stiffness on both axes (Cauchy and Schwarz). It is attained in the
+    limit of a narrow cavity and a rolling threshold just below the largest acceleration. Kinetic energy that the ball
+    keeps from one cycle to another comes on top in the one and is missing in the other.
+
+    Args:
+        damper: what is simulated.
+        amplitude: along x and along y [m]; or, where the direction is not known, the amplitude along x that has the
+            energy of both, such as the largest speed over omega_1: with equal stiffness that of the resultant.
 
     Raises:
         ValueError: the amplitude is not positive and finite.
     """
-    if not 0 < number("amplitude", amplitude) < math.inf:
+    stiffness, clearance = np.array(damper.stiffness), 2 * np.array(damper.half_gap)
+    weight = stiffness / stiffness[0]
+    share = 4 * damper.ball_mass / damper.modal_mass
+    if isinstance(amplitude, tuple):
+        size = np.abs(pair("amplitude", amplitude))
+        largest = _positive(float(size.max()))
+        size = size / largest
+        return float(share * (weight * clearance) @ size / (weight @ size**2) / largest)
+    return float(share * math.sqrt(weight @ clearance**2) / _positive(number("amplitude", amplitude)))
+
+
+def _positive(amplitude: float) -> float:
+    if not 0 < amplitude < math.inf:
         raise ValueError(f"amplitude must be positive and finite, got {amplitude:g}")
-    return 4 * damper.ball_mass / damper.modal_mass * 2 * damper.half_gap[0] / amplitude
+    return amplitude
 
 
 def two_hit_bound(damper: ParticleDamper) -> float:

@@ -20,14 +20,16 @@ if TYPE_CHECKING:
     from fem.display import displacement
     from fem.family import families
     from fem.levels import Given, Rectangle
+    from fem.locate import PlaceError
     from fem.meshfile import read_mesh
     from fem.modes import Divergence, Modes, Unresolved, solve_modes
     from fem.operators import Operators, assemble, with_point_mass
     from fem.planform import MeshError, rectangle
     from fem.plate import Material, Plate
-    from fem.reduction import Reduced, reduce_at
+    from fem.reduction import NoFlapMode, Reduced, reduce_at
     from fem.reduction_sweep import reduce_over
     from fem.rotor import Effects, Rotor
+    from fem.solver import NotConverged, SingularMatrix
     from fem.statics import NoEquilibrium, equilibrium
     from fem.sweep import Campbell, campbell
     from fem.theories import choose_theory
@@ -43,11 +45,15 @@ _HOMES = {
     "MeshError": "fem.planform",
     "Modes": "fem.modes",
     "NoEquilibrium": "fem.statics",
+    "NoFlapMode": "fem.reduction",
+    "NotConverged": "fem.solver",
     "Operators": "fem.operators",
+    "PlaceError": "fem.locate",
     "Plate": "fem.plate",
     "Rectangle": "fem.levels",
     "Reduced": "fem.reduction",
     "Rotor": "fem.rotor",
+    "SingularMatrix": "fem.solver",
     "Unresolved": "fem.modes",
     "Veering": "fem.tracking",
     "assemble": "fem.operators",
@@ -77,11 +83,15 @@ __all__ = [
     "MeshError",
     "Modes",
     "NoEquilibrium",
+    "NoFlapMode",
+    "NotConverged",
     "Operators",
+    "PlaceError",
     "Plate",
     "Rectangle",
     "Reduced",
     "Rotor",
+    "SingularMatrix",
     "Unresolved",
     "Veering",
     "assemble",

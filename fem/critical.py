@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.modes import check_rest
-from fem.solver import NotConverged, factorise, krylov, lanczos, random_block
+from fem.solver import NotConverged, SingularMatrix, factorise, krylov, lanczos, random_block
 
 if TYPE_CHECKING:
     from fem.operators import Operators
@@ -57,6 +57,6 @@ def _stable(operators: Operators, omega: float) -> Factor | None:
     """Factor of K at a speed in rad/s, if it is positive."""
     try:
         factor = factorise(operators.at(omega))
-    except RuntimeError:  # exactly singular
+    except SingularMatrix:
         return None
     return None if factor.negative else factor

@@ -13,10 +13,14 @@ TOLERANCE = 1e-6
 """How far outside a cell, in its own coordinates, a point still counts as in it."""
 
 
+class PlaceError(ValueError):
+    """A place that is not on the plate, or where what is asked for does not move; the message says which."""
+
+
 def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float64]]:
     """Cell that holds a point (x, y) in m, and the reference coordinates (2,) there.
 
-    Raises ValueError for a point off the plate, or that is none.
+    Raises PlaceError for a point off the plate, ValueError for one that is none.
     """
     target = np.asarray(point, dtype=float)
     if target.shape != (2,):
@@ -32,7 +36,7 @@ def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float
         if outside < excess:
             best, where, excess = int(cell), reference, outside
     if excess > TOLERANCE:
-        raise ValueError(f"the point ({point[0]:.6g}, {point[1]:.6g}) m does not lie on the plate")
+        raise PlaceError(f"the point ({point[0]:.6g}, {point[1]:.6g}) m does not lie on the plate")
     return best, where
 
 

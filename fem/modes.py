@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.solver import CONVERGED, Factor, factorise, lanczos, rounding
+from fem.solver import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -146,7 +146,7 @@ def solve_real(
     """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence and Unresolved."""
     try:
         factor = factorise(stiffness)
-    except RuntimeError:  # exactly singular
+    except SingularMatrix:
         check_rest(operators)
         raise Divergence(omega, 0.0) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
@@ -184,7 +184,7 @@ def check_rest(operators: Operators) -> None:
     """
     try:
         factor = factorise(operators.stiffness)
-    except RuntimeError:  # exactly singular
+    except SingularMatrix:
         raise Unresolved(operators.model.theory, np.inf) from None
     if factor.negative:
         raise Unresolved(operators.model.theory, np.inf)

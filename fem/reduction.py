@@ -14,9 +14,10 @@ import numpy as np
 
 from fem.davidson import refine
 from fem.family import families
+from fem.locate import PlaceError
 from fem.modes import Divergence, Modes, linearise, lowest, solve_real
 from fem.operators import point_rows, with_point_mass
-from fem.solver import factorise, lanczos
+from fem.solver import SingularMatrix, factorise, lanczos
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
 
 SEARCHED = 4
 """Modes looked through for the fundamental flap mode when none are given."""
+
+
+class NoFlapMode(ValueError):
+    """None of the modes looked through bends the plate along its length."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +71,9 @@ def reduce_at(
 
     modes: the plate's modes at this speed when they are known already. start: otherwise, the state at this or a
     neighbouring speed, where the deflection is large. phi is real: Coriolis forces are left out of the reduction.
-    Raises ValueError unless exactly one of ball_mass and mass_ratio is given and not negative, when no flap mode
-    is among the modes, when it does not move at the place, or off the plate; Divergence past the critical speed.
+    Raises ValueError unless exactly one of ball_mass and mass_ratio is given and not negative; NoFlapMode when none
+    is among the modes; PlaceError when it does not move at the place, or off the plate; Divergence past the critical
+    speed.
     """
     check_mass(ball_mass, mass_ratio)
     if modes is not None and modes.omega != omega:
@@ -101,17 +107,17 @@ class FlapMode:
 
 
 def flap_rows(operators: Operators, at: tuple[float, float]) -> Array:
-    """Rows (2, n) that give w and its slope w_x at a place. Raises ValueError off the plate."""
+    """Rows (2, n) that give w and its slope w_x at a place. Raises PlaceError off the plate."""
     return np.vstack([point_rows(operators.model, at, d)[[2]].toarray() for d in ((), (0,))])
 
 
 def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) -> list[FlapMode]:
     """Scale mass-normalised flap modes of which w and w_x (2, k) at a place are known.
 
-    Raises ValueError where one of them does not move.
+    Raises PlaceError where one of them does not move.
     """
     if np.abs(motions[0]).min() * np.sqrt(operators.mass.sum()) < 1e-6:
-        raise ValueError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
+        raise PlaceError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
     return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
 
 
@@ -141,9 +147,9 @@ def reduced(
 
 
 def flap_index(names: list[str]) -> int:
-    """Find the lowest flap mode among families. Raises ValueError when there is none."""
+    """Find the lowest flap mode among families. Raises NoFlapMode when there is none."""
     if "flap" not in names:
-        raise ValueError(f"no flap mode among the {len(names)} lowest: {', '.join(names)}")
+        raise NoFlapMode(f"no flap mode among the {len(names)} lowest: {', '.join(names)}")
     return names.index("flap")
 
 
@@ -171,7 +177,7 @@ def become(
     """
     try:
         factor = factorise(stiffness)
-    except RuntimeError:  # exactly singular
+    except SingularMatrix:
         raise Divergence(omega, 0.0) from None
     if factor.negative:
         raise Divergence(omega, lowest(stiffness, mass, lanczos(factor, mass, 1)[0]), factor.negative)

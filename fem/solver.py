@@ -46,6 +46,10 @@ class NotConverged(FloatingPointError):
     """Lanczos's method did not find the modes within the basis that it is allowed."""
 
 
+class SingularMatrix(ArithmeticError):
+    """A matrix that, to rounding, has no inverse."""
+
+
 @dataclass(frozen=True, eq=False)
 class Factor:
     """A sparse LU factor with a symmetric ordering and pivots on the diagonal."""
@@ -63,11 +67,16 @@ class Factor:
 
 
 def factorise(matrix: csc_array) -> Factor:
-    """Factor of a symmetric matrix, (n, n)."""
+    """Factor of a symmetric matrix, (n, n). Raises SingularMatrix."""
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
-    return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
+    try:
+        return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
+    except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
+        if "singular" not in str(error):
+            raise
+        raise SingularMatrix(str(error)) from None
 
 
 def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ Nothing slow is imported at the top: a Ctrl-C while the rest loads finds its han
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -79,11 +80,15 @@ def _fail(message: str, status: int) -> int:
 
 
 def _open_streams() -> None:
-    """Give a program started without output or error stream a place to write to."""
-    if sys.stdout is None:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-    if sys.stderr is None:
-        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+    """Give a program started without output or error stream a place to write to, and every letter a way out."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            # A file on Windows is not to be in the old encoding of a console.
+            into_a_file = sys.platform == "win32" and not stream.isatty() and "PYTHONIOENCODING" not in os.environ
+            stream.reconfigure(encoding="utf-8" if into_a_file else None, errors="backslashreplace")
 
 
 def _silence(name: str) -> None:
@@ -91,7 +96,7 @@ def _silence(name: str) -> None:
     try:
         os.dup2(os.open(os.devnull, os.O_WRONLY), getattr(sys, name).fileno())
     except (OSError, ValueError):
-        setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+        setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
 
 
 if __name__ == "__main__":

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput
 from workflows.scene import Scene
 from workflows.wording import significant
-
-if TYPE_CHECKING:
-    from workflows.scene_file import SceneFile
 
 OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
 
@@ -57,20 +53,6 @@ def theory(scene: Scene, sides: tuple[float, float] | None = None) -> Theory | N
 def called_for(scene: Scene, length: float | None = None) -> dict[str, tuple[bool, str]]:
     """Whether the scene calls for each effect, and why (not). `length` [m]: that of a plate from a mesh."""
     return {name: _coriolis(scene, length) if rule is _coriolis else rule(scene) for name, rule in RULES.items()}
-
-
-def of(source: SceneFile) -> dict[str, Effect]:
-    """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
-    return resolve(source.scene, source.name, length(source))
-
-
-def length(source: SceneFile) -> float | None:
-    """Length [m] of the plate of a scene that names a mesh."""
-    if source.mesh is None:
-        return None
-    from workflows import plate_mesh
-
-    return plate_mesh.planform(source).sides[0]
 
 
 def resolve(scene: Scene, file: str | None = None, length: float | None = None) -> dict[str, Effect]:

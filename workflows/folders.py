@@ -6,11 +6,22 @@ import contextlib
 import ctypes
 import errno
 import os
+import secrets
 import shutil
 import stat
+import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+WINDOWS = os.name == "nt"
+
+LOCK = ".spindamp.lock"
+"""The file that stands for a folder where folders themselves cannot be locked; filelock takes it away again there."""
+
+_WAITS = (0.05, 0.1, 0.2, 0.4, 0.8)
+"""Seconds between attempts to rename a folder in which another program, a virus scanner say, has a file open."""
 
 ASIDE = ".old"
 """How the name of a folder ends that a swap in two steps has set aside."""
@@ -21,9 +32,15 @@ def alone_in(folder: Path) -> Iterator[None]:
     """One run at a time, where the system has locks: a killed run gives its lock back by itself."""
     try:
         import fcntl
+    except ImportError:
+        from filelock import FileLock
 
+        with FileLock(folder / LOCK):
+            yield
+        return
+    try:
         handle = os.open(folder, os.O_RDONLY)
-    except (ImportError, OSError):
+    except OSError:
         yield
         return
     try:
@@ -34,8 +51,19 @@ def alone_in(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def scratch(prefix: str, parent: Path) -> Path:
+    """A new folder for results that nobody else looks into while they are being written."""
+    if WINDOWS:  # there mkdtemp shuts others out for good: a folder takes its permissions from the one above
+        folder = parent / f"{prefix}{secrets.token_hex(8)}"
+        folder.mkdir()
+        return folder
+    return Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+
+
 def dress(scratch: Path, target: Path) -> None:
     """Give the new folder the owner and the permissions of the old one, or those that any new folder has."""
+    if WINDOWS:
+        return
     if not target.is_dir():
         scratch.chmod(0o777 & ~_umask())
         return
@@ -59,7 +87,7 @@ def sync(folder: Path) -> None:
     """See the files of a folder, and the folder, onto the disk."""
     for path in folder.iterdir():
         if path.is_file() and not path.is_symlink():
-            with path.open("rb") as file:
+            with path.open("r+b") as file:  # Windows syncs only what can be written
                 os.fsync(file.fileno())
     sync_folder(folder)
 
@@ -84,21 +112,33 @@ def swap(scratch: Path, target: Path) -> None:
         try:
             os.rename(scratch, target)
         except OSError as error:
-            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY) and not target.is_dir():
                 raise  # otherwise another run came first: replace its results
         else:
             sync_folder(target.parent)
             return
     if not _exchange(scratch, target):
         aside = scratch.with_name(scratch.name + ASIDE)
-        os.rename(target, aside)
+        _rename(target, aside)
         try:
-            os.rename(scratch, target)
+            _rename(scratch, target)
         except OSError:
-            os.rename(aside, target)
+            _rename(aside, target)
             raise
         shutil.rmtree(aside, ignore_errors=True)
     sync_folder(target.parent)
+
+
+def _rename(old: Path, new: Path) -> None:
+    """Rename a folder, again and again while it is in use for a moment."""
+    for wait in _WAITS:
+        try:
+            os.rename(old, new)
+        except PermissionError:
+            time.sleep(wait)
+        else:
+            return
+    os.rename(old, new)
 
 
 def _exchange(one: Path, other: Path) -> bool:

@@ -6,7 +6,6 @@ terabyte. Each was measured on the shipped scenes (the growth of the process, re
 
 from __future__ import annotations
 
-import os
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,10 +29,9 @@ _LINE, _LINE_TIME = 2.5e3, 2e-5
 """Bytes and seconds of a mode at a speed; a speed itself counts as four."""
 
 _UNKNOWN, _UNKNOWN_TIME = 1.8e4, 4e-4
-"""Bytes and seconds for each unknown of a plate, up to 250 000; from there on both grow as their power 1.3."""
+"""Bytes and seconds for each unknown of a plate, up to _LINEAR; from there on both grow as their power 1.3."""
 
-_FACTORED = 250_000
-"""Unknowns up to which a mesh is refined, each edge split in two, where its accuracy asks for it."""
+_LINEAR = 250_000
 
 _UNKNOWNS_AT_A_POINT = {"kirchhoff": 4, "mindlin": 3, "auto": 3, "solid": 9}
 _CELLS_FOR_A_MODE = 80
@@ -67,10 +65,10 @@ def parts(source: SceneFile) -> list[Part]:
     found = []
     if scene.plate is not None:
         unknowns, points = _size(source)
-        growth = max(unknowns / _FACTORED, 1.0) ** 0.3
+        growth = max(unknowns / _LINEAR, 1.0) ** 0.3
         cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
         if source.mesh is not None:
-            unknowns = max(unknowns, min(4 * unknowns, _FACTORED))
+            unknowns = max(unknowns, min(4 * unknowns, _refined_to(scene.plate.theory)))
             cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
         found.append(Part(unknowns * _UNKNOWN * growth, unknowns * _UNKNOWN_TIME * growth, *cause))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, _SHAPES_AT_MOST))
@@ -115,12 +113,11 @@ def check(source: SceneFile) -> None:
 
 def available() -> float:
     """Bytes of memory that a program can still get here; infinite where the system does not say."""
+    import psutil
+
     found = [float("inf")]
-    with suppress(OSError, ValueError, AttributeError):
-        found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
-    with suppress(OSError, ValueError, StopIteration):
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        found.append(1024.0 * float(next(line for line in lines if line.startswith("MemAvailable")).split()[1]))
+    with suppress(OSError, psutil.Error):
+        found.append(float(psutil.virtual_memory().available))
     with suppress(OSError, ValueError):  # of a container
         found.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
     with suppress(ImportError, OSError, ValueError):
@@ -128,15 +125,8 @@ def available() -> float:
 
         limit = getrlimit(RLIMIT_AS)[0]
         if limit != RLIM_INFINITY:
-            found.append(max(limit - _mapped(), 0.0) / _ADDRESSES)
+            found.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
     return min(found)
-
-
-def _mapped() -> float:
-    """Bytes of address space that this process has taken so far; 0 where the system does not say."""
-    with suppress(OSError, ValueError, AttributeError):
-        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
-    return 0.0
 
 
 def _size(source: SceneFile) -> tuple[float, float]:
@@ -147,7 +137,14 @@ def _size(source: SceneFile) -> tuple[float, float]:
         points = source.mesh.stat().st_size / _BYTES_OF_A_CELL
         return points * _UNKNOWNS_AT_A_POINT[theory], points
     points = float(_CELLS_FOR_A_MODE * scene.rotor.modes)
-    return min(points * _UNKNOWNS_AT_A_POINT[theory], _FACTORED), points
+    return min(points * _UNKNOWNS_AT_A_POINT[theory], _refined_to(theory)), points
+
+
+def _refined_to(theory: str) -> float:
+    """Unknowns up to which the search for a mesh refines; while the theory is open, the most of any."""
+    from fem.choice import MOST_UNKNOWNS
+
+    return float(MOST_UNKNOWNS.get(theory, max(MOST_UNKNOWNS.values())))
 
 
 def in_words(size: float) -> str:

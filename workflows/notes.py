@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from workflows import notes_plate
+from workflows import notes_plate, ringdowns
 from workflows.records import Damping, Reduced, Results, SpeedPoint
 from workflows.wording import significant
 
@@ -87,23 +87,24 @@ def _books(results: Results) -> str | None:
 
 
 def _work_bound(results: Results) -> str | None:
+    from damper import work_bound
+
     damper = results.scene.damper
     if damper is None or damper.formulation == "printed":
         return None  # the bound rests on conservation of energy
-    clearance = math.hypot(*(side - 2 * damper.radius for side in damper.cavity))
     bounds = []
-    for point, reduced, damping in _rung(results):
+    for point, _, damping in _rung(results):
         if damping.cutoff_g:
-            amplitude = damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * reduced.f1_hz) ** 2
-            bound = 4 * damping.ball_mass / reduced.M2 * clearance / amplitude
-            bounds.append(f"{significant(100 * bound, 2)} % at {point.load_g:.0f} g")
+            system = ringdowns.particle_damper(results.scene, results.effects, point)
+            amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
+            bounds.append(f"{significant(100 * work_bound(system, amplitude), 2)} % at {point.load_g:.0f} g")
     if not bounds:
         return None
     ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
     return (
-        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, to"
-        f" leading order in m_p/M2; this is largest at the cut-off: {', '.join(ends)}. Any damping beyond that is the"
-        " structure's own."
+        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
+        " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"
+        f" {', '.join(ends)}. Any damping beyond that is the structure's own."
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from workflows import effects as rules
-from workflows import needs, plate, ringdowns
+from workflows import needs, plate, plate_mesh, ringdowns
 from workflows.effects import Effect
 from workflows.notes import remarks
 from workflows.plate import PlateAnswer
@@ -31,12 +31,15 @@ def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: i
     Raises:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
-    effects = rules.of(source)
     if source.scene.plate is None:
+        effects = rules.resolve(source.scene, source.name)
         points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, effects, points, None)
-    answer = plate.solve(source, effects, stages, shapes=shapes, size=size)
-    return Structure(source, effects, answer.points, answer, source.mesh_sha256)
+    with stages("mesh"):
+        sha256, form = source.mesh_sha256, plate_mesh.planform(source)
+    effects = rules.resolve(source.scene, source.name, form.sides[0])
+    answer = plate.solve(source, form, effects, stages, shapes=shapes, size=size)
+    return Structure(source, effects, answer.points, answer, sha256)
 
 
 def damped(found: Structure, stages: Stages) -> Structure:

@@ -18,6 +18,7 @@ from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
+    from workflows.plate_mesh import Planform
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
@@ -44,23 +45,29 @@ class PlateAnswer:
 
 
 def solve(
-    source: SceneFile, effects: dict[str, Effect], stages: Stages, *, shapes: bool = True, size: int | None = None
+    source: SceneFile,
+    form: Planform,
+    effects: dict[str, Effect],
+    stages: Stages,
+    *,
+    shapes: bool = True,
+    size: int | None = None,
 ) -> PlateAnswer:
     """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
 
-    `size` is that of a mesh of the planform's ladder; without it, the accuracy asked for chooses.
+    `form` is the scene's planform. `size` is that of a mesh of its ladder; without it, the accuracy asked for chooses.
 
     Speeds at which the plate diverges have no point, as long as any speed has one.
 
     Raises:
-        BadInput: the mesh, the theory or a place on the plate is no good.
+        BadInput: the theory or a place on the plate is no good.
         NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
     """
-    from fem import Divergence, NoEquilibrium, Unresolved
+    from fem import Divergence, NoEquilibrium, NotConverged, SingularMatrix, Unresolved
 
     try:
         with stages("modes"):
-            discrete = discretise(source, effects, stages, size)
+            discrete = discretise(source, form, effects, stages, size)
             diagram = _sweep(source, discrete)
         with stages("reduction"):
             reduced = _reduce(source, discrete.choice.operators, diagram)
@@ -70,7 +77,7 @@ def solve(
         raise NoAnswer(f"{source.name}: {error}") from error
     except Unresolved as error:
         raise NoAnswer(f"{source.name}: [plate] theory, thickness: {error}") from error
-    except (RuntimeError, FloatingPointError, np.linalg.LinAlgError) as error:  # SuperLU: "Factor is exactly singular"
+    except (SingularMatrix, NotConverged) as error:
         raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
     asked = source.scene.rotor.speeds
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
@@ -86,17 +93,17 @@ def solve(
     return PlateAnswer(points, surface, discrete.theory, beyond)
 
 
-def discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages, size: int | None = None) -> Discrete:
+def discretise(
+    source: SceneFile, form: Planform, effects: dict[str, Effect], stages: Stages, size: int | None = None
+) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
     """
-    from fem import Choice, Effects, MeshError, Rotor, assemble, choose_mesh
+    from fem import Choice, Effects, MeshError, PlaceError, Rotor, assemble, choose_mesh
     from fem.theories import solid_theory
 
     scene = source.scene
-    with stages("mesh"):
-        form = plate_mesh.planform(source)
     theory = rules.theory(scene, form.sides)
     if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
@@ -126,7 +133,7 @@ def discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages, si
             choice = replace(choice, operators=build(choice.size, switches))
     except MeshError as error:
         raise BadInput(str(error), file=source.name, key="[plate]") from error
-    except ValueError as error:
+    except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.in_words(source, form, choice.size)
     if layers:
@@ -148,7 +155,7 @@ def _sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
 
 def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
     """What the damper feels at each speed of the diagram; nothing without a damper."""
-    from fem import reduce_over
+    from fem import NoFlapMode, PlaceError, reduce_over
 
     damper = source.scene.damper
     if damper is None:
@@ -156,6 +163,9 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
     at = plate_mesh.place(source, operators.plate.mesh)
     try:
         found = reduce_over(operators, diagram, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio)
-    except ValueError as error:
+    except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
+    except NoFlapMode as error:
+        modes = source.scene.rotor.modes
+        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
     return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]

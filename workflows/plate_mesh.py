@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from workflows.scene_file import SceneFile
 if TYPE_CHECKING:
     import fem
 
+    Planform: TypeAlias = fem.Rectangle | fem.Given
 
-def planform(source: SceneFile) -> fem.Rectangle | fem.Given:
+
+def planform(source: SceneFile) -> Planform:
     """The scene's planform as a ladder of meshes.
 
     Raises:
@@ -49,7 +51,7 @@ def plate(source: SceneFile, mesh: Any) -> fem.Plate:
     return Plate(mesh, given.thickness, substance, given.tip_mass, tip)
 
 
-def in_words(source: SceneFile, form: fem.Rectangle | fem.Given, size: int) -> str:
+def in_words(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
     from fem import Rectangle
 
@@ -79,7 +81,7 @@ def check(source: SceneFile) -> tuple[float, float]:
     Raises:
         BadInput: it cannot.
     """
-    from fem.locate import locate
+    from fem.locate import PlaceError, locate
 
     mesh = _from_file(source)
     length, width = np.ptp(mesh.p, axis=1)
@@ -87,13 +89,13 @@ def check(source: SceneFile) -> tuple[float, float]:
     try:
         locate(mesh, (x, y))
         if x <= mesh.p[0].min() + 1e-9 * length:
-            raise ValueError(f"expected a place that moves: ({x:g}, {y:g}) m is on the clamped root")
-    except ValueError as error:
+            raise PlaceError(f"expected a place that moves: ({x:g}, {y:g}) m is on the clamped root")
+    except PlaceError as error:
         raise off_the_plate(source, error) from error
     return float(length), float(width)
 
 
-def off_the_plate(source: SceneFile, error: ValueError) -> BadInput:
+def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     """The error of a damper that is not where the plate is, or not where it moves."""
     damper = source.scene.damper
     value = None if damper is None or damper.at is None else list(damper.at)

@@ -29,6 +29,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
         yield
         return
     usual = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGHUP": signal.SIG_DFL}
+    usual["SIGBREAK"] = signal.SIG_DFL  # Ctrl-Break on Windows, which has no SIGHUP
     for name, handler in usual.items():
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) == handler:

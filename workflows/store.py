@@ -13,9 +13,9 @@ import os
 import platform
 import re
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 
 from workflows import folders, signals
@@ -28,6 +28,9 @@ ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", "csv-me
 _CARRIED_AT_MOST = 1000
 _NAME_MAX = 255
 """Bytes that file systems take for a name."""
+
+_NO_LETTERS = '<>:"|?*'
+"""What a name cannot hold on Windows."""
 
 _LONGEST_NAME = 100
 """Bytes of a name that goes into that of its scratch folder, which is longer."""
@@ -47,6 +50,8 @@ def check(folder: Path, names: str = "") -> Path:
         target = Path(os.path.realpath(folder))
         if any(len(os.fsencode(part)) > _NAME_MAX for part in target.parts):
             raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
+        if folders.WINDOWS and any(map(_no_name, target.parts[1:])):
+            raise ValueError(f"no name may hold any of {_NO_LETTERS} or end in a dot or blank")
         exists = target.exists() or target.is_symlink()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
@@ -92,16 +97,17 @@ def replacing(folder: Path) -> Iterator[Path]:
         target.parent.mkdir(parents=True, exist_ok=True)
         _clear(target)
         prefix = f"{_prefix(target)}{os.getpid()}-"
-        scratch = Path(tempfile.mkdtemp(prefix=prefix, dir=target.parent))
+        scratch = folders.scratch(prefix, target.parent)
         yield scratch
-        (scratch / MANIFEST).write_text("".join(f"{path.name}\n" for path in sorted(scratch.iterdir())))
+        names = "".join(f"{path.name}\n" for path in sorted(scratch.iterdir()))
+        (scratch / MANIFEST).write_text(names, encoding="utf-8")
         folders.sync(scratch)
         with folders.alone_in(target.parent):
             _carry_over(target, scratch)
             folders.dress(scratch, target)
             folders.sync_folder(scratch)
             signals.ignore()
-            folders.swap(scratch, target)
+            _swap(scratch, target, folder)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
     finally:
@@ -110,10 +116,29 @@ def replacing(folder: Path) -> Iterator[Path]:
             shutil.rmtree(scratch, ignore_errors=True)
 
 
+def _swap(scratch: Path, target: Path, folder: Path) -> None:
+    """Put new results in the place of old ones or, where these are held fast, beside them."""
+    try:
+        folders.swap(scratch, target)
+    except PermissionError as error:
+        beside = next(p for n in count(1) if not os.path.lexists(p := target.with_name(f"{target.name}-{n}")))
+        os.rename(scratch, beside)
+        raise BadInput(
+            f"cannot be replaced: {error.strerror}, as while another program has a file in it open; the new results"
+            f" are in {beside}",
+            key="--out",
+            value=str(folder),
+        ) from error
+
+
 def _prefix(target: Path) -> str:
     """How the names of scratch folders begin; short enough for a file system that takes the folder's own name."""
     name = target.name if len(os.fsencode(target.name)) <= _LONGEST_NAME else _digest(target.name)
     return f".{name}.{platform.node()[:64]}-"
+
+
+def _no_name(part: str) -> bool:
+    return bool(set(part) & set(_NO_LETTERS)) or part.endswith((".", " "))
 
 
 def _digest(name: str) -> str:
@@ -136,20 +161,19 @@ def _clear(target: Path) -> None:
 
 
 def _alive(process: int) -> bool:
+    import psutil
+
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
+        return psutil.pid_exists(process)
+    except OverflowError:
         return True
-    return True
 
 
 def _foreign(target: Path) -> list[Path]:
     """What is in a folder besides results of ours: whatever the manifest of the last run does not list."""
     ours = {MANIFEST}
     with contextlib.suppress(OSError, UnicodeDecodeError):
-        ours |= set((target / MANIFEST).read_text().splitlines())
+        ours |= set((target / MANIFEST).read_text(encoding="utf-8").splitlines())
     return [path for path in sorted(target.iterdir()) if path.name not in ours]
 
 
@@ -161,7 +185,7 @@ def _carry_over(target: Path, scratch: Path) -> None:
         if os.path.lexists(new):
             raise BadInput(f"holds a {path.name} that no run of ours wrote", key="--out", value=str(target))
         if path.is_symlink():
-            new.symlink_to(os.readlink(path))
+            new.symlink_to(os.readlink(path), target_is_directory=path.is_dir())
         elif path.is_dir():
             shutil.copytree(path, new, symlinks=True, copy_function=folders.link_or_copy)
         else:

@@ -246,7 +246,7 @@ def test_bounds_hold() -> None:
     for e in (0.0, 0.3, 0.5, 0.8, 0.99):
         damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), restitution=e)
         result = capacity(ringdown(damper, (20e-3, 0.0), 300))
-        bounds = [work_bound(damper, v / damper.stuck_frequency) for v in result.peak_velocity]
+        bounds = [work_bound(damper, (v / damper.stuck_frequency, 0.0)) for v in result.peak_velocity]
         assert (result.sdc < np.array(bounds) * (1 + 0.02)).all()
         assert result.sdc.max() < two_hit_bound(damper)
 

@@ -139,6 +139,19 @@ def test_the_same_scene_passes_where_there_is_room(
     assert spindamp("check", "paper").status == 2
 
 
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin", "solid", "auto"])
+def test_a_plate_grows_no_further_than_its_mesh(
+    theory: str, monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    """The search for a mesh ends at a number of unknowns: the estimate takes that very number."""
+    from fem import choice
+
+    source = load(write(changed(paper, plate__theory=theory, rotor__modes=200), tmp_path / "scene.toml"))
+    before = needs.memory(source)
+    monkeypatch.setattr(choice, "MOST_UNKNOWNS", {name: most // 20 for name, most in choice.MOST_UNKNOWNS.items()})
+    assert needs.memory(source) < 0.8 * before
+
+
 def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path: Path) -> None:
     """The arrays and objects of a cycle alone, without the text made from them."""
     import json

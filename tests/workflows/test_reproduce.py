@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from workflows.reproduction import Claim, Reproduction, Verdict, page, reproduce
+from workflows.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
+from workflows.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,
@@ -90,6 +94,81 @@ def test_closure(found: Reproduction) -> None:
     assert table[frozenset({"ζ", "mass", "steps"})].printed > 14
     exact = [line for names, line in table.items() if "steps" not in names]
     assert max(max(line.printed, line.consistent) for line in exact) < 12
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_the_damper_of_the_figures_is_that_of_the_run(found: Reproduction, formulation: str) -> None:
+    """Figs. 4 to 7 change one thing at a time of the very motion that Figs. 2 and 3 show."""
+    damping = found.study.points[formulation][SHOWN].damping
+    curve = found.study.curve("as it is", found.study.system(formulation))
+    assert damping is not None
+    assert curve.sdc.tolist() == damping.sdc.tolist()
+    assert curve.amplitude_g.tolist() == damping.amplitude_g.tolist()
+
+
+def test_the_bound_of_the_closure_is_that_of_both_axes(found: Reproduction) -> None:
+    """In a run that the structure's own damping slows, the bound rises with what is left of the amplitude."""
+    table = {frozenset(a.name for a in line.assumptions): line for line in found.closure}
+    still, damped = table[frozenset()], table[frozenset({"ζ"})]
+    release = math.hypot(*RELEASE)
+    leading = 100 * 4 * 0.006 * math.hypot(0.5e-3, 0.4e-3) / release
+    assert still.work_bound == pytest.approx(leading, rel=2e-2)  # 20 cycles take 0.9 % of the energy
+    # A falls by exp(-2 pi zeta) in a cycle; the mean of 1/A over 19 of them.
+    growth = np.exp(2 * np.pi * 0.01 * np.arange(19)).mean()
+    assert damped.work_bound == pytest.approx(leading * growth, rel=4e-2)
+
+
+def _another(study: Study, **changes: object) -> Study:
+    """The study as it would be if every ring-down had come out otherwise."""
+    points = {
+        formulation: tuple(replace(p, damping=replace(p.damping, **changes)) for p in points if p.damping is not None)
+        for formulation, points in study.points.items()
+    }
+    return replace(study, points=points)
+
+
+def test_a_ball_that_took_all_would_be_said_to_make_the_decay(found: Reproduction) -> None:
+    """Which verdict F2-decay gets rests on the energy books and on the velocity."""
+    damping = found.study.plate[SHOWN].damping
+    assert damping is not None
+    taken = replace(damping.energy, rolling=damping.energy.structure, structure=damping.energy.rolling)
+    lasting = np.full_like(damping.peak_velocity, damping.peak_velocity[0])
+    for changes, verdict in (
+        ({}, Verdict.PARTLY),
+        ({"energy": taken}, Verdict.REPRODUCED),
+        ({"peak_velocity": lasting}, Verdict.NOT),
+        ({"peak_velocity": lasting, "energy": taken}, Verdict.NOT),
+    ):
+        claims = sweeps.claims(_another(found.study, **changes), found.sweeps)
+        assert next(claim for claim in claims if claim.id == "F2-decay").verdict is verdict
+
+
+def test_a_ball_that_took_as_much_as_the_paper_says_would_be_called_effective(found: Reproduction) -> None:
+    """Which verdict A-effective gets rests on where the ball moves and on what it takes there."""
+    for changes, verdict in (
+        ({}, Verdict.PARTLY),
+        ({"peak_sdc": 0.9}, Verdict.REPRODUCED),
+        ({"cutoff_g": 1.0}, Verdict.NOT),
+        ({"cutoff_g": None}, Verdict.NOT),
+    ):
+        claims = table_two.claims(_another(found.study, **changes))
+        assert next(claim for claim in claims if claim.id == "A-effective").verdict is verdict
+
+
+def test_what_no_computation_judges_says_so(claims: dict[str, Claim]) -> None:
+    for claim in claims.values():
+        if claim.verdict is Verdict.UNTESTABLE:
+            assert claim.why.startswith("Not computed: ")
+
+
+def test_the_angle_of_the_rolling_ball_has_one_sign(found: Reproduction) -> None:
+    """Newton for a sphere on a floor that moves by u: with s'' = -r a'' of eq. (4), eq. (2) has the sign printed."""
+    r, m, accelerated = 1e-3, 2e-3, 7.0
+    # Unknowns: s'', a'', the floor's force F; momentum, moments about the centre, eq. (4).
+    equations = [[m, 0, -1], [0, 0.4 * m * r**2, -r], [1, r, 0]]
+    _, angle, _ = np.linalg.solve(equations, [-m * accelerated, 0, 0])
+    assert 1.4 * m * r**2 * angle == pytest.approx(r * m * accelerated, rel=1e-12)
+    assert "eqs. (4), (5)" not in {slip.where for slip in found.slips}
 
 
 def test_slips_are_numbers(found: Reproduction) -> None:

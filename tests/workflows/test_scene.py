@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import jsonschema
 import pytest
 
-from tests.workflows.conftest import Scene, changed, write
-from workflows import effects, pipeline, resolved
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import effects, pipeline, plate_mesh, resolved
 from workflows.scene_file import SHIPPED, load, parse, shipped, slug
 from workflows.scene_schema import schema
 from workflows.stages import Stages
@@ -129,8 +130,9 @@ def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rp
 
 def test_the_length_of_a_mesh_is_read() -> None:
     source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
-    assert effects.length(source) == pytest.approx(0.25)
-    assert "asked for" in effects.of(source)["coriolis"].why
+    length = plate_mesh.planform(source).sides[0]
+    assert length == pytest.approx(0.25)
+    assert "asked for" in effects.resolve(source.scene, source.name, length)["coriolis"].why
     with pytest.raises(ValueError, match="length"):
         effects.resolve(source.scene)
 
@@ -164,6 +166,20 @@ def test_slug() -> None:
     assert slug("The paper's plate") == "the-papers-plate"
     assert slug("../../etc") == "etc"
     assert slug("ζ") == "run"
+
+
+@pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
+def test_a_mesh_file_is_read_once(
+    command: list[str], spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a big mesh costs to read is paid once, and all of a run is about one state of the file."""
+    import fem
+
+    reads, read = [], fem.read_mesh
+    monkeypatch.setattr("fem.read_mesh", lambda path: reads.append(path) or read(path))
+    outcome = spindamp(*command, ROOT / "meshes" / "plate_with_hole.toml")
+    assert outcome.status == 0, outcome.err
+    assert len(reads) == 1
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "meshes").glob("*.toml")), ids=lambda path: path.stem)

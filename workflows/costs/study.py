@@ -12,6 +12,7 @@ from workflows import pipeline, plate, plate_mesh, ringdowns
 from workflows.costs import dampers, pipelines, plates
 from workflows.costs.ladder import Chosen, Ladder, Study
 from workflows.costs.plates import Problem
+from workflows.effects import Effect
 from workflows.errors import NoAnswer
 from workflows.plate_records import Discrete
 from workflows.records import Floats
@@ -32,9 +33,10 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     stages = stages or Stages()
     ladders: list[Ladder] = []
     chosen: dict[str, Chosen] = {}
-    effects = rules.of(source)
-    if source.scene.plate is not None:
-        found, picked = _plate(source, stages)
+    form = None if source.scene.plate is None else plate_mesh.planform(source)
+    effects = rules.resolve(source.scene, source.name, None if form is None else form.sides[0])
+    if form is not None:
+        found, picked = _plate(source, form, effects, stages)
         ladders += found
         chosen |= picked
     if source.scene.damper is not None:
@@ -53,12 +55,14 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     return Study(source.scene.title, asked, (*ladders, *whole), chosen | picked)
 
 
-def _plate(source: SceneFile, stages: Stages) -> tuple[list[Ladder], dict[str, Chosen]]:
-    solver = plate.discretise(source, rules.of(source), Stages(visible=False))
+def _plate(
+    source: SceneFile, form: plate_mesh.Planform, effects: dict[str, Effect], stages: Stages
+) -> tuple[list[Ladder], dict[str, Chosen]]:
+    solver = plate.discretise(source, form, effects, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(
-        form=plate_mesh.planform(source),
+        form=form,
         plate=lambda mesh: plate_mesh.plate(source, mesh),
         rotor=operators.rotor,
         effects=plain,

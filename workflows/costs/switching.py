@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from workflows import effects as rules
-from workflows import pipeline, plate
+from workflows import pipeline, plate, plate_mesh
 from workflows.costs.changes import changes
 from workflows.costs.ladder import machine
 from workflows.costs.timing import POLICY_OF_DIFFERENCES, compared
@@ -87,10 +87,10 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
     stages = stages or Stages()
-    length = rules.length(source)
+    form = None if source.scene.plate is None else plate_mesh.planform(source)
+    length = None if form is None else form.sides[0]
     decided, called = rules.resolve(source.scene, source.name, length), rules.called_for(source.scene, length)
-    has_plate = source.scene.plate is not None
-    size = plate.discretise(source, decided, Stages(visible=False)).choice.size if has_plate else None
+    size = None if form is None else plate.discretise(source, form, decided, Stages(visible=False)).choice.size
     with stages("effects", len(decided) + 1) as step:
         own = _run(source, decided, {}, size)
         step.advance("as the scene has it")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.reproduction.study import RELEASE, Study
+from workflows.reproduction.study import FORMULATIONS, RELEASE, Floats, Study
 
 if TYPE_CHECKING:
     from damper import ParticleDamper
@@ -59,18 +59,11 @@ CASES: tuple[tuple[Assumption, ...], ...] = (
 
 def closure(study: Study) -> list[Closure]:
     """Damping at 21932 g and 20 mm, averaged over 20 cycles or those before rest, for every case."""
-    from damper import work_bound
-
     table = []
     for case in CASES:
-        system = _system(study, "consistent", case)
-        line = Closure(
-            assumptions=case,
-            printed=_damping(study, "printed", case),
-            consistent=_damping(study, "consistent", case),
-            work_bound=100 * work_bound(system, RELEASE[0]),
-        )
-        table.append(line)
+        printed, consistent = (_velocity(_system(study, formulation, case), case) for formulation in FORMULATIONS)
+        bound = _bound(_system(study, "consistent", case), consistent)
+        table.append(Closure(case, _damping(printed, case), _damping(consistent, case), bound))
     return table
 
 
@@ -86,19 +79,31 @@ def _system(study: Study, formulation: str, case: tuple[Assumption, ...]) -> Par
     return system
 
 
-def _damping(study: Study, formulation: str, case: tuple[Assumption, ...]) -> float:
-    """Mean over the cycles of 1 - (V next / V)^2, in %."""
+def _velocity(system: ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
+    """The structure's velocity along both axes, shape (cycles, times, 2) [m/s]."""
     from damper import ringdown, sample, stepped_ringdown
 
-    system = _system(study, formulation, case)
     if STEPS in case:
         run = stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
-        velocity = run.velocity[1:].reshape(_CYCLES, _STEPS, 2)
-    else:
-        exact = ringdown(system, RELEASE, _CYCLES, keep_events=True)
-        fine = 100 * _STEPS
-        times = np.linspace(0, exact.duration, _CYCLES * fine + 1)[1:]
-        velocity = sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
-    speed = np.abs(velocity[:, :, 0]) if AMPLITUDE in case else np.hypot(velocity[:, :, 0], velocity[:, :, 1])
-    peaks = speed.max(axis=1)
+        return run.velocity[1:].reshape(_CYCLES, _STEPS, 2)
+    exact = ringdown(system, RELEASE, _CYCLES, keep_events=True)
+    fine = 100 * _STEPS
+    times = np.linspace(0, exact.duration, _CYCLES * fine + 1)[1:]
+    return sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
+
+
+def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
+    """Mean over the cycles of 1 - (V next / V)^2, in %."""
+    peaks = np.abs(velocity[:, :, 0]).max(axis=1) if AMPLITUDE in case else _peaks(velocity)
     return 100 * float(np.mean(1 - (peaks[1:] / peaks[:-1]) ** 2))
+
+
+def _bound(system: ParticleDamper, velocity: Floats) -> float:
+    """Mean over the same cycles of the most that the ball can take, in %."""
+    from damper import work_bound
+
+    return 100 * float(np.mean([work_bound(system, v / system.stuck_frequency) for v in _peaks(velocity)[:-1]]))
+
+
+def _peaks(velocity: Floats) -> Floats:
+    return np.asarray(np.hypot(velocity[:, :, 0], velocity[:, :, 1]).max(axis=1))

@@ -57,13 +57,6 @@ def slips(study: Study) -> list[Slip]:
             "energy gained in 20 cycles at 21932 g with the paper's parameters and ζ = 0",
         ),
         Slip(
-            "eqs. (4), (5)",
-            "Their sign of the angle contradicts that of eq. (2).",
-            -1.0,
-            "",
-            "factor between the angular acceleration of eq. (2) and that of eq. (4) for the same rolling",
-        ),
-        Slip(
             "Table I",
             "The top wall's criterion reads u_x where it should read u_y.",
             1e3 * wrong_top,

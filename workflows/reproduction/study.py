@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows import pipeline, ringdowns, scene_file
+from workflows.effects import Effect
 from workflows.records import SpeedPoint
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
@@ -48,6 +49,7 @@ class Study:
     """The paper's scene, its structure at the seven speeds, and the ring-downs there in both formulations."""
 
     scene: Scene
+    effects: dict[str, Effect]
     points: dict[str, tuple[SpeedPoint, ...]]
     rest_hz: float
 
@@ -62,26 +64,14 @@ class Study:
         return self.scene.rotor.gravity
 
     def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> ParticleDamper:
-        """The paper's damper at 10000 rpm, changed; K2 is kept, so that curves differ by what was changed alone."""
-        from damper import Formulation, ParticleDamper
+        """The damper that the run simulates at 10000 rpm, changed.
 
-        point, given = self.plate[SHOWN], self.scene.damper
-        if point.reduced is None or given is None:
-            raise ValueError("the paper's scene has a plate and a damper")
-        values: dict[str, Any] = {
-            "modal_mass": point.reduced.M2,
-            "stiffness": (point.reduced.K2, point.reduced.K2),
-            "ball_mass": (mass_ratio or given.mass_ratio or 0.0) * point.reduced.M2,
-            "ball_radius": given.radius,
-            "cavity": given.cavity,
-            "centrifugal_acceleration": point.omega**2 * point.radius,
-            "restitution": given.restitution,
-            "friction": given.friction,
-            "rolling_friction": given.rolling_friction,
-            "damping_ratio": given.damping_ratio,
-            "formulation": Formulation(formulation),
-        }
-        return ParticleDamper(**(values | changes))
+        Its stiffness is kept, so that curves differ by what was changed alone.
+        """
+        scene = _with(self.scene, formulation=formulation)
+        if mass_ratio is not None:
+            scene = _with(scene, mass_ratio=mass_ratio)
+        return replace(ringdowns.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
 
     def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> Curve:
         """Ring a damper down to rest, cycle by cycle."""
@@ -101,20 +91,20 @@ def study(stages: Stages) -> Study:
     structure = pipeline.structure(source, stages, shapes=False)
     points = {}
     for formulation in FORMULATIONS:
-        scene = _with(source.scene, formulation)
+        scene = _with(source.scene, formulation=formulation)
         points[formulation] = ringdowns.simulate(scene, structure.effects, structure.points, stages, SHOWN)
     rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
-    return Study(source.scene, points, rest)
+    return Study(source.scene, structure.effects, points, rest)
 
 
 def _at_rest(source: SceneFile) -> SceneFile:
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (0.0,)}), damper=None, release=None)
 
 
-def _with(scene: Scene, formulation: str) -> Scene:
+def _with(scene: Scene, **changes: object) -> Scene:
     if scene.damper is None:
         raise ValueError("the paper's scene has a damper")
-    return scene.model_copy(update={"damper": scene.damper.model_copy(update={"formulation": formulation})})
+    return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
 
 
 def moving(curve: Curve) -> Curve:

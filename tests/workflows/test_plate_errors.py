@@ -1,0 +1,108 @@
+"""Each error of the plate is said for what it is, and what is none of them is a defect."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+
+MESHES = Path(__file__).parents[2] / "meshes"
+
+
+@pytest.fixture
+def quick(paper: Scene, tmp_path: Path) -> Path:
+    """The paper's plate at one speed."""
+    return write(changed(paper, rotor__speeds=["5000 rpm"], release__cycles=1), tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize("place", ["choose_mesh", "campbell", "reduce_over"])
+@pytest.mark.parametrize(
+    "error", [ValueError, RuntimeError, FloatingPointError, ArithmeticError, np.linalg.LinAlgError]
+)
+def test_defects_are_defects(
+    place: str,
+    error: type[Exception],
+    quick: Path,
+    spindamp: Callable[..., Outcome],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No slip of ours is blamed on the damper's place, or on the physics."""
+
+    def slip(*_: object, **__: object) -> None:
+        raise error("what nobody thought of")
+
+    monkeypatch.setattr(f"fem.{place}", slip)
+    outcome = spindamp("run", quick, "--json")
+    assert outcome.status == 1, outcome.err
+    assert f"a defect of ours: {error.__name__}: what nobody thought of" in outcome.err
+
+
+def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
+    """The scene on a plate from a file, whose extent is not known before it is read."""
+    shutil.copy(MESHES / "plate_with_hole.msh", path)
+    mesh = {"plate__length": None, "plate__width": None, "plate__mesh": "plate_with_hole.msh"}
+    return write(changed(scene, rotor__speeds=["5000 rpm"], **mesh, **changes), path / "scene.toml")
+
+
+@pytest.mark.parametrize("tip_mass", [None, "10 g"])
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_off_the_plate(
+    command: str, tip_mass: str | None, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """The damper's place is also that of the tip mass, which the search for a mesh meets first."""
+    _on_the_mesh(paper, tmp_path, damper__at=["30 cm", "0 cm"], plate__tip_mass=tip_mass)
+    outcome = spindamp(command, "scene.toml", "--json")
+    assert outcome.status == 2
+    assert "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate" in outcome.err
+
+
+def test_where_the_mode_does_not_move(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    _on_the_mesh(paper, tmp_path, damper__at=["0 cm", "0 cm"])
+    outcome = spindamp("run", "scene.toml", "--json")
+    assert outcome.status == 2
+    assert "scene.toml: [damper] at = [0.0, 0.0]: the fundamental flap mode does not move" in outcome.err
+
+
+def test_no_bending_among_the_modes(
+    quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it lacks are modes, and no other place would help."""
+    from fem import Campbell
+
+    monkeypatch.setattr(Campbell, "families", property(lambda diagram: [["twist"] * 6] * diagram.omega.size))
+    outcome = spindamp("run", quick, "--json")
+    assert outcome.status == 2
+    assert "scene.toml: [rotor] modes = 6: no flap mode among the 6 lowest" in outcome.err
+    assert outcome.err.endswith("ask for more modes\n")
+
+
+@pytest.mark.parametrize("kind", ["SingularMatrix", "NotConverged"])
+def test_no_answer_in_floating_point(
+    kind: str, quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import fem
+
+    def lost(*_: object, **__: object) -> None:
+        raise getattr(fem, kind)("it is so")
+
+    monkeypatch.setattr("fem.campbell", lost)
+    outcome = spindamp("run", quick, "--json")
+    assert outcome.status == 3
+    assert outcome.err.endswith("the plate's equations have no solution in floating point: it is so\n")
+
+
+def test_a_singular_matrix_is_named() -> None:
+    from scipy.sparse import csc_array
+
+    from fem import SingularMatrix
+    from fem.solver import factorise
+
+    with pytest.raises(SingularMatrix, match="singular"):
+        factorise(csc_array(np.diag([1.0, 0.0])))
+    with pytest.raises(ValueError, match="square"):
+        factorise(csc_array(np.ones((2, 3))))
