@@ -63,7 +63,7 @@ def capacity(results: Results) -> list[Curve]:
     for point in results.speeds:
         if point.damping is not None and len(point.damping.sdc):
             damping = point.damping
-            label = f"{wording.fixed(point.load_g)} g"
+            label = f"{wording.amount(point.load_g)} g"
             name = f"sdc_{speed_tag(point)}"
             curves.append(Curve(name, label, "amplitude_g", "sdc", damping.amplitude_g, damping.sdc))
     return curves

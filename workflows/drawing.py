@@ -1,7 +1,8 @@
 """How a figure of the report is drawn: one style, and SVG that takes its colours and type from the page.
 
 Colours are placeholders in the drawing and CSS variables in the page, so that one picture serves light, dark and
-print. matplotlib is used without pyplot, and imported here only when something is drawn.
+print. Each figure is drawn twice, for a page and for a phone; the page's style sheet shows one of them. matplotlib is
+used without pyplot, and imported here only when something is drawn.
 """
 
 from __future__ import annotations
@@ -9,9 +10,12 @@ from __future__ import annotations
 import io
 import logging
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from workflows import ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,8 +32,24 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
     colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
 }
-_WIDTH = 6.6
-"""Inches; the page scales it to its column."""
+_HUNDREDTHS = re.compile(r"(\.\d\d)\d+")
+"""Coordinates beyond hundredths of a point, which nobody sees."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a figure is drawn on. The page scales it to its column.
+
+    Attributes:
+        name: its class in the page's style sheet.
+        width: in inches.
+    """
+
+    name: str
+    width: float
+
+
+WIDE, NARROW = Sheet("wide-sheet", 6.6), Sheet("narrow-sheet", 3.7)
 
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
@@ -82,24 +102,42 @@ def style() -> Iterator[None]:
         yield
 
 
-def canvas(height: float, columns: int = 1, **margins: float) -> tuple[Figure, list[Axes]]:
-    """A figure as wide as the page's column, `height` inches high, with axes side by side."""
+def canvas(sheet: Sheet, height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
+    """A figure with panels `height` inches high: side by side, or on a narrow sheet one below the other.
+
+    Margins are measured once all is drawn, so that whatever labels come out have room.
+    """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(_WIDTH, height))
-    axes = [figure.add_subplot(1, columns, i + 1) for i in range(columns)]
-    figure.subplots_adjust(**margins)
-    return figure, axes
+    rows, columns = (1, panels) if sheet is WIDE else (panels, 1)
+    figure = Figure(figsize=(sheet.width, rows * height), layout="constrained")
+    return figure, [figure.add_subplot(rows, columns, i + 1) for i in range(panels)]
 
 
-def svg(figure: Figure, name: str, description: str) -> str:
+def key(figure: Figure, axes: Axes, sheet: Sheet, **how: Any) -> None:
+    """A legend of the curves of `axes` beside the figure, or below it on a narrow sheet."""
+    curves = axes.get_legend_handles_labels()
+    if sheet is WIDE:
+        figure.legend(*curves, loc="outside right center", **how)
+    else:
+        figure.legend(*curves, loc="outside lower left", ncols=how.pop("ncols", 3), **how)
+
+
+def both(draw: Callable[[Sheet], str]) -> str:
+    """A figure on either sheet; nothing where there is nothing to draw."""
+    return draw(WIDE) + draw(NARROW)
+
+
+def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
     """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+    ticks.label(figure)
     out = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return _for_a_page(out.getvalue(), name, description)
+    drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name}", description)
+    return drawn.replace("<svg", f'<svg class="{sheet.name}"', 1)
 
 
 def standalone(drawn: str) -> str:
@@ -135,7 +173,7 @@ def shades_css(count: int) -> str:
         colours = (to_hex(colormaps["plasma"](step)) for step in steps)
         return ":root{" + "".join(f"--shade-{i}:{colour};" for i, colour in enumerate(colours)) + "}"
 
-    return f"{block(0.05, 0.76)}@media (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
+    return f"{block(0.05, 0.76)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
 
 
 def _for_a_page(text: str, name: str, description: str) -> str:
@@ -145,6 +183,7 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = text.replace('xlink:href="#', f'href="#{name}-').replace("url(#", f"url(#{name}-")
     text = re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?:, sans-serif)?", r"\1var(--sans)", text)
+    text = re.sub(r' d="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var({variable})")
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)

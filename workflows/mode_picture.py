@@ -1,8 +1,8 @@
 """A mode shape in 3-D, drawn by VTK in a process of its own: without a working OpenGL, VTK may abort the process.
 
-Run as a program with a NumPy archive on standard input: points (n, 3), connectivity (m, 3 or 4), and the
-displacement (n, 3) to draw; the picture goes to standard output as PNG. It imports nothing of this project, so that
-it needs no path to it, and no file is left behind by a run that is killed.
+Run as a program with a NumPy archive on standard input: points (n, 3), cells (m, 3 or 4), the edges of the outline
+(k, 2), and the displacement (n, 3) to draw; the picture goes to standard output as PNG. It imports nothing of this
+project, so that it needs no path to it, and no file is left behind by a run that is killed.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ def main() -> None:
     pv.OFF_SCREEN = True
     # Imported first and fed afterwards: the caller computes the modes while this process loads VTK.
     with np.load(io.BytesIO(sys.stdin.buffer.read())) as archive:
-        points, cells, shape = archive["points"], archive["cells"], archive["shape"]
+        points, cells, outline, shape = (archive[name] for name in ("points", "cells", "outline", "shape"))
     faces = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
-    flat = pv.PolyData(points, faces)
+    at_rest = pv.PolyData(points, lines=np.column_stack([np.full(len(outline), 2), outline]).ravel())
     moved = pv.PolyData(points + shape, faces)
     moved["lift"] = np.linalg.norm(shape, axis=1)
     solid = moved.extrude((0.0, 0.0, -_THICKNESS), capping=True)
@@ -50,7 +50,7 @@ def main() -> None:
         show_scalar_bar=False,
     )
     plotter.add_mesh(moved.extract_all_edges(), color="white", opacity=0.35, line_width=1, lighting=False)
-    plotter.add_mesh(flat.extract_feature_edges(), color="#8a8a8a", line_width=3, lighting=False)
+    plotter.add_mesh(at_rest, color="#8a8a8a", line_width=8, lighting=False)
     plotter.camera_position = [(1.6, -2.4, 1.1), (0.5, 0.0, 0.1), (0.0, 0.0, 1.0)]
     plotter.reset_camera()
     plotter.camera.zoom(1.6)

@@ -9,11 +9,14 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from workflows.records import Floats, Surface
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PATIENCE = 20.0
 """Seconds to wait for VTK once everything else is done."""
@@ -35,12 +38,22 @@ class Picture:
     remark: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3)."""
+
+    points: Floats
+    cells: np.ndarray
+    outline: np.ndarray
+    shape: Floats
+
+
 class Artist:
     """Draws while the run goes on: started early, fed the shape when it is known, asked for the picture last."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._shape: tuple[Floats, np.ndarray, Floats] | None = None
+        self._shape: _Shape | None = None
         self._failure = ""
 
     def __enter__(self) -> Self:
@@ -70,9 +83,10 @@ class Artist:
         largest = float(np.linalg.norm(shape, axis=1).max()) or 1.0
         sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
         length = float(np.ptp(surface.points[:, 0]))
-        self._shape = surface.points / length, surface.cells[1], sign * _SCALE * shape / largest
+        moved = sign * _SCALE * shape / largest
+        self._shape = _Shape(surface.points / length, surface.cells[1], surface.outline, moved)
         archive = io.BytesIO()
-        np.savez(archive, points=self._shape[0], cells=self._shape[1], shape=self._shape[2])
+        np.savez(archive, **vars(self._shape))
         if self._process is not None and self._process.stdin is not None:
             stdin, self._process.stdin = self._process.stdin, None
             try:
@@ -90,7 +104,7 @@ class Artist:
         if png:
             return Picture(png)
         remark = f"Drawn without VTK, which found no working OpenGL here ({self._failure})."
-        return Picture(_plain(*self._shape), remark)
+        return Picture(_png(_plain(self._shape)), remark)
 
     def _wait(self) -> bytes:
         """What VTK has drawn; where it has not, `_failure` says why."""
@@ -110,22 +124,28 @@ class Artist:
         return png
 
 
-def _plain(points: Floats, cells: np.ndarray, shape: Floats) -> bytes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+def _plain(drawn: _Shape) -> Figure:
     from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
     figure = Figure(figsize=(8, 4.6), facecolor="none")
-    axes = figure.add_subplot(projection="3d", facecolor="none")
-    moved = points + shape
-    lift = np.linalg.norm(shape, axis=1)[cells].mean(axis=1)
-    faces = Poly3DCollection(moved[cells], array=lift, cmap="plasma", edgecolor="#ffffff60", linewidth=0.4)
+    axes: Any = figure.add_subplot(projection="3d", facecolor="none")
+    points, moved = drawn.points, drawn.points + drawn.shape
+    lift = np.linalg.norm(drawn.shape, axis=1)[drawn.cells].mean(axis=1)
+    faces = Poly3DCollection(moved[drawn.cells], array=lift, cmap="plasma", edgecolor="#ffffff60", linewidth=0.4)
     axes.add_collection3d(faces)
+    axes.add_collection3d(Line3DCollection(points[drawn.outline], color="#8a8a8a", linewidth=1.2))
     low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.maximum(high - low, 1e-3), zoom=1.5)
     axes.view_init(22, -62)
     axes.set_axis_off()
+    return figure
+
+
+def _png(figure: Figure) -> bytes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     out = io.BytesIO()
     canvas: Any = FigureCanvasAgg(figure)
     canvas.print_png(out)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.scene import Scene
 from workflows.scene_checks import disproportion
 from workflows.scene_file import SceneFile
 
@@ -67,10 +68,14 @@ def in_words(source: SceneFile, form: Planform, size: int) -> str:
 
 def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
     """The damper's place (x, y) in m in the mesh's coordinates: as given, or the middle of the tip."""
-    damper = source.scene.damper
-    if damper is not None and damper.at is not None:
-        return damper.at
-    x, y = mesh.p
+    return damper_at(source.scene, mesh.p)
+
+
+def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
+    """The same on a mesh of which the points (2, n) are known."""
+    if scene.damper is not None and scene.damper.at is not None:
+        return scene.damper.at
+    x, y = points
     tip = np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))
     return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
 

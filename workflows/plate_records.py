@@ -69,13 +69,16 @@ def _mode(discrete: Discrete, diagram: fem.Campbell, families: list[list[str]], 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
+    from fem.planform import root_facets
 
     kept = _kept(len(numbers))
     shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
     mesh = operators.plate.mesh
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
-    return Surface(points, (kind, np.asarray(mesh.t.T)), shapes.reshape(len(kept), -1, *shapes.shape[1:]), kept)
+    outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
+    by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
+    return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, by_speed, kept)
 
 
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:

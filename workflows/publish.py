@@ -24,7 +24,9 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
             if results.surface is not None:
                 results_files.write_vtu(results.surface, results, folder / "modes.vtu")
         with stages("report"):
-            drawings = report.draw(results, artist.picture() if artist is not None else None)
+            drawings = report.draw(results)
+            if artist is not None:  # asked last: it draws in a process of its own meanwhile
+                drawings = replace(drawings, shape=artist.picture())
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(report.render(finished, drawings), encoding="utf-8")

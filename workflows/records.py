@@ -139,12 +139,15 @@ class Surface:
     Attributes:
         points: (n, 3) [m].
         cells: kind of cell as meshio calls it, and connectivity (m, 3 or 4).
+        outline: the points at the ends of each edge of one cell only, (edges, 2); root: of those that are clamped.
         shapes: (speeds, modes, n, 3), mass-normalised.
         at: which of the run's speeds the first axis of `shapes` holds.
     """
 
     points: Floats
     cells: tuple[str, npt.NDArray[np.int64]]
+    outline: npt.NDArray[np.int64]
+    root: npt.NDArray[np.int64]
     shapes: Floats
     at: tuple[int, ...]
 

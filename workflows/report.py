@@ -5,10 +5,11 @@ from __future__ import annotations
 import base64
 import math
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from workflows import answer, drawing, figure_working, figures, paper, resolved, wording, worth
+from workflows import answer, curves, drawing, figure_working, figures, mesh_figure, paper, resolved, wording, worth
 from workflows.assumptions import assumptions
 from workflows.mode_shape import Picture
 from workflows.provenance import hashes, versions
@@ -24,23 +25,24 @@ class Drawings:
     """The pictures of a report: SVG elements (empty where there is nothing to draw) and the mode shape."""
 
     campbell: str
+    mesh: str
     velocity: str
     capacity: str
     working: str
     css: str
-    shape: Picture | None
+    shape: Picture | None = None
 
 
-def draw(results: Results, shape: Picture | None = None) -> Drawings:
+def draw(results: Results) -> Drawings:
     """Make the figures; the slow part of a report."""
     with drawing.style():
         return Drawings(
-            campbell=figures.campbell(results),
-            velocity=figures.velocity(results),
-            capacity=figures.capacity(results),
-            working=figure_working.working(results),
+            campbell=drawing.both(partial(figures.campbell, results)),
+            mesh=drawing.both(partial(mesh_figure.mesh, results)),
+            velocity=drawing.both(partial(figures.velocity, results)),
+            capacity=drawing.both(partial(figures.capacity, results)),
+            working=drawing.both(partial(figure_working.working, results)),
             css=drawing.shades_css(len(results.speeds)),
-            shape=shape,
         )
 
 
@@ -56,7 +58,7 @@ def render(results: Results, drawings: Drawings) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    words = (wording.fixed, wording.significant, wording.percent, wording.curly)
+    words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly)
     environment.filters |= {word.__name__: word for word in words}
     shape = drawings.shape
     return environment.get_template("report.html.j2").render(
@@ -68,6 +70,10 @@ def render(results: Results, drawings: Drawings) -> str:
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),
+        mesh=Markup(drawings.mesh),
+        cells_drawn=results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
+        fast=any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
+        bands=any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
         velocity=Markup(drawings.velocity),
         capacity=Markup(drawings.capacity),
         working=Markup(drawings.working),

@@ -9,7 +9,7 @@ from pathlib import Path
 from workflows import answer, worth
 from workflows.errors import one_line
 from workflows.records import Results, SpeedPoint
-from workflows.wording import fixed, percent, significant
+from workflows.wording import amount, fixed, percent, significant
 
 _MODES_AT_MOST = 8
 
@@ -55,7 +55,7 @@ def _table(results: Results) -> list[str]:
     count = min(max(len(point.modes) for point in results.speeds), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
     rows = [
-        (fixed(p.rpm), fixed(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+        (fixed(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
         for p in results.speeds
     ]
     return _aligned([heads, *rows])
@@ -64,12 +64,12 @@ def _table(results: Results) -> list[str]:
 def _damped(point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, worth.felt(point)
     if damping is None:
-        return (fixed(point.rpm), fixed(point.load_g))
+        return (fixed(point.rpm), amount(point.load_g))
     return (
         fixed(point.rpm),
-        fixed(point.load_g),
+        amount(point.load_g),
         fixed(answer.first_frequency(point), 2),
-        fixed(damping.cutoff_g),
+        amount(damping.cutoff_g),
         fixed(damping.cutoff_ratio, 3),
         percent(damping.peak_sdc, 3),
         significant(100 * figures.peak if figures else 0.0),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+"""Superscripts, for `str.translate`."""
+
 DASH = "–"
 """Stands for a number that is not there."""
 
@@ -21,7 +23,7 @@ def significant(value: float | None, digits: int = 3) -> str:
         text = f"{rounded:.{max(digits - 1 - power, 0)}f}"
         return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "\u2212")
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}".replace("-", "\u2212")
+    return f"{mantissa}·10{str(int(exponent)).translate(RAISED)}".replace("-", "\u2212")
 
 
 def span(low: float, high: float, digits: int = 2) -> str:
@@ -35,6 +37,13 @@ def fixed(value: float | None, places: int = 0) -> str:
     if value is None or not math.isfinite(value):
         return DASH
     return f"{value:,.{places}f}".replace(",", "\u2009").replace("-", "\u2212")
+
+
+def amount(value: float | None) -> str:
+    """A number for a column whose rows differ by powers of ten: whole ones from 100 on, three digits below."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    return fixed(value) if abs(value) >= 100 else significant(value)
 
 
 def percent(value: float | None, places: int = 2) -> str:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import (
+    PHONE,
+    Outcome,
+    Scene,
+    changed,
+    chromium,
+    needs_chromium,
+    width_on_a_phone,
+    write,
+)
 from workflows import mode_shape
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
 @pytest.fixture(scope="module")
@@ -117,22 +123,22 @@ def test_without_vtk_the_report_still_has_its_picture(
     assert "data:image/png;base64," in page
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium (Debian: apt-get install chromium)")
+@needs_chromium
 @pytest.mark.parametrize("size", ["1200,2000", "400,2000"])
 def test_chromium_opens_it_without_a_word(finished: Path, tmp_path: Path, size: str) -> None:
     picture = tmp_path / "report.png"
-    command = [
-        str(CHROMIUM),
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
+    done = chromium(
+        tmp_path / "profile",
         "--enable-logging=stderr",
-        f"--user-data-dir={tmp_path / 'profile'}",
         f"--window-size={size}",
         f"--screenshot={picture}",
         (finished / "report.html").as_uri(),
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    )
     assert done.returncode == 0, done.stderr
     assert "CONSOLE" not in done.stderr
     assert picture.stat().st_size > 30_000
+
+
+@needs_chromium
+def test_a_phone_shows_it_whole(finished: Path, tmp_path: Path) -> None:
+    assert width_on_a_phone(finished / "report.html", tmp_path) <= PHONE

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.workflows.conftest import PHONE, needs_chromium, width_on_a_phone
 from workflows.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
 from workflows.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
 
@@ -176,6 +177,12 @@ def test_slips_are_numbers(found: Reproduction) -> None:
     assert {slip.where for slip in found.slips} >= {"eq. (2)", "eq. (3)", "Table I", "Table II", "III.A"}
 
 
+@needs_chromium
+def test_a_phone_shows_it_whole(found: Reproduction, tmp_path: Path) -> None:
+    page.write(found, tmp_path / "out")
+    assert width_on_a_phone(tmp_path / "out" / "report.html", tmp_path) <= PHONE
+
+
 def test_files(found: Reproduction, tmp_path: Path) -> None:
     page.write(found, tmp_path / "out")
     document = json.loads((tmp_path / "out" / "reproduce.json").read_text())
@@ -184,5 +191,5 @@ def test_files(found: Reproduction, tmp_path: Path) -> None:
     }
     html = (tmp_path / "out" / "report.html").read_text()
     assert not re.search(r"(src|href)=[\"'](https?:)?//", html)
-    assert html.count("<svg") == 6
+    assert html.count('<svg class="wide-sheet"') == html.count('<svg class="narrow-sheet"') == 6
     assert (tmp_path / "out" / "reproduce.csv").read_text().count("\n") >= len(VERDICTS)

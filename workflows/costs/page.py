@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +26,16 @@ def write_accuracy(found: Study, out: Path) -> None:
     """
     asked = found.asked["frequency"]
     named = list(enumerate(found.ladders))
-    figures = [plots.ladder(ladder, f"ladder{number}", _asked(found, ladder)) for number, ladder in named]
+    figures = [
+        drawing.both(partial(plots.ladder, ladder, f"ladder{number}", _asked(found, ladder)))
+        for number, ladder in named
+    ]
     first = [ladder for ladder in found.ladders if ladder.stage in ("plate", "damper")]
     with store.replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
-        (folder / "accuracy.svg").write_text(drawing.standalone(plots.overview(first, asked)), encoding="utf-8")
+        (folder / "accuracy.svg").write_text(
+            drawing.standalone(plots.overview(first, asked, drawing.WIDE)), encoding="utf-8"
+        )
         _write_csv(
             folder / "accuracy.csv",
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
@@ -52,10 +58,10 @@ def write_effects(found: Switches, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    figure = plots.effects(found)
+    figure = drawing.both(partial(plots.effects, found))
     with store.replacing(out) as folder:
         (folder / "effects.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
-        (folder / "effects.svg").write_text(drawing.standalone(figure), encoding="utf-8")
+        (folder / "effects.svg").write_text(drawing.standalone(plots.effects(found, drawing.WIDE)), encoding="utf-8")
         times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
         _write_csv(
             folder / "effects.csv",

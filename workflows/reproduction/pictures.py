@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
-from workflows import drawing, wording
+from workflows import drawing
+from workflows.drawing import Sheet
 from workflows.paper import SDC_RANGE
 from workflows.reproduction.study import FORMULATIONS, SHOWN, Curve
 
@@ -28,19 +30,23 @@ class Figure:
 def draw(found: Reproduction) -> list[Figure]:
     """All six."""
     families = found.sweeps
+    capacity = {
+        3: ("Seven centrifugal loads; the grey band is what the paper reports.", families.load),
+        4: ("Mass ratios at 21932 g.", families.mass),
+        5: ("Clearances of the cavity at 21932 g, mass ratio 1.2 %.", families.cavity),
+        6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
+        7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
+    }
     with drawing.style():
-        return [
-            Figure(2, "Velocity over time at 10000 rpm.", _velocity(found)),
-            Figure(3, "Seven centrifugal loads; the grey band is what the paper reports.", _capacity(families.load, 3)),
-            Figure(4, "Mass ratios at 21932 g.", _capacity(families.mass, 4)),
-            Figure(5, "Clearances of the cavity at 21932 g, mass ratio 1.2 %.", _capacity(families.cavity, 5)),
-            Figure(6, "Initial displacements at 21932 g, mass ratio 0.6 %.", _capacity(families.release, 6)),
-            Figure(7, "Radii of the particle at 21932 g, mass ratio 1 %.", _capacity(families.radius, 7)),
+        velocity = Figure(2, "Velocity over time at 10000 rpm.", drawing.both(partial(_velocity, found)))
+        return [velocity] + [
+            Figure(number, caption, drawing.both(partial(_capacity, family, number)))
+            for number, (caption, family) in capacity.items()
         ]
 
 
-def _velocity(found: Reproduction) -> str:
-    figure, panels = drawing.canvas(2.3, 2, left=0.085, right=0.985, top=0.88, bottom=0.18, wspace=0.2)
+def _velocity(found: Reproduction, sheet: Sheet) -> str:
+    figure, panels = drawing.canvas(sheet, 2.3, 2)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
         damping = found.study.points[formulation][SHOWN].damping
         if damping is None or damping.history is None:
@@ -53,12 +59,12 @@ def _velocity(found: Reproduction) -> str:
             axes.axvline(1e3 * damping.stopped, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
-    return drawing.svg(figure, "fig2", "Velocity of the structure over time")
+    return drawing.svg(figure, sheet, "fig2", "Velocity of the structure over time")
 
 
-def _capacity(family: Family, number: int) -> str:
+def _capacity(family: Family, number: int, sheet: Sheet) -> str:
     """Damping capacity over dimensionless acceleration, the structure's own part dashed."""
-    figure, panels = drawing.canvas(2.9, 2, left=0.085, right=0.86, top=0.90, bottom=0.155, wspace=0.2)
+    figure, panels = drawing.canvas(sheet, 2.9, 2)
     curves = [curve for formulation in FORMULATIONS for curve in family[formulation]]
     low, high = (f(100 * float(f(c.sdc[1:])) for c in curves) for f in (min, max))
     if number == 3:
@@ -71,10 +77,9 @@ def _capacity(family: Family, number: int) -> str:
         axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
         if number == 3:
             axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(lambda value, _: wording.fixed(value))
     panels[0].set_ylabel("specific damping capacity, %")
-    panels[1].legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
-    return drawing.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
+    drawing.key(figure, panels[1], sheet)
+    return drawing.svg(figure, sheet, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
 def _guides(axes: Axes, curve: Curve, number: int) -> None:

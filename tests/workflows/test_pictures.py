@@ -1,0 +1,410 @@
+"""The pictures as an engineer sees them: numbers that can be read, nothing cut off, nothing as a solid block."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
+from workflows import drawing, mode_picture, mode_shape, report
+from workflows.costs import page, plots
+from workflows.costs.ladder import Chosen, Ladder, Row, Study
+from workflows.costs.switching import Switched, Switches
+from workflows.records import Results
+
+MESHES = Path(__file__).parents[2] / "meshes"
+WORKING = [*np.geomspace(1e-3, 300.0, 8)]
+
+
+@pytest.fixture(scope="module")
+def captured() -> Iterator[list[Any]]:
+    """The figures that are drawn, as matplotlib has them."""
+    drawn: list[Any] = []
+    kept = drawing.svg
+
+    def keep(figure: Any, *rest: Any) -> str:
+        drawn.append(figure)
+        return kept(figure, *rest)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(drawing, "svg", keep)
+        yield drawn
+
+
+def drawn_by(captured: list[Any], work: Callable[[], object]) -> list[Any]:
+    captured.clear()
+    work()
+    assert captured
+    return list(captured)
+
+
+@pytest.fixture(scope="module")
+def spinning_up(tmp_path_factory: pytest.TempPathFactory, captured: list[Any]) -> tuple[Results, list[Any]]:
+    """A damper from rest on, where the ball moves as it likes for thousands of cycles, down to 0.1 g."""
+    scene = {
+        "title": "From rest",
+        "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
+        "rotor": {"speeds": ["0 rpm", "20 rpm", "300 rpm", "10000 rpm"], "radius": "20 cm"},
+        "damper": {
+            "mass_ratio": 0.006,
+            "radius": "1 mm",
+            "cavity": ["2.5 mm", "2.4 mm"],
+            "restitution": 0.5,
+            "friction": 0.3,
+            "rolling_friction": "0.1 mm",
+            "damping_ratio": 0.0003,
+        },
+        "release": {"displacement": ["20 mm", "5 mm"]},
+    }
+    path = write(scene, tmp_path_factory.mktemp("scenes") / "rest.toml")
+    results = workflows.run(workflows.load(path))
+    return results, drawn_by(captured, lambda: report.draw(results))
+
+
+@pytest.fixture(scope="module")
+def holed(tmp_path_factory: pytest.TempPathFactory, captured: list[Any]) -> tuple[Results, list[Any]]:
+    """A plate of triangles with a hole, and a damper off its middle."""
+    scene = {
+        "title": "Hole",
+        "plate": {"mesh": str(MESHES / "plate_with_hole.msh"), "thickness": "1 cm"},
+        "material": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
+        "rotor": {"speeds": ["10 rpm", "3000 rpm"], "modes": 3},
+        "damper": {
+            "at": ["15 cm", "2 cm"],
+            "mass": "2 g",
+            "radius": "1 mm",
+            "cavity": ["2.5 mm", "2.4 mm"],
+            "restitution": 0.5,
+            "friction": 0.3,
+            "rolling_friction": "0.1 mm",
+        },
+        "release": {"displacement": ["4 mm", "0 mm"], "cycles": 100},
+        "accuracy": {"frequency": 0.1},
+    }
+    path = write(scene, tmp_path_factory.mktemp("scenes") / "hole.toml")
+    results = workflows.run(workflows.load(path))
+    return results, drawn_by(captured, lambda: report.draw(results))
+
+
+LADDER = Ladder(
+    "whole pipeline: cut-off",
+    "relative error of the cut-off at 10000 rpm",
+    "the same scene",
+    tuple(
+        Row(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
+        for name in ("pipeline", "thin plate, Argyris triangles, graded")
+        for n, time in enumerate(WORKING)
+    ),
+)
+
+SHORT = replace(LADDER, rows=tuple(replace(row, time_s=2.0 + n) for n, row in enumerate(LADDER.rows[:6])))
+"""Within a decade, where each tick of a logarithmic axis has a label."""
+
+EFFECTS = Switches(
+    90 * "T",
+    1e-3,
+    (
+        Switched("stress_stiffening", True, "", True, {"frequency_1": 0.4}, time_s=0.1, time_share=0.2),
+        Switched("spin_softening", True, "", True, {"frequency_1": -2e-4}, time_s=0.1, time_share=0.1),
+        Switched("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
+        Switched("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
+        Switched("large_deflection", False, "", False, failed=40 * "no plate, "),
+        Switched("ball_slip", False, "", False, remarks=("cut-off is there only with it",) * 9, time_share=0.3),
+        Switched("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
+    ),
+)
+
+
+def costs(captured: list[Any]) -> list[Any]:
+    def work() -> None:
+        for sheet in (drawing.WIDE, drawing.NARROW):
+            plots.ladder(SHORT, "ladder0", 1e-3, sheet)
+            plots.ladder(LADDER, "ladder1", 1e-3, sheet)
+            plots.overview([LADDER, LADDER], 1e-3, sheet)
+            plots.effects(EFFECTS, sheet)
+
+    return drawn_by(captured, work)
+
+
+@pytest.fixture(params=["spinning_up", "holed", "costs"])
+def figures(request: pytest.FixtureRequest, captured: list[Any]) -> list[Any]:
+    if request.param == "costs":
+        return costs(captured)
+    found: list[Any] = request.getfixturevalue(request.param)[1]
+    return found
+
+
+def shown(axis: Any) -> list[tuple[float, Any]]:
+    """Tick values and labels of an axis that are in view."""
+    places = axis.get_transform().transform(axis.get_majorticklocs())
+    low, high = sorted(axis.get_transform().transform(axis.get_view_interval()))
+    seen = (places >= low - 1e-9 * (high - low)) & (places <= high + 1e-9 * (high - low))
+    ticks = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), seen, strict=True)
+    return [(value, label) for value, label, inside in ticks if inside and label.get_text()]
+
+
+def number(label: str) -> float:
+    """What a label says."""
+    raised = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+    plain = label.replace("\u2009", "").replace("\u2212", "-")
+    mantissa, power = re.fullmatch(rf"(.*?)(?:·?10([{raised}]+))?", plain).groups()  # type: ignore[union-attr]
+    exponent = (power or "⁰").translate(str.maketrans(raised, "-0123456789"))
+    return float(f"{mantissa or 1}e{exponent}")
+
+
+def test_every_tick_says_its_number(figures: list[Any]) -> None:
+    for figure in figures:
+        figure.draw_without_rendering()
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                ticks = [(value, label.get_text()) for value, label in shown(axis)]
+                if all(re.search("[a-z]", label) for _, label in ticks):
+                    continue  # names, not numbers
+                assert len(ticks) >= 2
+                assert len({label for _, label in ticks}) == len(ticks)
+                for value, label in ticks:
+                    assert number(label) == pytest.approx(value, rel=1e-9, abs=1e-300), (label, value)
+                assert not axis.get_offset_text().get_text()
+
+
+def test_nothing_is_cut_off_and_no_labels_touch(figures: list[Any]) -> None:
+    from matplotlib.text import Text
+
+    for figure in figures:
+        figure.draw_without_rendering()
+        paper = figure.bbox
+        for text in figure.findobj(lambda artist: isinstance(artist, Text) and artist.get_visible()):
+            if not text.get_text().strip() or outside_view(text, figure):
+                continue
+            box = text.get_window_extent()
+            assert box.x0 >= paper.x0 - 0.5, text
+            assert box.x1 <= paper.x1 + 0.5, text
+            assert box.y0 >= paper.y0 - 0.5, text
+            assert box.y1 <= paper.y1 + 0.5, text
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                boxes = [label.get_window_extent() for _, label in shown(axis)]
+                assert not any(one.overlaps(other) for one, other in pairwise(boxes)), axis
+
+
+def outside_view(text: Any, figure: Any) -> bool:
+    """Whether it is the label of a tick beyond the axis' ends, which is not drawn."""
+    for axes, name in product(figure.axes, "xy"):
+        axis = getattr(axes, f"{name}axis")
+        labels = [*axis.get_majorticklabels(), *axis.get_minorticklabels()]
+        if any(text is label for label in labels):
+            return not any(text is label for _, label in shown(axis))
+    return False
+
+
+def test_nothing_is_a_solid_block(spinning_up: tuple[Results, list[Any]]) -> None:
+    """A line turns at most thirty times an inch; 100 swings across a page, or chaos at rest, do so more often."""
+    results, figures = spinning_up
+    longest = max(len(p.damping.sdc) for p in results.speeds if p.damping)
+    assert longest > 1000
+    for figure in figures:
+        figure.draw_without_rendering()
+        for axes in figure.axes:
+            for line in axes.lines:
+                x, y = line.get_xydata().T
+                steps = np.diff(y)
+                turns = np.count_nonzero(np.diff(np.sign(steps[steps != 0])))
+                along = np.ptp(axes.transData.transform(np.column_stack([x, y]))[:, 0]) / figure.dpi
+                assert turns <= 30 * max(along, 0.1), axes.get_xlabel()
+
+
+def test_envelopes_hold_the_curve(spinning_up: tuple[Results, list[Any]]) -> None:
+    """What is drawn instead of every cycle reaches as far as the cycles do, and its mean is theirs."""
+    results, _ = spinning_up
+    from workflows.envelope import envelope
+
+    damping = results.speeds[0].damping
+    assert damping is not None
+    x, y = damping.amplitude_g, damping.sdc
+    found = envelope(x, y, np.geomspace(x.min(), x.max(), 81))
+    assert found.high.max() == y.max()
+    assert found.low.min() == y.min()
+    assert (found.low <= found.mean).all()
+    assert (found.mean <= found.high).all()
+    assert len(found.x) <= 80
+    assert (np.diff(found.x) > 0).all()
+    one = envelope(x, y, np.array([x.min(), x.max()]))
+    assert one.mean[0] == pytest.approx(y.mean())
+    assert one.x[0] == pytest.approx(x.mean())
+
+
+def test_small_loads_have_digits(spinning_up: tuple[Results, list[Any]]) -> None:
+    """20 rpm at 20 cm are 0.0895 g: no 0 in the table or the legend, and no two loads alike."""
+    results, figures = spinning_up
+    page = report.render(results, report.draw(results))
+    assert results.speeds[1].load_g == pytest.approx((20 * np.pi / 30) ** 2 * 0.2 / 9.80665)
+    assert "<td>0.0895</td>" in page
+    legends = [[text.get_text() for text in legend.get_texts()] for figure in figures for legend in figure.legends]
+    assert sorted(legends[0]) == ["0 g", "0.0895 g", "20.1 g", "22\u2009365 g"]
+
+
+def test_a_cut_history_says_so(spinning_up: tuple[Results, list[Any]]) -> None:
+    results, _ = spinning_up
+    point = next(point for point in results.speeds if point.damping and point.damping.history)
+    assert point.damping is not None
+    assert point.damping.history is not None
+    page = " ".join(report.render(results, report.draw(results)).split())
+    assert point.damping.history.t[-1] < 0.5 * point.damping.duration
+    assert f", the first {point.damping.history.t[-1]:.3g} s of {point.damping.duration:.3g} s" in page
+
+
+def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
+    """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
+    figures = drawn_by(captured, lambda: plots.effects(EFFECTS, drawing.WIDE))
+    left = figures[0].axes[0]
+    assert left.get_xlim()[0] == pytest.approx(1e-5)
+    ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
+    assert ends == [2e-4, 0.4, 5e3]
+    said = [text.get_text() for text in left.texts]
+    assert "none above 0.001 %" in said
+    assert "none" in said
+
+
+def boundary(cells: np.ndarray) -> set[tuple[int, int]]:
+    """Edges of one cell only."""
+    edges = [tuple(sorted((int(a), int(b)))) for cell in cells for a, b in pairwise([*cell, cell[0]])]
+    return {(a, b) for a, b in edges if edges.count((a, b)) == 1}
+
+
+def test_the_plate_at_rest_is_its_outline(holed: tuple[Results, list[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
+    """What VTK is given, and what matplotlib draws without it: the mesh's boundary, the hole's among it."""
+    results, _ = holed
+    assert results.surface is not None
+    mesh = meshio.read(MESHES / "plate_with_hole.msh")
+    cells = results.surface.cells[1]
+    assert len(cells) == len(mesh.get_cells_type("triangle"))
+    expected = boundary(cells)
+    assert len(expected) == len(boundary(mesh.get_cells_type("triangle")))
+
+    command = "import sys; sys.stdout.buffer.write(sys.stdin.buffer.read())"
+    monkeypatch.setattr(mode_shape, "COMMAND", ["-c", command])
+    monkeypatch.setattr(mode_shape, "_PNG", b"PK")  # an archive is handed back instead of a picture
+    with mode_shape.Artist() as artist:
+        artist.draw(results.surface, 0)
+        picture = artist.picture()
+    assert picture is not None
+    with np.load(io.BytesIO(picture.png)) as archive:
+        assert {tuple(sorted(edge)) for edge in archive["outline"].tolist()} == expected
+        shape = mode_shape._Shape(**{name: archive[name] for name in archive.files})
+    axes = mode_shape._plain(shape).axes[0]
+    (lines,) = [found for found in axes.collections if type(found).__name__ == "Line3DCollection"]
+    assert len(lines._segments3d) == len(expected)
+
+
+def grey(points: np.ndarray, cells: np.ndarray, outline: np.ndarray) -> int:
+    """Pixels of the plate at rest that VTK draws, the deformed plate far above it."""
+    from PIL import Image
+
+    archive = io.BytesIO()
+    shape = np.tile([0.0, 0.0, 0.4], (len(points), 1))
+    np.savez(archive, points=points, cells=cells, outline=outline, shape=shape)
+    done = subprocess.run(
+        [sys.executable, mode_picture.__file__], input=archive.getvalue(), capture_output=True, timeout=50, check=False
+    )
+    if done.returncode != 0:
+        pytest.skip("no working OpenGL")
+    pixels = np.asarray(Image.open(io.BytesIO(done.stdout)).convert("RGB")).astype(int)
+    return int((np.abs(pixels - 0x8A).max(axis=2) < 3).sum())
+
+
+def test_triangles_and_quadrilaterals_look_alike_at_rest() -> None:
+    from skfem import MeshQuad, MeshTri
+
+    steps = np.linspace(0.0, 1.0, 12), np.linspace(0.0, 0.4, 6)
+    drawn = []
+    for kind in (MeshQuad, MeshTri):
+        mesh = kind.init_tensor(*steps)
+        points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
+        drawn.append(grey(points, mesh.t.T, mesh.facets[:, mesh.boundary_facets()].T))
+    assert drawn[0] > 1000
+    assert drawn[1] == pytest.approx(drawn[0], rel=0.05)
+
+
+def test_the_mesh_is_what_was_solved(holed: tuple[Results, list[Any]]) -> None:
+    """Every cell, the clamped edges at the smallest x, and the damper where the scene has it, in mm."""
+    from matplotlib.patches import PathPatch
+
+    results, figures = holed
+    assert results.surface is not None
+    drawn = [figure for figure in figures if figure.axes[0].get_xlabel().startswith("x, outwards from the hub, mm")]
+    assert len(drawn) == 2
+    for figure in drawn:
+        axes = figure.axes[0]
+        paths = [patch.get_path() for patch in axes.patches if isinstance(patch, PathPatch)]
+        cells, outline, root = (path.vertices.reshape(-1, n, 2) for path, n in zip(paths, (4, 2, 2), strict=True))
+        points, triangles = 1e3 * results.surface.points[:, :2], results.surface.cells[1]
+        assert np.allclose(cells[:, :3], points[triangles])
+        assert np.array_equal(cells[:, 0], cells[:, 3])
+        assert len(outline) == len(boundary(triangles))
+        assert np.abs(root[:, :, 0]).max() < 1e-9
+        assert np.linalg.norm(np.diff(root, axis=1), axis=2).sum() == pytest.approx(80.0)
+        (damper,) = [line for line in axes.lines if line.get_label() == "damper"]
+        assert damper.get_xydata().tolist() == [[150.0, 20.0]]
+        assert axes.get_ylabel() == "y, across, mm"
+
+
+@pytest.mark.parametrize("damped", [True, False])
+def test_every_plate_shows_its_mesh(
+    damped: bool, paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
+) -> None:
+    taken = {} if damped else {"damper": None, "release": None}
+    scene = changed(paper, rotor__speeds=["3500 rpm"], rotor__modes=1, **taken)
+    assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", "out").status == 0
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    figures = re.findall(r'<svg[^>]*aria-label="Mesh of the plate from above[^>]*>.*?</svg>', page, re.S)
+    assert len(figures) == 2
+    for figure in figures:
+        assert "clamped root" in figure
+        assert ("damper" in re.sub("<[^>]+>", "", figure)) is damped
+    said = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert said["speeds"]
+    assert "quadrilaterals, finer towards the edges; 10 mm thick" in " ".join(page.split())
+
+
+def test_a_known_structure_has_no_mesh(spinning_up: tuple[Results, list[Any]]) -> None:
+    results, _ = spinning_up
+    assert report.draw(results).mesh == ""
+
+
+def study() -> Study:
+    chosen = Chosen("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
+    return Study(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
+
+
+def pages(tmp_path: Path) -> dict[str, Path]:
+    page.write_accuracy(study(), tmp_path / "accuracy")
+    page.write_effects(EFFECTS, tmp_path / "effects")
+    return {name: tmp_path / name / "report.html" for name in ("accuracy", "effects")}
+
+
+def test_pages_have_both_sheets_and_files_one(tmp_path: Path) -> None:
+    for name, path in pages(tmp_path).items():
+        page = path.read_text(encoding="utf-8")
+        assert page.count('<svg class="wide-sheet"') == page.count('<svg class="narrow-sheet"') == 1
+        drawn = (tmp_path / name / f"{name}.svg").read_text(encoding="utf-8")
+        assert drawn.count("<svg") == 1
+        assert "var(" not in drawn
+
+
+@needs_chromium
+@pytest.mark.parametrize("name", ["accuracy", "effects"])
+def test_a_phone_shows_them_whole(name: str, tmp_path: Path) -> None:
+    assert width_on_a_phone(pages(tmp_path)[name], tmp_path) <= PHONE
