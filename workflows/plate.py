@@ -65,7 +65,8 @@ def solve(
         with stages("reduction"):
             reduced = _reduce(source, discrete.choice.operators, diagram)
     except Divergence as error:
-        raise NoAnswer(f"{source.name}: {error}; no speed asked for is below the critical one") from error
+        found = f"{source.name}: {error}; no speed asked for is below the critical one"
+        raise NoAnswer(". ".join((found, *source.remarks))) from error
     except NoEquilibrium as error:
         raise NoAnswer(f"{source.name}: {error}") from error
     except Unresolved as error:
@@ -155,7 +156,7 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
         return [None] * diagram.omega.size
     at = plate_mesh.place(source, operators.plate.mesh)
     try:
-        found = reduce_over(operators, diagram, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio)
+        found = reduce_over(operators, diagram, at, ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     except ValueError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.floor_tilt) for r in found]
