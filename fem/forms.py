@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.fields import gram
+from fem.planform import root
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Arr
     """Load vector (dofs,) of density * P X at 1 rad/s."""
     total = np.zeros((model.displacement.size, *model.points.shape[1:]))
     for layer in model.inertia:
-        from_axis = model.points + np.array([rotor.hub_radius, 0.0, layer.z])[:, None, None]
+        from_axis = model.points + np.array([rotor.hub_radius - root(model.mesh), 0.0, layer.z])[:, None, None]
         force = layer.weight * density * layer.displacement.T @ rotor.projector
         total += np.einsum("fk,kcp->fcp", force, from_axis)
     return model.displacement.load(total)

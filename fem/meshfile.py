@@ -28,8 +28,7 @@ FLATNESS = 1e-6
 def read_mesh(path: str | Path) -> Any:
     """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across.
 
-    Coordinates are kept: the hub's surface, from which a rotor's hub_radius is taken, is x = 0, and the plate is
-    clamped at its smallest x.
+    Coordinates are kept. The plate is clamped at its smallest x, wherever that is: there a rotor's hub_radius ends.
 
     Raises `MeshError` with the file's name for a file that cannot be read, that holds no surface, or whose
     surface is not flat, not upright, not in one piece or without a straight root edge.

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem import forms
 from fem.locate import locate
+from fem.planform import root
 from fem.solver import factorise
 from fem.theories import discretise
 
@@ -61,6 +62,10 @@ class Operators:
 
         total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
         return total if self.softening is None else sparse(total - self.softening)
+
+    def radius(self, x: float) -> float:
+        """How far outside the spin axis (m) a place at x (m) in the mesh's coordinates lies."""
+        return self.rotor.hub_radius + (x - root(self.plate.mesh))
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), its prestress linear in Omega²; `fem.statics.tangent` has that of a large deflection."""
@@ -116,7 +121,7 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")
     model, rotor = operators.model, operators.rotor
     rows = point_rows(model, at)
-    place = np.array([at[0] + rotor.hub_radius, at[1], 0.0])
+    place = np.array([operators.radius(at[0]), at[1], 0.0])
     load = mass * (rows.T @ (rotor.projector @ place))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),

@@ -34,6 +34,11 @@ def check_sides(length: float, width: float) -> None:
         raise ValueError(f"length and width must be positive and finite, got {length!r} and {width!r}")
 
 
+def root(mesh: Any) -> float:
+    """Where the plate is clamped: the smallest x (m) of a mesh."""
+    return float(mesh.p[0].min())
+
+
 def root_facets(mesh: Any) -> NDArray[np.int64]:
     """Numbers of the boundary facets that lie on the smallest x."""
     x = mesh.p[0]
@@ -85,20 +90,6 @@ def _reject_seams(mesh: Any) -> None:
         raise MeshError(
             f"{np.unique(pairs[:, 1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
             "merge them, or leave a gap where the plate is slit"
-        )
-
-
-def check_root(mesh: Any, hub_radius: float) -> None:
-    """Raise `MeshError` where a mesh begins beyond the spin axis, hub_radius (m) inside x = 0.
-
-    `assemble` takes such a plate for what it is, clamped at the rim and pressed against it; of a rotor's blade it is
-    a mistake in its coordinates.
-    """
-    root = float(mesh.p[0].min())
-    if root + hub_radius < -1e-9 * float(np.ptp(mesh.p[0])):
-        raise MeshError(
-            f"the root, at x = {root:.6g} m, lies beyond the spin axis, at x = {0.0 - hub_radius:.6g} m: "
-            "x = 0 is the hub's surface and x points outwards"
         )
 
 

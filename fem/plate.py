@@ -63,8 +63,8 @@ class Material:
 class Plate:
     """A flat plate of constant thickness, clamped where its mid-surface has the smallest x.
 
-    mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards from
-        the hub's surface, y across, z through the thickness.
+    mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
+        through the thickness.
     thickness in m. tip_mass: a point mass in kg at tip_at = (x, y) in m on the mid-surface.
 
     Raises ValueError for a non-positive thickness, a negative mass, a mass without a place or a place off the

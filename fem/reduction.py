@@ -142,7 +142,7 @@ def reduced(
         ball_mass=ball_mass,
         mode_index=index,
         slope=mode.slope,
-        floor_tilt=omega**2 * (operators.rotor.hub_radius + at[0]) * mode.slope / stuck,
+        floor_tilt=omega**2 * operators.radius(at[0]) * mode.slope / stuck,
     )
 
 

@@ -12,19 +12,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Rotor:
-    """The spin axis: it passes hub_radius (m) inside x = 0 and leans by stagger (rad) from z towards y.
+    """The spin axis: it passes hub_radius (m) inside the clamped root and leans by stagger (rad) from z towards y.
 
-    x = 0 is that of the mesh's coordinates, whether or not the plate's root lies there: a root at x = a turns at the
-    radius hub_radius + a. Where that is negative the plate is clamped beyond the axis and points at it.
-    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
+    The root turns at the radius hub_radius wherever the mesh draws it; what lies a further out turns at hub_radius + a.
+    Where hub_radius is negative the plate is clamped beyond the axis and points at it.
+    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it. Raises ValueError for values that
+    are not finite.
     """
 
     hub_radius: float = 0.0
     stagger: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.hub_radius) and self.hub_radius >= 0.0):
-            raise ValueError(f"hub_radius must be zero or more m, got {self.hub_radius!r}")
+        if not isfinite(self.hub_radius):
+            raise ValueError(f"hub_radius must be a finite number of m, got {self.hub_radius!r}")
         if not isfinite(self.stagger):
             raise ValueError(f"stagger must be a finite angle in rad, got {self.stagger!r}")
 

@@ -1,6 +1,6 @@
 """Make the meshes of this folder: `python meshes/make.py`.
 
-Each is a mid-surface in metres, x outwards from the hub's surface, y across; the root is the edge at x = 0.
+Each is a mid-surface in metres, x outwards, y across; the root is the edge at x = 0.
 """
 
 from itertools import pairwise

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from workflows import paper
+from workflows.materials import KNOWN
 from workflows.records import Results
+from workflows.scene import Scene
 
 _PRESTRESS = {
     False: "The centrifugal stress is that of the flat plate; vibrations are small about it.",
@@ -18,9 +20,12 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     if scene.plate is not None:
         found += [
             ("The plate is linear elastic and perfectly clamped at the root.", "ours"),
+            *_known(scene),
             (_PRESTRESS[results.effects["large_deflection"].on], "ours"),
         ]
     if scene.damper is not None:
+        if scene.damper.ball_material is not None:
+            found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         found += [
             (
                 "The structure vibrates in its first bending mode alone, with the same frequency on both axes.",
@@ -51,6 +56,12 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         if scene.damper is not None and scene.damper.damping_ratio:
             found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
     return found
+
+
+def _known(scene: Scene) -> list[tuple[str, str]]:
+    """A material that the scene names."""
+    name = None if scene.material is None else scene.material.name
+    return [] if name is None else [(f"E, ν and ρ of {name}.", KNOWN[name].source)]
 
 
 def _thin(results: Results) -> list[tuple[str, str]]:

@@ -9,11 +9,13 @@ import math
 from collections.abc import Callable
 
 from workflows import notes_plate, ringdowns
+from workflows.cavity import beside
 from workflows.records import Damping, Reduced, Results, SpeedPoint
+from workflows.scene_checks import OSMIUM
 from workflows.wording import significant
 
-OSMIUM, STEEL = 22_600.0, 7_850.0
-"""kg/m³; osmium is the densest element."""
+STEEL = 7_850.0
+"""kg/m³."""
 
 EXPLAINED = 1e-9
 """Share of the initial energy that the books may leave unexplained without a word."""
@@ -97,7 +99,9 @@ def _work_bound(results: Results) -> str | None:
         if damping.cutoff_g:
             system = ringdowns.particle_damper(results.scene, results.effects, point)
             amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
-            bounds.append(f"{significant(100 * work_bound(system, amplitude), 2)} % at {point.load_g:.0f} g")
+            bound = work_bound(system, amplitude)
+            limit = f"{significant(100 * bound, 2)} %" if bound <= 1 else "no bound"
+            bounds.append(f"{limit} at {point.load_g:.0f} g")
     if not bounds:
         return None
     ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
@@ -133,6 +137,22 @@ def _impossible_ball(results: Results) -> str | None:
         f"A ball of radius {1e3 * damper.radius:g} mm and {grams} g would have {significant(density, 2)} kg/m³,"
         f" {significant(density / OSMIUM, 2)} times osmium: read the mass as an effective one, such as"
         f" {math.ceil(heaviest / (STEEL * volume))} steel balls, each in a cavity of its own, moving in step."
+    )
+
+
+def _rows(results: Results) -> str | None:
+    """Cavities that do not lie side by side: the innermost ones feel less load and less motion."""
+    plate, damper = results.scene.plate, results.scene.damper
+    if plate is None or plate.width is None or damper is None or damper.housing:
+        return None
+    most = beside(damper, plate.thickness, plate.width)
+    if damper.count <= most:
+        return None
+    rows = math.ceil(damper.count / most)
+    return (
+        f"At most {most} of the {damper.count} cavities lie side by side in a section of the plate: they take {rows}"
+        f" rows along the radius, {significant(2e3 * damper.radius * rows)} mm deep. The model has all of them at one"
+        " place; further in there is less load and less motion."
     )
 
 
@@ -182,6 +202,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _work_bound,
     _assumed_damping,
     _impossible_ball,
+    _rows,
     _rolling,
     _release_stress,
     notes_plate.root_stress,

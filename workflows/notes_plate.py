@@ -15,7 +15,8 @@ def root_stress(results: Results) -> str | None:
         return None
     fastest, tip = max(rotor.speeds), rotor.hub_radius + plate.length
     stress = material.density * fastest**2 * (tip**2 - rotor.hub_radius**2) / 2
-    stress += plate.tip_mass * fastest**2 * tip / (plate.width * plate.thickness)
+    hangs = max(point.radius for point in results.speeds)
+    stress += results.scene.point_mass * fastest**2 * hangs / (plate.width * plate.thickness)
     if stress < 1e7:
         return None
     return (
@@ -46,7 +47,7 @@ def mesh_error(results: Results) -> str | None:
     plate = results.scene.plate
     if plate is not None and plate.mesh is not None and results.theory.name == "solid":
         own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
-    if plate is not None and plate.tip_mass > 0:
+    if results.scene.point_mass > 0:
         own = (
             "Under a point mass the frequencies fall with every refinement: the estimate holds what cells a third as"
             f" wide would still take off. {own}"

@@ -64,7 +64,7 @@ def results(found: Structure, stages: Stages) -> Results:
         mesh_sha256=found.mesh_sha256,
         timings=stages.timings(),
     )
-    return replace(gathered, notes=remarks(gathered))
+    return replace(gathered, notes=(*found.source.remarks, *remarks(gathered)))
 
 
 def run(source: SceneFile, stages: Stages | None = None) -> Results:

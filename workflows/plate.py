@@ -72,7 +72,8 @@ def solve(
         with stages("reduction"):
             reduced = _reduce(source, discrete.choice.operators, diagram)
     except Divergence as error:
-        raise NoAnswer(f"{source.name}: {error}; no speed asked for is below the critical one") from error
+        found = f"{source.name}: {error}; no speed asked for is below the critical one"
+        raise NoAnswer(". ".join((found, *source.remarks))) from error
     except NoEquilibrium as error:
         raise NoAnswer(f"{source.name}: {error}") from error
     except Unresolved as error:
@@ -162,7 +163,7 @@ def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) 
         return [None] * diagram.omega.size
     at = plate_mesh.place(source, operators.plate.mesh)
     try:
-        found = reduce_over(operators, diagram, at, ball_mass=damper.mass, mass_ratio=damper.mass_ratio)
+        found = reduce_over(operators, diagram, at, ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     except NoFlapMode as error:

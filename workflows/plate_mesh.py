@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from workflows import cavity
 from workflows.errors import BadInput
 from workflows.scene import Scene
 from workflows.scene_checks import disproportion
@@ -32,7 +33,7 @@ def planform(source: SceneFile) -> Planform:
     if source.mesh is not None:
         return Given(_from_file(source))
     form = Rectangle(given.length or 0.0, given.width or 0.0)
-    return _with_a_node_in_the_middle(form) if given.tip_mass else form
+    return _with_a_node_in_the_middle(form) if source.scene.point_mass else form
 
 
 def _with_a_node_in_the_middle(form: fem.Rectangle) -> fem.Rectangle:
@@ -44,12 +45,12 @@ def plate(source: SceneFile, mesh: Any) -> fem.Plate:
     """The scene's plate on a mesh."""
     from fem import Material, Plate
 
-    given, material = source.scene.plate, source.scene.material
+    given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
     if given is None or material is None:
         raise ValueError("the scene has no plate")
-    tip = place(source, mesh) if given.tip_mass else None
+    tip = place(source, mesh) if mass else None
     substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    return Plate(mesh, given.thickness, substance, given.tip_mass, tip)
+    return Plate(mesh, given.thickness, substance, mass, tip)
 
 
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
@@ -66,6 +67,14 @@ def in_words(source: SceneFile, form: Planform, size: int) -> str:
     return f"{mesh.t.shape[1]} {kind} from {name}{parts}"
 
 
+def given_place(scene: Scene) -> tuple[float, float] | None:
+    """The place (x, y) in m that a scene gives its damper, or else its tip mass."""
+    plate, damper = scene.plate, scene.damper
+    if damper is not None:
+        return damper.at
+    return None if plate is None else plate.tip_mass_at
+
+
 def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
     """The damper's place (x, y) in m in the mesh's coordinates: as given, or the middle of the tip."""
     return damper_at(source.scene, mesh.p)
@@ -73,11 +82,26 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
 
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     """The same on a mesh of which the points (2, n) are known."""
-    if scene.damper is not None and scene.damper.at is not None:
-        return scene.damper.at
+    given = given_place(scene)
+    if given is not None:
+        return given
     x, y = points
     tip = np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))
     return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
+
+
+def root_and_place(source: SceneFile) -> tuple[float, tuple[float, float]]:
+    """In the plate's coordinates: x [m] of the clamped root, and the place (x, y) of the damper or of the tip's middle.
+
+    Raises:
+        BadInput: the mesh file is no good.
+    """
+    plate = source.scene.plate
+    if source.mesh is not None:
+        mesh = _from_file(source)
+        return float(mesh.p[0].min()), place(source, mesh)
+    tip = 0.0 if plate is None or plate.length is None else plate.length
+    return 0.0, given_place(source.scene) or (tip, 0.0)
 
 
 def check(source: SceneFile) -> tuple[float, float]:
@@ -86,55 +110,80 @@ def check(source: SceneFile) -> tuple[float, float]:
     Raises:
         BadInput: it cannot.
     """
-    from fem.locate import PlaceError, locate
-
-    mesh = _from_file(source)
-    length, width = np.ptp(mesh.p, axis=1)
-    x, y = place(source, mesh)
-    try:
-        locate(mesh, (x, y))
-        if x <= mesh.p[0].min() + 1e-9 * length:
-            raise PlaceError(f"expected a place that moves: ({x:g}, {y:g}) m is on the clamped root")
-    except PlaceError as error:
-        raise off_the_plate(source, error) from error
+    length, width = np.ptp(_from_file(source).p, axis=1)
     return float(length), float(width)
 
 
 def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     """The error of a damper that is not where the plate is, or not where it moves."""
-    damper = source.scene.damper
-    value = None if damper is None or damper.at is None else list(damper.at)
-    return BadInput(str(error), file=source.name, key="[damper] at", value=value)
+    given = given_place(source.scene)
+    key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
+    return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
 
 
 def _from_file(source: SceneFile) -> Any:
+    """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem import MeshError, read_mesh
-    from fem.planform import check_root
 
-    if source.mesh is None:
+    plate = source.scene.plate
+    if source.mesh is None or plate is None:
         raise ValueError("the scene names no mesh")
     try:
         mesh = read_mesh(source.mesh)
-        check_root(mesh, source.scene.rotor.hub_radius)
     except MeshError as error:
-        value = source.scene.plate.mesh if source.scene.plate else None
         text = str(error).removeprefix(f"{source.mesh}: ")
-        raise BadInput(text, file=source.name, key="[plate] mesh", value=value) from error
+        raise BadInput(text, file=source.name, key="[plate] mesh", value=plate.mesh) from error
+    if plate.mesh_scale != 1.0:
+        mesh = mesh.scaled(plate.mesh_scale)
     _check_proportions(source, mesh)
+    _check_place(source, mesh)
     return mesh
 
 
 def _check_proportions(source: SceneFile, mesh: Any) -> None:
-    if source.scene.plate is None:
+    plate = source.scene.plate
+    if plate is None:
         return
-    thickness = source.scene.plate.thickness
-    odd = disproportion(thickness, *(float(extent) for extent in np.ptp(mesh.p, axis=1)))
+    odd = disproportion(plate.thickness, *(float(extent) for extent in np.ptp(mesh.p, axis=1)))
     if odd is not None:
         key, problem = odd
-        value = thickness if key == "thickness" else source.scene.plate.mesh
+        unit = "a mesh is in metres, unless mesh_unit says otherwise"
         raise BadInput(
-            f"{problem} (a mesh is in metres)",
+            f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
             file=source.name,
             key="[plate] thickness" if key == "thickness" else "[plate] mesh",
-            value=value,
+            value=plate.thickness if key == "thickness" else plate.mesh,
         )
+
+
+def _check_place(source: SceneFile, mesh: Any) -> None:
+    """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
+    from fem.locate import PlaceError, locate
+
+    plate, damper = source.scene.plate, source.scene.damper
+    at = place(source, mesh)
+    reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
+    try:
+        locate(mesh, at)
+        if reach <= 1e-9 * length:
+            raise PlaceError(f"expected a place that moves: ({at[0]:g}, {at[1]:g}) m is on the clamped root")
+    except PlaceError as error:
+        raise off_the_plate(source, error) from error
+    if plate is None or damper is None:
+        return
+    odd = cavity.misfit(damper, plate.thickness, float(width), float(reach), _room(mesh, at))
+    if odd is not None:
+        value = getattr(damper, odd[0])
+        value = list(value) if isinstance(value, tuple) else value
+        raise BadInput(odd[1], file=source.name, key=f"[damper] {odd[0]}", value=value)
+
+
+def _room(mesh: Any, at: tuple[float, float]) -> float:
+    """How wide the plate is at a place on it [m], as far as it reaches to both sides alike."""
+    ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
+    (xa, xb), (ya, yb) = ends
+    margin = 1e-9 * np.ptp(mesh.p[0])
+    x = np.clip(at[0], mesh.p[0].min() + margin, mesh.p[0].max() - margin)
+    met = (np.minimum(xa, xb) <= x) & (x < np.maximum(xa, xb))
+    edges = ya[met] + (x - xa[met]) / (xb - xa)[met] * (yb - ya)[met]
+    return 2.0 * float(np.abs(edges - at[1]).min())

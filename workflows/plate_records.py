@@ -34,8 +34,8 @@ def points(
     source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
     """Modes and reduced parameters at the speeds of these numbers in the sweep."""
-    rotor = source.scene.rotor
-    radius = rotor.hub_radius + plate_mesh.place(source, discrete.choice.operators.plate.mesh)[0]
+    rotor, operators = source.scene.rotor, discrete.choice.operators
+    radius = operators.radius(plate_mesh.place(source, operators.plate.mesh)[0])
     families = diagram.families
     found = []
     for number in numbers:

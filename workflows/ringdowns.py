@@ -40,7 +40,7 @@ def ball_mass(scene: Scene, m2: float) -> float:
     damper = scene.damper
     if damper is None:
         return 0.0
-    return damper.mass if damper.mass is not None else (damper.mass_ratio or 0.0) * m2
+    return damper.balls if damper.balls is not None else (damper.mass_ratio or 0.0) * m2
 
 
 def rpm(omega: float) -> float:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from pydantic_core import PydanticCustomError
+
+from workflows import cavity
+from workflows.materials import KNOWN
 
 if TYPE_CHECKING:
     from workflows.scene import Damper, Material, Plate, Release, Rotor, Scene
@@ -20,14 +24,33 @@ _THINNEST, _SLENDEREST = 1e4, 100.0
 _LIGHTEST = 10.0
 """Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""
 
+OSMIUM = 22_600.0
+"""Density [kg/m^3] of the densest element."""
+
 
 def fault(key: str, problem: str) -> PydanticCustomError:
     """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
     return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
 
 
+def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...]) -> Any:
+    """A table with the numbers of the material that its key `name` holds; as it is where there is none (of `names`)."""
+    if not isinstance(data, Mapping) or data.get(name) is None:
+        return data
+    for number in numbers:
+        if number in data:
+            raise fault(number, f"{name} gives it: leave one out")
+    if not isinstance(data[name], str) or data[name] not in names:
+        return data
+    return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}
+
+
 def planform(plate: Plate) -> None:
     """Either length and width, or a mesh; and thin enough to be called a plate."""
+    if plate.tip_mass_at is not None and not plate.tip_mass:
+        raise fault("tip_mass_at", "expected a tip_mass beside it")
+    if plate.mesh is None and plate.mesh_unit is not None:
+        raise fault("mesh_unit", "belongs to a mesh: leave this out, or name a mesh")
     if plate.mesh is not None:
         for key in ("length", "width"):
             if getattr(plate, key) is not None:
@@ -60,9 +83,13 @@ def disproportion(thickness: float, length: float, width: float) -> tuple[str, s
 
 def material(material: Material) -> None:
     """A density that something solid has."""
-    if material.density < _LIGHTEST * (1 - _ROUNDING):
-        meant = f": was '{material.density:g} g/cm^3' meant?" if material.density >= 0.1 else ""
-        raise fault("density", f"expected at least {_LIGHTEST:g} kg/m^3, the lightest foam{meant}")
+    _density("density", material.density)
+
+
+def _density(key: str, value: float) -> None:
+    if value < _LIGHTEST * (1 - _ROUNDING):
+        meant = f": was '{value:g} g/cm^3' meant?" if value >= 0.1 else ""
+        raise fault(key, f"expected at least {_LIGHTEST:g} kg/m^3, the lightest foam{meant}")
 
 
 def rotor(rotor: Rotor) -> None:
@@ -73,9 +100,16 @@ def rotor(rotor: Rotor) -> None:
 
 def damper(damper: Damper) -> None:
     """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
-    if (damper.mass_ratio is None) == (damper.mass is None):
-        both = "" if damper.mass is None else ": leave one out"
-        raise fault("mass_ratio", f"expected one of mass_ratio and mass{both}")
+    given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(damper, key) is not None]
+    if len(given) != 1:
+        raise fault(
+            given[0] if given else "mass_ratio",
+            f"expected one of mass_ratio, mass, ball_density and ball_material{': leave one out' * bool(given)}",
+        )
+    if damper.ball_density is not None:
+        _density("ball_density", damper.ball_density)
+        if damper.ball_density > OSMIUM * (1 + _ROUNDING):
+            raise fault("ball_density", f"expected at most {OSMIUM:g} kg/m^3, that of osmium: nothing is denser")
     for side in damper.cavity:
         if side < 2 * damper.radius * (1 - _ROUNDING):
             raise fault(
@@ -113,8 +147,9 @@ def together(scene: Scene) -> None:
     if (scene.damper is None) != (scene.release is None):
         missing, present = ("release", "damper") if scene.release is None else ("damper", "release")
         raise fault(missing, f"the table is missing: [{present}] needs it")
-    if scene.plate is not None and scene.damper is not None:
-        _on_the_plate(scene)
+    if scene.plate is not None:
+        _on_the_plate(scene.plate, scene.damper)
+        _release_of(scene.plate, scene.release)
     if scene.release is not None and scene.release.ratio is not None and not any(scene.rotor.speeds):
         raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
 
@@ -137,23 +172,33 @@ def _structure_only(scene: Scene) -> None:
             raise fault(key, "belongs to a plate; the one frequency of a [structure] is given")
     if scene.damper.at is not None:
         raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
+    if scene.damper.housing is not None:
+        raise fault("damper.housing", "belongs to a plate; the mass of a [structure] includes it")
 
 
-def _on_the_plate(scene: Scene) -> None:
-    plate, damper = scene.plate, scene.damper
-    if plate is None or damper is None or plate.length is None or plate.width is None:
-        return  # where a mesh gives the planform, plate_mesh looks
-    for side, room, name in zip(damper.cavity, (plate.length, plate.width), ("length", "width"), strict=True):
-        if side > room * (1 + _ROUNDING):
-            raise fault("damper.cavity", f"larger than the plate: expected at most its {name}, {room:g} m")
-    release = scene.release
-    if release is not None and max(map(abs, release.displacement or (0.0,))) > plate.length:
-        raise fault("release.displacement", f"expected at most the plate's length, {plate.length:g} m")
-    if damper.at is None:
+def _on_the_plate(plate: Plate, damper: Damper | None) -> None:
+    """Damper and tip mass are where the plate is. Where a mesh gives the planform, `plate_mesh` looks for the rest."""
+    if damper is not None and plate.tip_mass_at is not None:
+        raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
+    if plate.length is None or plate.width is None:
+        odd = None if damper is None else cavity.through_the_thickness(damper, plate.thickness)
+    else:
+        key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.at)
+        x, y = (plate.length, 0.0) if at is None else at
+        if not 0 < x <= plate.length * (1 + _ROUNDING) or abs(y) > plate.width / 2 * (1 + _ROUNDING):
+            raise fault(
+                key,
+                f"outside the plate: expected x above 0 and at most {plate.length:g} m, y within"
+                f" ±{plate.width / 2:g} m",
+            )
+        room = plate.width - 2 * abs(y)
+        odd = None if damper is None else cavity.misfit(damper, plate.thickness, plate.width, x, room)
+    if odd is not None:
+        raise fault(f"damper.{odd[0]}", odd[1])
+
+
+def _release_of(plate: Plate, release: Release | None) -> None:
+    if release is None or plate.length is None:
         return
-    x, y = damper.at
-    if not 0 < x <= plate.length * (1 + _ROUNDING) or abs(y) > plate.width / 2 * (1 + _ROUNDING):
-        raise fault(
-            "damper.at",
-            f"outside the plate: expected x above 0 and at most {plate.length:g} m, y within ±{plate.width / 2:g} m",
-        )
+    if max(map(abs, release.displacement or (0.0,))) > plate.length:
+        raise fault("release.displacement", f"expected at most the plate's length, {plate.length:g} m")

@@ -53,6 +53,30 @@ FASTEST = 1e5
 """Largest rotation speed taken [rad/s]: above it no plate holds, and rounding would answer for physics."""
 
 
+def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates text that is one of these names."""
+
+    def validate(value: object) -> str:
+        if isinstance(value, str) and value in names:
+            return value
+        hint = did_you_mean(value, names) if isinstance(value, str) else ""
+        raise wrong(f"expected one of {', '.join(names)}{hint}")
+
+    return BeforeValidator(validate), WithJsonSchema({"enum": list(names)})
+
+
+def _length_unit(value: object) -> str:
+    text, hint = value if isinstance(value, str) else "", ""
+    try:
+        if text.strip():
+            units.to_si(f"1 {text}", units.LENGTH)
+            return text
+    except UnitError as error:
+        found = str(error)
+        hint = found[found.rindex(", did") :] if "did you mean" in found else ""
+    raise wrong(f"expected a unit of length such as 'mm'{hint}")
+
+
 def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
@@ -73,9 +97,11 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
 
 def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     names = ("start", "stop", "count")
-    for name in value:
-        if name not in names:
-            raise wrong(f"unknown key '{name}'{did_you_mean(name, names) or ': expected start, stop and count'}")
+    unknown = [name for name in value if name not in names]
+    if unknown:
+        listed = ", ".join(f"'{name}'" for name in unknown)
+        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 else ""
+        raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
     for name in names:
         if name not in value:
             raise wrong(f"'{name}' is missing: expected start, stop and count")
@@ -151,6 +177,7 @@ Angle = Annotated[float, *_quantity(units.ANGLE)]
 Frequency = Annotated[float, *_quantity(units.FREQUENCY)]
 Pressure = Annotated[float, *_quantity(units.PRESSURE)]
 Density = Annotated[float, *_quantity(units.DENSITY)]
+LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
 Acceleration = Annotated[float, *_quantity(units.ACCELERATION)]
 LengthPair = Annotated[tuple[float, float], *_pair(units.LENGTH)]
 LoadPair = Annotated[tuple[float, float], *_pair(units.LOAD)]

@@ -14,11 +14,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from workflows import units
 from workflows.errors import BadInput, did_you_mean
 from workflows.scene import Scene, Table
+from workflows.scene_errors import explained
+from workflows.wording import revolutions
 
 SHIPPED = Path(__file__).with_name("scenes")
 DEFAULT = "paper"
@@ -28,11 +30,15 @@ _LARGEST = 1_000_000
 
 @dataclass(frozen=True)
 class SceneFile:
-    """A scene and where it came from: `name` for messages, `folder` for the files it names."""
+    """A scene and where it came from: `name` for messages, `folder` for the files it names.
+
+    `remarks` are on how it is written, and lost where it becomes a `Scene`.
+    """
 
     scene: Scene
     name: str
     folder: Path
+    remarks: tuple[str, ...] = ()
 
     @property
     def mesh(self) -> Path | None:
@@ -47,6 +53,13 @@ class SceneFile:
             return None
         with self.mesh.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
+
+    def plate_alone(self) -> SceneFile:
+        """The same without the damper; a housing stays, a part of the point mass at the damper's place."""
+        plate, damper, mass = self.scene.plate, self.scene.damper, self.scene.point_mass
+        if plate is not None and damper is not None and mass:
+            plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.at})
+        return self.changed(plate=plate, damper=None, release=None)
 
     def changed(self, **tables: Table | None) -> SceneFile:
         """The same scene with some of its tables replaced."""
@@ -81,7 +94,7 @@ def load(where: str | Path = DEFAULT) -> SceneFile:
         raise BadInput("not a scene: a number has too many digits", file=name) from error
     except RecursionError as error:
         raise BadInput("not a scene: nested too deeply", file=name) from error
-    found = SceneFile(parse(data, name), name, path.resolve().parent)
+    found = SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data))
     if found.mesh is not None:
         _check_mesh(found)
     return found
@@ -96,7 +109,7 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
     try:
         return Scene.model_validate(data, context={"gravity": _gravity(data)})
     except ValidationError as error:
-        raise _explained(error, data, name) from None
+        raise explained(error, data, name) from None
 
 
 def _read(path: Path, name: str) -> str:
@@ -146,6 +159,19 @@ def _gravity(data: Mapping[str, Any]) -> float:
         return units.STANDARD_GRAVITY
 
 
+def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
+    """Remarks on how a scene, which is valid, is written: speeds without a unit, which are seldom meant in rad/s."""
+    speeds = data["rotor"]["speeds"]
+    given = [speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds
+    bare = [speed for speed in given if speed and not isinstance(speed, str)]
+    if not bare:
+        return ()
+    fastest = max(bare)
+    return (
+        f"Speeds without a unit are in rad/s: {fastest:g} is {revolutions([fastest])}. Was '{fastest:g} rpm' meant?",
+    )
+
+
 def _check_mesh(found: SceneFile) -> None:
     mesh = found.mesh
     if mesh is not None:
@@ -167,97 +193,6 @@ def _mesh_problem(mesh: Path) -> str:
         return "a link to a file that is not there" if mesh.is_symlink() else "no such file beside the scene"
     except (OSError, ValueError) as error:
         return f"cannot be read: {getattr(error, 'strerror', None) or error}"
-
-
-def _explained(error: ValidationError, data: Mapping[str, Any], name: str) -> BadInput:
-    """The most telling of pydantic's errors, in our words."""
-    # A misspelt key makes the right one missing as well: the misspelling is the cause.
-    order = {"extra_forbidden": 0, "missing": 2}
-    errors = sorted(error.errors(include_url=False), key=lambda e: order.get(e["type"], 1))
-    first = errors[0]
-    loc = [str(part) for part in first["loc"]]
-    context = first.get("ctx", {})
-    if first["type"] == "together":
-        loc += str(context["key"]).split(".")
-    problem, value = _problem(first, loc), _lookup(data, loc)
-    if first["type"] == "extra_forbidden" and len(loc) == 1 and isinstance(first["input"], Mapping):
-        return BadInput(problem, file=name, key=f"[{loc[0]}]")
-    if len(errors) > 1:
-        problem += f" (and {len(errors) - 1} more)"
-    return BadInput(problem, file=name, key=key_name(loc), value=value)
-
-
-def _problem(error: Any, loc: list[str]) -> str:
-    context = error.get("ctx", {})
-    match error["type"]:
-        case "extra_forbidden":
-            known = _fields(loc[:-1])
-            what = "table" if len(loc) == 1 and isinstance(error["input"], Mapping) else "key"
-            return f"unknown {what}{did_you_mean(loc[-1], known) or _belongs(loc[-1])}"
-        case "missing":
-            return "missing"
-        case "greater_than":
-            return f"expected a value above {context['gt']:g}"
-        case "greater_than_equal":
-            return f"expected at least {context['ge']:g}"
-        case "less_than":
-            return f"expected a value below {context['lt']:g}"
-        case "less_than_equal":
-            return f"expected at most {context['le']:g}"
-        case "literal_error":
-            given, expected = error["input"], context["expected"]
-            return f"expected {expected}{did_you_mean(given, _quoted(expected)) if isinstance(given, str) else ''}"
-        case "int_type" | "int_from_float" | "int_parsing":
-            return "expected a whole number"
-        case "too_long" | "string_too_long":
-            return f"expected at most {context['max_length']} letters"
-        case "string_type":
-            return "expected text in quotes"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            return "expected a table"
-        case _:
-            text = str(error["msg"])
-            return text[:1].lower() + text[1:]
-
-
-def key_name(loc: list[str]) -> str:
-    """``[plate] length`` from ("plate", "length")."""
-    if len(loc) == 1 and loc[0] in Scene.model_fields and loc[0] != "title":
-        return f"[{loc[0]}]"
-    return loc[0] if len(loc) == 1 else f"[{loc[0]}] {'.'.join(loc[1:])}"
-
-
-def _quoted(text: str) -> list[str]:
-    return text.split("'")[1::2]
-
-
-def _lookup(data: Any, loc: list[str]) -> object:
-    for part in loc:
-        if not isinstance(data, Mapping) or part not in data:
-            return None
-        data = data[part]
-    return None if isinstance(data, Mapping) and len(loc) == 1 else data
-
-
-def _tables() -> dict[str, type[BaseModel]]:
-    tables = {}
-    for name, field in Scene.model_fields.items():
-        for kind in (field.annotation, *getattr(field.annotation, "__args__", ())):
-            if isinstance(kind, type) and issubclass(kind, BaseModel):
-                tables[name] = kind
-    return tables
-
-
-def _fields(loc: list[str]) -> list[str]:
-    if not loc:
-        return list(Scene.model_fields)
-    table = _tables().get(loc[0])
-    return list(table.model_fields) if table else []
-
-
-def _belongs(key: str) -> str:
-    homes = [f"[{name}]" for name, table in _tables().items() if key in table.model_fields]
-    return f": it belongs in {' or '.join(homes)}" if homes else ""
 
 
 def slug(title: str) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from workflows import answer, worth
 from workflows.errors import one_line
 from workflows.records import Results, SpeedPoint
-from workflows.wording import amount, fixed, percent, significant
+from workflows.wording import amount, fixed, percent, revolutions, significant
 
 _MODES_AT_MOST = 8
 
@@ -17,7 +17,7 @@ _MODES_AT_MOST = 8
 def text(results: Results, out: Path | None) -> str:
     """The summary, ready to print."""
     found = answer.answer(results)
-    parts = [one_line(results.scene.title), ""]
+    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}", ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_table(results)]
     if results.notes and out is None:

@@ -60,8 +60,8 @@ LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 
 _COMMON = (
-    *("mm", "cm", "m", "µm", "km", "in", "kg", "g", "t", "mg", "s", "ms", "min", "Hz", "kHz", "MHz"),
-    *("GPa", "MPa", "kPa", "Pa", "bar", "N", "kN", "rpm", "rad", "deg", "rev"),
+    *("mm", "cm", "m", "µm", "km", "in", "inch", "ft", "kg", "g", "t", "mg", "lb", "s", "ms", "min"),
+    *("Hz", "kHz", "MHz", "GPa", "MPa", "kPa", "Pa", "bar", "psi", "ksi", "N", "kN", "rpm", "rad", "deg", "rev"),
 )
 """Units to suggest for a misspelt one."""
 
@@ -144,6 +144,16 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
     if factor is None:
         raise UnitError(kind.expectation)
     return _in_range(float(number) * factor, kind)
+
+
+def halved(value: object) -> str | None:
+    """Half of a quantity, written as it was; None for what is none."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return f"{value / 2:g}"
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    if match is None or not match[2] or not _UNIT.fullmatch(match[2].rstrip()):
+        return None
+    return f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
 
 
 def _in_range(value: float, kind: Kind) -> float:

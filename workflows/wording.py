@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Superscripts, for `str.translate`."""
 
+_SPEEDS_LISTED = 4
 DASH = "–"
 """Stands for a number that is not there."""
 
@@ -54,3 +56,12 @@ def percent(value: float | None, places: int = 2) -> str:
 def curly(text: str) -> str:
     """Typographic apostrophes."""
     return text.replace("'", "\u2019")
+
+
+def revolutions(speeds: Sequence[float]) -> str:
+    """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
+    rpm = [f"{speed * 30 / math.pi:.6g}" for speed in speeds]
+    if len(rpm) > _SPEEDS_LISTED:
+        low, high = (f"{end(speeds) * 30 / math.pi:.6g}" for end in (min, max))
+        return f"{len(rpm)} speeds from {low} to {high} rpm"
+    return f"{' and '.join(part for part in (', '.join(rpm[:-1]), rpm[-1]) if part)} rpm"

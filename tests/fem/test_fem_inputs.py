@@ -59,8 +59,8 @@ def test_plate(keys, message):
 
 
 def test_rotor():
-    with pytest.raises(ValueError, match="hub_radius must be zero or more m"):
-        Rotor(hub_radius=-0.1)
+    with pytest.raises(ValueError, match="hub_radius must be a finite number of m"):
+        Rotor(hub_radius=np.inf)
     with pytest.raises(ValueError, match="stagger must be a finite angle"):
         Rotor(stagger=np.inf)
     np.testing.assert_array_equal(Rotor(stagger=np.pi / 2).axis, [0.0, 1.0, 0.0])

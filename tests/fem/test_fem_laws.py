@@ -172,9 +172,8 @@ def test_an_inward_beam_buckles():
     pressing = 0.5 * apart * (1 / (total - 1) - 2 / total + 1 / (total + 1))
     gamma = np.sqrt(1.0 / scipy.linalg.eigvalsh(pressing, bending)[-1])
 
-    mesh = rectangle(1.0, 0.02, 30, 1).translated((-1.0, 0.0))
     material, h = Material(2e11, 0.0, 7850.0), 0.001
-    operators = assemble(Plate(mesh, h, material), Rotor(), Effects())
+    operators = assemble(Plate(rectangle(1.0, 0.02, 30, 1), h, material), Rotor(hub_radius=-1.0), Effects())
     unit = np.sqrt(material.youngs_modulus * h**2 / 12.0 / material.density)
     critical = critical_speed(operators)
     assert critical / unit == pytest.approx(gamma, rel=1e-3)

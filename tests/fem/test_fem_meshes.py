@@ -9,9 +9,8 @@ import pytest
 import skfem
 from fem_cases import STEEL, distorted, rpm
 
-from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, solve_modes
+from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, reduce_at, solve_modes
 from fem.locate import locate
-from fem.planform import check_root
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -171,11 +170,20 @@ def test_locate(triangles):
         locate(mesh, (0.21, 0.0))
 
 
-def test_a_root_beyond_the_axis():
-    mesh = rectangle(0.2, 0.08, 2, 1).translated((-0.05, 0.0))
-    check_root(mesh, 0.05)
-    with pytest.raises(MeshError, match=r"root, at x = -0.05 m, lies beyond the spin axis, at x = -0.04 m"):
-        check_root(mesh, 0.04)
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+@pytest.mark.parametrize("drawn_at", [0.15, -3.0])
+def test_a_plate_is_the_same_wherever_its_mesh_draws_it(theory, drawn_at):
+    """The hub's radius ends at the clamped root: load, stagger, point mass and reduction do not know x = 0."""
+    found = []
+    for x in (0.0, drawn_at):
+        mesh = rectangle(0.2, 0.08, 6, 4).translated((x, 0.0))
+        plate = Plate(mesh, 0.004, STEEL, tip_mass=0.05, tip_at=(x + 0.2, 0.0))
+        operators = assemble(plate, Rotor(0.1, 0.6), Effects(large_deflection=True), theory)
+        felt = reduce_at(operators, rpm(8000), (x + 0.15, 0.01), ball_mass=0.002)
+        modes = solve_modes(operators, rpm(8000), 4).frequencies_hz
+        found.append([*modes, felt.f1_hz, felt.M1, felt.M2, felt.floor_tilt, operators.radius(x + 0.2)])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
+    assert found[0][-1] == pytest.approx(0.3, rel=1e-14)
 
 
 def test_a_seam():

@@ -89,8 +89,8 @@ def test_hardly_spinning(coriolis: bool) -> None:
 def test_pressed_beyond_equilibrium(
     thickness: float, omega: float, stagger: float, expected: type[ArithmeticError]
 ) -> None:
-    mesh = rectangle(0.2, 0.08, 6, 3).translated((-0.2, 0.0))
-    operators = assemble(Plate(mesh, thickness, STEEL), Rotor(0.0, stagger), Effects(large_deflection=True))
+    plate = Plate(rectangle(0.2, 0.08, 6, 3), thickness, STEEL)
+    operators = assemble(plate, Rotor(-0.2, stagger), Effects(large_deflection=True))
     with pytest.raises(expected) as caught:
         solve_modes(operators, omega, 2)
     assert caught.value.omega == omega

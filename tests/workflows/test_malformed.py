@@ -18,7 +18,8 @@ import pytest
 
 from tests.workflows.conftest import Outcome, toml
 from workflows.scene import Effects, Scene, Table
-from workflows.scene_file import SHIPPED, key_name
+from workflows.scene_errors import key_name
+from workflows.scene_file import SHIPPED
 
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""
@@ -79,8 +80,13 @@ BENT: dict[str, dict[str, str]] = {
     "plate.width": NO_QUANTITY | NEGATIVE | ZERO | {"thousands of times wider than long": '"2 km"'},
     "plate.thickness": NO_QUANTITY | NEGATIVE | ZERO | {"above the width": '"9 cm"', "a film": '"1 nm"'},
     "plate.mesh": NO_TEXT | {"blank": '"  "', "nowhere": '"no.msh"', "a folder": '"."', "a device": '"/dev/zero"'},
+    "plate.mesh_unit": NO_TEXT
+    | NEVER_RIGHT
+    | {"a mass": '"kg"', "misspelt": '"mmm"', "with a number": '"2 mm"', "blank": '" "', "without a mesh": '"mm"'},
     "plate.theory": NO_CHOICE | {"another case": '"Mindlin"', "misspelt": '"kirchhof"'},
     "plate.tip_mass": NO_QUANTITY | NEGATIVE,
+    "plate.tip_mass_at": NO_PAIR | {"beside a damper's": '["20 cm", 0]'},
+    "material.name": NO_CHOICE | {"another case": '"Steel"', "what no plate is made of": '"lead"'},
     "material.youngs_modulus": NO_QUANTITY | NEGATIVE | ZERO,
     "material.poissons_ratio": NO_PLAIN | {"a half": "0.5", "minus one": "-1.0"} | ABOVE_ONE,
     "material.density": NO_QUANTITY | NEGATIVE | ZERO,
@@ -114,11 +120,14 @@ BENT: dict[str, dict[str, str]] = {
     | {"beyond the tip": '["21 cm", 0]', "beside": '[0.1, "5 cm"]', "at the root": "[0, 0]", "behind": "[-0.1, 0]"},
     "damper.mass_ratio": NO_PLAIN | NEGATIVE | ZERO | {"beyond sense": "1e10"},
     "damper.mass": NO_QUANTITY | NEGATIVE | ZERO,
+    "damper.ball_density": NO_QUANTITY | NEGATIVE | ZERO,
+    "damper.ball_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"led"'},
+    "damper.housing": NO_QUANTITY | NEGATIVE | ZERO,
     "damper.count": NO_WHOLE,
     "damper.radius": NO_QUANTITY | NEGATIVE | ZERO,
     "damper.cavity": NO_PAIR
     | {"smaller than the ball": '["2.5 mm", "1.9 mm"]', "negative": "[-1.0, -1.0]"}
-    | {"longer than the plate": '["21 cm", "3 mm"]', "wider than the plate": '["3 mm", "81 mm"]'},
+    | {"thicker than the plate": '["1 cm", "3 mm"]', "wider than the plate": '["3 mm", "81 mm"]'},
     "damper.restitution": NO_PLAIN | NEGATIVE | ABOVE_ONE,
     "damper.friction": NO_PLAIN | NEGATIVE | {"beyond sense": "1e7"},
     "damper.rolling_friction": NO_QUANTITY | NEGATIVE,
@@ -189,6 +198,10 @@ def _home(table: str, key: str) -> Raw:
     if table == "structure" or (table, key) == ("rotor", "radius"):
         return _right("structure")
     raw = _right("paper")
+    if (table, key) == ("material", "name"):
+        return raw | {"material": {}}
+    if table == "damper" and key.startswith("ball_"):
+        return _with(raw, "damper", "mass_ratio", None)
     if (table, key) == ("plate", "mesh"):
         return _with(_with(raw, "plate", "length", None), "plate", "width", None)
     return raw

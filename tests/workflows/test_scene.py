@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -44,6 +45,53 @@ def test_speeds_as_a_ladder(paper: Scene) -> None:
     assert speeds[-1] == pytest.approx(17500 * math.pi / 30)
 
 
+BARE = [
+    ([6000], "6000 is 57295.8 rpm. Was '6000 rpm' meant?"),
+    ([0, "3500 rpm", 100.5], "100.5 is 959.704 rpm"),
+    ({"start": 0, "stop": 1800, "count": 4}, "1800 is 17188.7 rpm"),
+    ({"start": 100, "stop": "9000 rpm", "count": 4}, "100 is 954.93 rpm"),
+    ([0], None),
+    (["6000 rpm", "0 rad/s"], None),
+    ({"start": 0, "stop": "9000 rpm", "count": 4}, None),
+]
+
+
+@pytest.mark.parametrize(("speeds", "remark"), BARE)
+def test_speeds_without_a_unit_are_remarked_on(
+    speeds: object, remark: str | None, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    scene = write(changed(paper, rotor__speeds=speeds), tmp_path / "scene.toml")
+    said = spindamp("check", scene).out
+    assert ("Speeds without a unit are in rad/s" in said) == (remark is not None)
+    assert remark is None or remark in said.splitlines()[1]
+    remarks = json.loads(spindamp("check", scene, "--json").out)["remarks"]
+    assert len(remarks) == (remark is not None)
+    (tmp_path / "again.toml").write_text(said, encoding="utf-8")
+    assert "without a unit" not in spindamp("check", "again.toml").out
+    assert load(tmp_path / "again.toml").scene.rotor.speeds == load(scene).scene.rotor.speeds
+
+
+def test_a_run_says_its_speeds_first_and_remarks(
+    structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    bare = spindamp("ringdown", write(changed(structure, rotor__speeds=[1000]), tmp_path / "scene.toml")).out
+    assert bare.splitlines()[0] == "A known structure: 9549.3 rpm"
+    assert "- Speeds without a unit are in rad/s: 1000 is 9549.3 rpm. Was '1000 rpm' meant?" in bare
+    assert spindamp("campbell", "campbell").out.startswith(
+        "Campbell diagram of the paper's plate: 36 speeds from 0 to 17500 rpm\n"
+    )
+
+
+def test_where_nothing_is_left_the_speeds_are_asked_about(
+    paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    changes = {"rotor__stagger": "90 deg", "effects__stress_stiffening": False}
+    outcome = spindamp("campbell", write(changed(paper, rotor__speeds=[6000], **changes), tmp_path / "scene.toml"))
+    assert outcome.status == 3
+    assert "Was '6000 rpm' meant?" in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
 def test_release_alternatives(paper: Scene) -> None:
     scene = parse(changed(paper, release={"acceleration": ["6000 g", 5.0]}))
     assert scene.release is not None
@@ -82,6 +130,32 @@ def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
 
 def test_published_schema_comes_from_the_model() -> None:
     assert json.loads(PUBLISHED.read_text(encoding="utf-8")) == schema(), "run python -m workflows.scene_schema"
+
+
+def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit() -> None:
+    found = json.loads(PUBLISHED.read_text(encoding="utf-8"))
+    keys = {(name, key): entry for name, table in found["$defs"].items() for key, entry in table["properties"].items()}
+    keys |= {("", key): entry for key, entry in found["properties"].items()}
+    assert len(keys) > 55
+    for where, entry in keys.items():
+        said = entry.get("description", "")
+        assert len(said) >= 8, where
+        units = set(re.findall(r'"x-si": "([^"]+)"', json.dumps(entry, ensure_ascii=False)))
+        assert len(units) <= 1, where
+        for unit in units:
+            assert said.endswith(f"a number without a unit is in {unit}"), where
+        plain = {part.get("type") for part in (entry, *entry.get("anyOf", []))}
+        if not units and plain & {"number", "integer"}:
+            assert "dimensionless" in said or "number of" in said, where
+
+
+@pytest.mark.parametrize(
+    ("material", "valid"),
+    [({"name": "steel"}, True), ({}, False), ({"name": "stel"}, False), ({"density": 1}, False)],
+)
+def test_the_schema_knows_both_ways_to_give_a_material(material: Scene, valid: bool, paper: Scene) -> None:
+    scene = changed(paper, material=material)
+    assert jsonschema.Draft202012Validator(schema()).is_valid(scene) is valid
 
 
 @pytest.mark.parametrize("name", shipped())

@@ -88,7 +88,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__at": ["20 cm", "5 cm"]}, "[damper] at", "outside the plate"),
     ({"damper__at": ["0 cm", "0 cm"]}, "[damper] at", "outside the plate"),
     ({"damper__at": "tip"}, "[damper] at", "list of two"),
-    ({"damper__mass_ratio": None}, "[damper] mass_ratio", "expected one of mass_ratio and mass"),
+    ({"damper__mass_ratio": None}, "[damper] mass_ratio", "expected one of mass_ratio, mass, ball_density"),
     ({"damper__mass": "1 g"}, "[damper] mass_ratio", "leave one out"),
     ({"damper__mass_ratio": 0}, "[damper] mass_ratio", "above 0"),
     ({"damper__mass_ratio": "0.6 %"}, "[damper] mass_ratio", "expected a number"),
@@ -108,6 +108,17 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__damping_ratio": 1}, "[damper] damping_ratio", "below 1"),
     ({"damper__sticking_ratio": 0}, "[damper] sticking_ratio", "above 0"),
     ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
+    (
+        {"damper__diameter": "2 mm", "damper__radius": None},
+        "[damper] diameter = '2 mm'",
+        "unknown key: a ball is given by its radius, here radius = '1 mm'",
+    ),
+    ({"damper__ball_diameter": 0.002}, "[damper] ball_diameter", "here radius = 0.001"),
+    ({"damper__diameter": "wide"}, "[damper] diameter", "by its radius, half its diameter"),
+    ({"damper__housing": "0 g"}, "[damper] housing", "above 0"),
+    ({"plate__mesh_unit": "mm"}, "[plate] mesh_unit", "belongs to a mesh"),
+    ({"plate__tip_mass_at": ["1 cm", 0], "plate__tip_mass": 1}, "[plate] tip_mass_at", "at the damper's place"),
+    ({"plate__tip_mass_at": ["1 cm", 0]}, "[plate] tip_mass_at", "expected a tip_mass beside it"),
     ({"damper": None}, "[damper]", "missing"),
     ({"release": None}, "[release]", "missing"),
     ({"release__displacement": None}, "[release] displacement", "expected one of"),
@@ -134,6 +145,46 @@ def test_malformed_scene(
     _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
 
 
+def test_every_unknown_key_is_named(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    """In one line, with what was probably meant; what is missing for their sake is not said as well."""
+    changes = {
+        "plate__lenght": "20 cm",
+        "plate__length": None,
+        "rotor__rpm": 3,
+        "damper__diameter": "2 mm",
+        "damper__radius": None,
+        "accuracy__frequenzy": 1e-3,
+        "wings": {"a": 1},
+        "colour": "red",
+    }
+    scene = write(changed(paper, **changes), tmp_path / "bad.toml")
+    outcome = spindamp("run", scene)
+    _refused(outcome, tmp_path, str(scene), "[plate] lenght = '20 cm'", "unknown key: did you mean 'length'?")
+    for said in (
+        "also unknown: ",
+        "[rotor] rpm",
+        "[damper] diameter (a ball is given by its radius, here radius = '1 mm')",
+        "[accuracy] frequenzy (did you mean 'frequency'?)",
+        "[wings]",
+        "colour",
+    ):
+        assert said in outcome.err
+    assert "more" not in outcome.err
+
+
+def test_a_thousand_unknown_keys_are_counted(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    scene = write(changed(paper, plate={f"{'x' * 500}{i}": 1 for i in range(1000)}), tmp_path / "bad.toml")
+    outcome = spindamp("check", scene)
+    _refused(outcome, tmp_path, str(scene), "[plate] xxx", "and 979 more")
+    assert len(outcome.err) < 3000
+
+
+def test_unknown_keys_of_a_ladder(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    ladder = {"start": 0, "stop": 1, "steps": 2, "unit": "rpm"}
+    scene = write(changed(paper, rotor__speeds=ladder), tmp_path / "bad.toml")
+    _refused(spindamp("run", scene), tmp_path, str(scene), "[rotor] speeds", "unknown key 'steps', 'unit'")
+
+
 STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"structure__frequency": "1 kg"}, "[structure] frequency", "expected a frequency"),
     ({"structure__mass": None}, "[structure] mass", "missing"),
@@ -142,6 +193,7 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"rotor__modes": 5}, "[rotor] modes = 5", "belongs to a plate"),
     ({"accuracy": {"frequency": 1e-2}}, "[accuracy] frequency = 0.01", "belongs to a plate"),
     ({"damper__at": ["1 cm", "0 cm"]}, "[damper] at", "belongs to a plate"),
+    ({"damper__housing": "1 g"}, "[damper] housing", "belongs to a plate; the mass of a [structure] includes it"),
     ({"damper": None, "release": None}, "[damper]", "missing"),
     ({"effects__coriolis": True}, "[effects] coriolis = true", "the scene has no plate"),
     ({"effects__rotary_inertia": True}, "[effects] rotary_inertia = true", "the scene has no plate"),

@@ -42,6 +42,26 @@ def test_reads(value: object, kind: Kind, expected: float) -> None:
     assert to_si(value, kind) == pytest.approx(expected, rel=1e-15)
 
 
+CUSTOMARY = [
+    ("2 inch", units.LENGTH, 0.0508),
+    ("2 inches", units.LENGTH, 0.0508),
+    ("1.5 ft", units.LENGTH, 0.4572),
+    ("3 feet", units.LENGTH, 0.9144),
+    ("3 lb", units.MASS, 1.36077711),
+    ("1 lb/in^3", units.DENSITY, 27679.904710203),
+    ("1 psi", units.PRESSURE, 6894.7572931684),
+    ("1 ksi", units.PRESSURE, 6894757.2931684),
+    ("1 lbf/in^2", units.PRESSURE, 6894.7572931684),
+    ("1 ft/s^2", units.ACCELERATION, 0.3048),
+]
+
+
+@pytest.mark.parametrize(("value", "kind", "expected"), CUSTOMARY)
+def test_reads_customary_units(value: str, kind: Kind, expected: float) -> None:
+    """From the exact inch (25.4 mm), pound (0.45359237 kg) and g (9.80665 m/s^2): NIST SP 811 (2008), appendix B."""
+    assert to_si(value, kind) == pytest.approx(expected, rel=1e-13)
+
+
 def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
     assert to_si("6000 g", units.LOAD, gravity=10.0) == 60_000
     assert to_si("6000 g", units.MASS) == 6
@@ -54,6 +74,9 @@ WRONG = [
     ("50 Hz", units.ROTATION, "expected a rotation speed such as '3500 rpm'"),
     ("3500 rpm", units.FREQUENCY, "expected a frequency"),
     ("3 furlongs", units.LENGTH, "unknown unit 'furlongs'"),
+    ("3 PSI", units.PRESSURE, "did you mean 'psi'?"),
+    ("3 lb", units.LENGTH, "expected a length"),
+    ("3 psi", units.LENGTH, "expected a length"),
     ("0.2", units.LENGTH, "a string carries its unit"),
     ("", units.LENGTH, "expected a length"),
     ("cm", units.LENGTH, "expected a length"),
@@ -77,6 +100,22 @@ WRONG = [
 def test_refuses(value: object, kind: Kind, message: str) -> None:
     with pytest.raises(UnitError, match="^" if message == "" else message.replace("(", "\\(")):
         to_si(value, kind)
+
+
+@pytest.mark.parametrize(
+    ("value", "half"),
+    [
+        ("20 mm", "'10 mm'"),
+        ("0.5in", "'0.25 in'"),
+        (0.02, "0.01"),
+        (3, "1.5"),
+        ("wide", None),
+        ("2", None),
+        (True, None),
+    ],
+)
+def test_half_of_a_quantity_is_written_as_it_was(value: object, half: str | None) -> None:
+    assert units.halved(value) == half
 
 
 @given(st.floats(1e-6, 1e9) | st.floats(-1e9, -1e-6) | st.just(0.0))

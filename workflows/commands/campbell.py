@@ -17,4 +17,4 @@ def campbell(scene: SceneArgument = "paper", out: Out = None, json: Json = False
     source = scene_file.load(scene)
     if source.scene.plate is None:
         raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
-    complete(source.changed(damper=None, release=None), out, json)
+    complete(source.plate_alone(), out, json)

@@ -28,7 +28,9 @@ def check(
     if json:
         from json import dumps
 
-        typer.echo(dumps(resolved.document(source.scene, decided, theory), indent=1, allow_nan=False))
+        found = resolved.document(source, decided, theory)
+        typer.echo(dumps(found, indent=1, allow_nan=False))
         return
+    typer.echo("\n".join(resolved.heading(source)))
     typer.echo(resolved.as_toml(source.scene, decided, theory))
     typer.echo(f"\n# A run needs about {needs.in_words(needs.memory(source))} of memory.")

@@ -1,0 +1,202 @@
+"""Where things lie: ball and cavity in the plate, housings, roots wherever a mesh draws them, units of a mesh."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import cavity, pipeline, plate_mesh
+from workflows.errors import BadInput
+from workflows.scene_file import load, parse
+from workflows.stages import Stages
+
+
+def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0) -> Path:
+    """A mesh file of a blade 120 mm long and 50 mm wide at its root, which is at x [m]; narrower at its tip."""
+    s, t = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(-0.5, 0.5, 5))
+    points = np.column_stack([(x + 0.12 * s).ravel(), (0.05 * (1 - taper * s) * t).ravel(), 0 * s.ravel()])
+    corner = (np.arange(4)[:, None] * 9 + np.arange(8)).ravel()
+    cells = np.column_stack([corner, corner + 1, corner + 10, corner + 9])
+    tags = {name: [np.ones(len(cells), dtype=np.int32)] for name in ("gmsh:physical", "gmsh:geometrical")}
+    meshio.write(
+        path, meshio.Mesh(scale * points, [("quad", cells)], cell_data=tags), file_format="gmsh22", binary=False
+    )
+    return path
+
+
+def blade(paper: Scene, **changes: Any) -> Scene:
+    """The paper's damper on a blade from a mesh file, 150 mm from the axis to the root."""
+    mesh = {"length": None, "width": None, "mesh": "blade.msh", "thickness": "6 mm", "theory": "mindlin"}
+    base = changed(paper, **{f"plate__{key}": value for key, value in mesh.items()}, damper__at=None)
+    here = {"rotor__hub_radius": "150 mm", "rotor__speeds": ["12000 rpm"], "rotor__modes": 2, "release__cycles": 3}
+    return changed(base, release__displacement=["1 mm", "0 mm"], **(here | changes))
+
+
+def solved(scene: Scene, folder: Path) -> dict[str, Any]:
+    """Speed point of a run without a report, as results.json has it."""
+    results = pipeline.run(load(write(scene, folder / "scene.toml")), Stages(visible=False))
+    point = results.speeds[0]
+    assert point.reduced is not None
+    return {
+        "frequencies": [mode.frequency_hz for mode in point.modes],
+        "load": point.load_g,
+        "felt": [point.reduced.M1, point.reduced.K1, point.reduced.floor_tilt],
+    }
+
+
+@pytest.mark.parametrize(("x", "unit"), [(0.15, None), (-0.06, None), (0.15, "mm"), (0.0, "inch")])
+def test_a_blade_is_the_same_wherever_and_in_whatever_unit_it_is_drawn(
+    x: float, unit: str | None, paper: Scene, tmp_path: Path
+) -> None:
+    """It was 67 631 g instead of 43 477 g where the mesh began at the radius of the hub."""
+    scale = {None: 1.0, "mm": 1e3, "inch": 1 / 0.0254}[unit]
+    drawn(tmp_path / "blade.msh")
+    place = ["110 mm", "5 mm"]
+    plain = solved(blade(paper, damper__at=place, plate__tip_mass="2 g"), tmp_path)
+    drawn(tmp_path / "blade.msh", x, scale)
+    moved = [f"{1e3 * x + 110} mm", "5 mm"]
+    same = solved(blade(paper, damper__at=moved, plate__tip_mass="2 g", plate__mesh_unit=unit), tmp_path)
+    assert plain["load"] == pytest.approx((12000 * np.pi / 30) ** 2 * 0.26 / 10, rel=1e-12)
+    for name, values in plain.items():
+        assert same[name] == pytest.approx(values, rel=1e-8), name
+
+
+def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
+    drawn(tmp_path / "blade.msh", 0.15)
+    scene = write(blade(paper), tmp_path / "scene.toml")
+    said = spindamp("check", scene).out
+    assert "150 mm at the clamped root, 270 mm at the damper (x = 270 mm, y = 0 mm)" in said
+    found = json.loads(spindamp("check", scene, "--json").out)
+    assert found["radii"] == {"root": 0.15, "damper": pytest.approx(0.27)}
+    assert "Radii from the axis: 200 mm at the damper" in spindamp("check", "structure").out
+
+
+def test_check_draws_the_axes(spindamp: Callable[..., Outcome]) -> None:
+    said = spindamp("check", "paper").out
+    assert all(line in said for line in cavity.PICTURE.splitlines())
+    assert "cavity[0]" in cavity.PICTURE
+    assert cavity.PICTURE.splitlines()[0] not in spindamp("check", "structure").out
+
+
+THICK = {"plate__thickness": "6 mm", "damper__radius": "10 mm", "damper__cavity": ["25 mm", "25 mm"]}
+
+MISFITS: list[tuple[dict[str, Any], str, str]] = [
+    (THICK, "cavity", "through the plate's thickness: expected less than 6 mm, or housing ="),
+    ({"damper__cavity": ["10 mm", "3 mm"]}, "cavity", "expected less than 10 mm, or housing"),  # no wall is left
+    ({"damper__cavity": ["3 mm", "8 cm"]}, "cavity", "expected less than 80 mm, the room at its place"),
+    ({"damper__at": ["20 cm", "39 mm"]}, "cavity", "expected less than 2 mm, the room at its place"),
+    ({"damper__at": ["1.5 mm", "0 mm"]}, "radius", "between the root and its place: expected less than 0.75 mm"),
+    ({"damper__count": 4 * 33 * 100 + 1}, "count", "no more than 13200 cavities of this size"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "message"), MISFITS)
+def test_what_does_not_fit_the_plate(changes: dict[str, Any], key: str, message: str, paper: Scene) -> None:
+    with pytest.raises(BadInput) as caught:
+        parse(changed(paper, **changes))
+    assert caught.value.key == f"[damper] {key}"
+    assert message in caught.value.problem
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"damper__cavity": ["9.9 mm", "79.9 mm"]},
+        {"damper__at": ["20 cm", "38.7 mm"]},
+        {"damper__count": 4 * 33 * 100},
+        THICK | {"damper__housing": "80 g"},
+        {"damper__at": ["20 cm", "40 mm"], "damper__housing": "1 g"},
+    ],
+)
+def test_what_fits_or_has_a_housing(changes: dict[str, Any], paper: Scene) -> None:
+    assert parse(changed(paper, **changes)).damper is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"damper__cavity": ["6 mm", "3 mm"]}, "cavity"),
+        ({"damper__cavity": ["3 mm", "25 mm"]}, "cavity"),  # the tip is 20 mm wide
+        ({"damper__at": ["60 mm", "17 mm"], "damper__cavity": ["3 mm", "2 mm"]}, "cavity"),  # 35 mm wide there
+        ({"damper__at": ["1.9 mm", "0 mm"]}, "radius"),
+        ({"damper__count": 10**6}, "count"),
+    ],
+)
+def test_what_does_not_fit_a_mesh(
+    changes: dict[str, Any], key: str, spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path
+) -> None:
+    drawn(tmp_path / "blade.msh", taper=0.6)
+    scene = write(blade(paper, **changes), tmp_path / "scene.toml")
+    for command in ("check", "run"):
+        outcome = spindamp(command, scene)
+        assert outcome.status == 2
+        assert outcome.out == ""
+        assert f"[damper] {key}" in outcome.err
+        assert "expected" in outcome.err
+
+
+def test_the_room_on_a_tapered_blade(tmp_path: Path) -> None:
+    """Against the trapezium: 50 mm wide at the root, 20 mm at the tip."""
+    from fem import read_mesh
+
+    mesh = read_mesh(drawn(tmp_path / "blade.msh", 0.4, taper=0.6))
+    for x, y in ((0.4, 0.0), (0.43, 0.0), (0.46, 0.01), (0.46, -0.0175), (0.52, 0.0)):
+        width = 0.05 - 0.03 * (x - 0.4) / 0.12
+        assert plate_mesh._room(mesh, (x, y)) == pytest.approx(width - 2 * abs(y), abs=1e-9)
+
+
+def test_a_housing_is_carried_like_a_tip_mass(paper: Scene, tmp_path: Path) -> None:
+    place = {"damper__at": ["15 cm", "1 cm"], "rotor__speeds": ["8000 rpm"], "release__cycles": 3}
+    here = changed(paper, **place, accuracy__frequency=0.01)
+    housed = solved(changed(here, damper__housing="12 g", plate__tip_mass="8 g"), tmp_path)
+    heavy = solved(changed(here, plate__tip_mass="20 g"), tmp_path)
+    bare = solved(here, tmp_path)
+    assert housed == heavy
+    assert bare["frequencies"][0] > 1.001 * heavy["frequencies"][0]
+
+
+def test_the_plate_alone_keeps_its_housing(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
+    """`campbell` leaves the balls out, not what holds them; and says a scene that can be run again."""
+    changes = {"damper__at": ["15 cm", "1 cm"], "rotor__speeds": ["8000 rpm"], "damper__housing": "12 g"}
+    scene = write(changed(paper, **changes, accuracy__frequency=0.01), tmp_path / "scene.toml")
+    with_balls = json.loads(spindamp("ringdown", scene, "--json").out)
+    alone = json.loads(spindamp("campbell", scene, "--json").out)
+    assert alone["speeds"][0]["modes"] == with_balls["speeds"][0]["modes"]
+    assert alone["scene"]["plate"]["tip_mass"] == 0.012
+    again = write(alone["scene"], tmp_path / "again.toml")
+    assert json.loads(spindamp("campbell", again, "--json").out)["speeds"] == alone["speeds"]
+
+
+def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
+    """Four layers in 10 mm and 33 side by side across 80 mm: 132 cavities of 2.5 × 2.4 mm."""
+    results = [
+        pipeline.run(load_of(changed(paper, damper__count=count, rotor__speeds=["8000 rpm"], release__cycles=3)))
+        for count in (132, 133)
+    ]
+    remarks = [[note for note in found.notes if "side by side" in note] for found in results]
+    assert remarks[0] == []
+    assert "At most 132 of the 133" in remarks[1][0]
+    assert "2 rows along the radius, 4 mm deep" in remarks[1][0]
+
+
+def load_of(scene: Scene) -> Any:
+    """A scene as if it came from a file."""
+    from workflows.scene_file import SceneFile
+
+    return SceneFile(parse(scene), "scene", Path())
+
+
+@pytest.mark.parametrize(("ratio", "said"), [(0.006, " % at "), (1.0, "no bound at ")])
+def test_a_bound_above_all_the_energy_is_no_bound(ratio: float, said: str, structure: Scene) -> None:
+    scene = changed(structure, damper__mass_ratio=ratio, damper__cavity=["9 mm", "9 mm"], release__cycles=None)
+    (note,) = [text for text in pipeline.run(load_of(scene)).notes if text.startswith("However often")]
+    assert said in note
+    shares = [float(word) for word, unit in zip(note.split(), note.split()[1:], strict=False) if unit == "%"]
+    assert all(share <= 100 for share in shares)

@@ -1,0 +1,174 @@
+"""Materials by name, and balls by density: numbers beside names, and what they weigh."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import effects, provenance, resolved, ringdowns
+from workflows.errors import BadInput
+from workflows.materials import BALLS, KNOWN, PLATES
+from workflows.records import Results
+from workflows.scene_file import parse
+
+NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
+
+
+def named(paper: Scene, name: str) -> Scene:
+    return changed(paper, **NUMBERS, material__name=name)
+
+
+@pytest.mark.parametrize("name", PLATES)
+def test_a_name_is_its_numbers(name: str, paper: Scene) -> None:
+    material, known = parse(named(paper, name)).material, KNOWN[name]
+    assert material is not None
+    numbers = {key: getattr(known, key) for key in ("youngs_modulus", "poissons_ratio", "density")}
+    assert numbers == {key: getattr(material, key) for key in numbers}
+    written = parse(changed(paper, **{f"material__{key}": value for key, value in numbers.items()}))
+    assert written.material is not None
+    assert written.material.model_copy(update={"name": name}) == material
+
+
+def test_every_material_has_a_source_and_sense() -> None:
+    """Metals: sound travels along a bar at 4.5 to 5.3 km/s in each that plates are made of."""
+    for name, known in KNOWN.items():
+        assert len(known.source) > 10, name
+        assert 1000 < known.density < 22_600
+        if known.youngs_modulus is not None and known.poissons_ratio is not None:
+            assert 4.5e3 < math.sqrt(known.youngs_modulus / known.density) < 5.3e3
+            assert 0.25 < known.poissons_ratio < 0.35
+    assert KNOWN["tungsten carbide"].density == pytest.approx(1e3 / (0.94 / 15.6 + 0.06 / 8.86), rel=2e-3)
+    psi = 0.45359237 * 9.80665 / 0.0254**2
+    assert KNOWN["Inconel 718"].youngs_modulus == pytest.approx(29.0e6 * psi, rel=1e-3)
+    assert KNOWN["Inconel 718"].density == pytest.approx(0.297 * 0.45359237 / 0.0254**3, rel=1e-3)
+
+
+def test_the_readme_lists_the_same() -> None:
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.count("|") == 6]
+    listed = {row[0].removesuffix(", for balls"): row[1:] for row in rows if row[3].isdigit()}
+    assert list(listed) == list(KNOWN)
+    for name, (youngs_modulus, poissons_ratio, density, source) in listed.items():
+        known = KNOWN[name]
+        assert float(density) == known.density
+        assert source == known.source
+        assert (float(youngs_modulus) * 1e9 if youngs_modulus else None) == known.youngs_modulus
+        assert (float(poissons_ratio) if poissons_ratio else None) == known.poissons_ratio
+
+
+def test_check_and_results_show_the_numbers_with_their_source(
+    spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path
+) -> None:
+    scene = write(named(paper, "Ti-6Al-4V"), tmp_path / "scene.toml")
+    said = spindamp("check", scene).out
+    assert "youngs_modulus = 113800000000.0 # Ti-6Al-4V: ASM" in said
+    assert json.loads(spindamp("check", scene, "--json").out)["scene"]["material"] == {
+        "youngs_modulus": 113.8e9,
+        "poissons_ratio": 0.342,
+        "density": 4430.0,
+    }
+    (tmp_path / "again.toml").write_text(said, encoding="utf-8")
+    again = spindamp("check", "again.toml").out
+    assert "113800000000.0\npoissons_ratio = 0.342\ndensity = 4430.0" in again
+
+
+def test_a_name_has_the_hash_of_its_numbers(paper: Scene) -> None:
+    def digest(scene: Scene) -> str:
+        given = parse(scene)
+        return provenance.scene_sha256(Results(given, effects.resolve(given), speeds=()))
+
+    numbers = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+    by_density = changed(paper, damper__mass_ratio=None, damper__ball_density="7850 kg/m^3", material=numbers)
+    by_name = changed(paper, damper__mass_ratio=None, damper__ball_material="steel", material={"name": "steel"})
+    assert digest(by_name) == digest(by_density)
+
+
+@pytest.mark.parametrize("name", BALLS)
+@pytest.mark.parametrize("count", [1, 60])
+def test_balls_weigh_their_volume(name: str, count: int, paper: Scene, structure: Scene) -> None:
+    """On a plate and on a structure that is given; a steel ball of radius 1 mm weighs 0.0329 g."""
+    for scene in (paper, structure):
+        by_name = changed(scene, damper__mass_ratio=None, damper__ball_material=name, damper__count=count)
+        parsed = parse(by_name)
+        expected = count * 4.18879020478639e-9 * KNOWN[name].density
+        assert ringdowns.ball_mass(parsed, 1.0) == pytest.approx(expected, rel=1e-12)
+        again = parse(changed(by_name, damper__ball_material=None, damper__ball_density=KNOWN[name].density))
+        assert ringdowns.ball_mass(again, 1.0) == ringdowns.ball_mass(parsed, 1.0)
+    if name == "steel" and count == 1:
+        assert expected == pytest.approx(0.0329e-3, rel=1e-3)
+
+
+def test_a_given_mass_is_that_of_all_balls(structure: Scene) -> None:
+    for changes in ({"damper__mass_ratio": 0.006}, {"damper__mass_ratio": None, "damper__mass": "6 g"}):
+        for count in (1, 60):
+            scene = parse(changed(structure, **changes, damper__count=count))
+            assert ringdowns.ball_mass(scene, 1.0) == pytest.approx(0.006, rel=1e-14)
+
+
+def test_sixty_balls_are_one_of_sixty_times_the_mass(
+    spindamp: Callable[..., Outcome], structure: Scene, tmp_path: Path
+) -> None:
+    sixty = changed(structure, damper__mass_ratio=None, damper__ball_material="steel", damper__count=60)
+    mass = 60 * 4 / 3 * math.pi * 1e-9 * 7850
+    found = [
+        json.loads(spindamp("run", write(scene, tmp_path / "scene.toml"), "--json").out)["speeds"]
+        for scene in (sixty, changed(structure, damper__mass_ratio=None, damper__mass=mass))
+    ]
+    assert found[0] == found[1]
+
+
+def test_check_says_what_the_balls_weigh(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
+    scene = changed(paper, damper__mass_ratio=None, damper__ball_material="tungsten carbide", damper__count=60)
+    said = spindamp("check", write(scene, tmp_path / "scene.toml")).out
+    assert "ball_density = 14900.0" in said
+    assert "# tungsten carbide: WC with 6 % cobalt" in said
+    assert "60 balls together weigh 3.74 g" in said
+
+
+WRONG = [
+    ({"material__name": "steel"}, "[material] youngs_modulus", "name gives it: leave one out"),
+    (NUMBERS | {"material__name": "stel"}, "[material] name", "did you mean 'steel'?"),
+    (NUMBERS | {"material__name": "unobtainium"}, "[material] name", "expected one of steel, stainless steel, alum"),
+    (NUMBERS | {"material__name": "lead"}, "[material] name", "expected one of steel"),
+    (NUMBERS, "[material] youngs_modulus", "missing (or give the material's name: steel, "),
+    ({"material__density": None}, "[material] density", "missing (or give the material's name"),
+    ({"damper__ball_material": "steel"}, "[damper] mass_ratio", "leave one out"),
+    ({"damper__mass_ratio": None, "damper__ball_material": "Lead"}, "[damper] ball_material", "did you mean 'lead'?"),
+    (
+        {"damper__mass_ratio": None, "damper__ball_material": "lead", "damper__ball_density": 11300},
+        "[damper] ball_density",
+        "ball_material gives it: leave one out",
+    ),
+    (
+        {"damper__mass_ratio": None, "damper__ball_density": 7.85},
+        "[damper] ball_density",
+        "was '7.85 g/cm^3' meant?",
+    ),
+    (
+        {"damper__mass_ratio": None, "damper__ball_density": "23 g/cm^3"},
+        "[damper] ball_density",
+        "expected at most 22600 kg/m^3",
+    ),
+    ({"damper__density": "7850 kg/m^3"}, "[damper] density", "did you mean 'ball_density'?"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "message"), WRONG)
+def test_wrong_materials(changes: dict[str, object], key: str, message: str, paper: Scene) -> None:
+    with pytest.raises(BadInput) as caught:
+        parse(changed(paper, **changes))
+    assert caught.value.key == key
+    assert message in caught.value.problem
+
+
+def test_the_resolved_scene_has_no_names(paper: Scene) -> None:
+    scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material="lead"))
+    plain = resolved.scene(scene, effects.resolve(scene), None)
+    assert "name" not in plain["material"]
+    assert "ball_material" not in plain["damper"]
+    assert plain["damper"]["ball_density"] == 11_300.0
