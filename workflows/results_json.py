@@ -7,13 +7,18 @@ import math
 from typing import Any
 
 from workflows import provenance, resolved
-from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint
+from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint, expect
 
 SCHEMA_VERSION = 1
 
 
 def document(results: Results) -> dict[str, Any]:
-    """The results as plain data: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
+    """The results as plain data: numbers are finite, an unknown one is None, SI unless a name says otherwise.
+
+    Raises:
+        TypeError: not results.
+    """
+    expect(results, "document")
     return {
         "schema_version": SCHEMA_VERSION,
         "title": results.scene.title,
