@@ -1,8 +1,10 @@
 """From a scene to results: the one package that knows both the plate (`fem`) and the damper.
 
-    from workflows import load, run
+    import workflows
 
-    results = run(load("paper"))
+    results = workflows.run("paper")                    # or a path, a dict, a Scene
+    workflows.save(results, "out")                      # all that the command writes
+    workflows.save_report(results, "report.html")       # the page alone
 
 Names are imported when first used, so that light commands stay light.
 """
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
     from workflows.pipeline import run
+    from workflows.publish import save, save_report
     from workflows.records import Results
     from workflows.results_files import dataset
     from workflows.results_json import document
@@ -34,6 +37,8 @@ _HOMES = {
     "load": "workflows.scene_file",
     "parse": "workflows.scene_file",
     "run": "workflows.pipeline",
+    "save": "workflows.publish",
+    "save_report": "workflows.publish",
     "shipped": "workflows.scene_file",
 }
 
@@ -50,6 +55,8 @@ __all__ = [
     "load",
     "parse",
     "run",
+    "save",
+    "save_report",
     "shipped",
 ]
 

@@ -10,7 +10,7 @@ from workflows.effects import Effect
 from workflows.notes import remarks
 from workflows.plate import PlateAnswer
 from workflows.records import Results, SpeedPoint
-from workflows.scene_file import SceneFile
+from workflows.scene_file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.stages import Stages
 
 
@@ -67,8 +67,19 @@ def results(found: Structure, stages: Stages) -> Results:
     return replace(gathered, notes=(*found.source.remarks, *remarks(gathered)))
 
 
-def run(source: SceneFile, stages: Stages | None = None) -> Results:
-    """The whole of a run, nothing written."""
+def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
+    """The whole of a run, nothing written.
+
+    Args:
+        scene: the name of a shipped scene, the path of a file, a dict, a Scene or what `load` returns.
+        stages: the clock to go by, if not one of its own.
+
+    Raises:
+        BadInput: the scene is wrong, or needs more than this machine has; the message says what would be right.
+        NoAnswer: the physics has none.
+        TypeError: it is no scene.
+    """
+    source = opened(scene)
     needs.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)

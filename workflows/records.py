@@ -76,8 +76,8 @@ class Energy:
 class History:
     """The structure's motion, sampled: t (n,) [s], velocity (n, 2) [m/s]."""
 
-    t: Floats
-    velocity: Floats
+    t: Floats = field(repr=False)
+    velocity: Floats = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +101,9 @@ class Damping:
     cutoff_g: float | None
     cutoff_ratio: float | None
     largest_rolling_demand: float | None
-    amplitude_g: Floats
-    sdc: Floats
-    peak_velocity: Floats
+    amplitude_g: Floats = field(repr=False)
+    sdc: Floats = field(repr=False)
+    peak_velocity: Floats = field(repr=False)
     energy: Energy
     history: History | None = None
 
@@ -144,11 +144,11 @@ class Surface:
         at: which of the run's speeds the first axis of `shapes` holds.
     """
 
-    points: Floats
-    cells: tuple[str, npt.NDArray[np.int64]]
-    outline: npt.NDArray[np.int64]
-    root: npt.NDArray[np.int64]
-    shapes: Floats
+    points: Floats = field(repr=False)
+    cells: tuple[str, npt.NDArray[np.int64]] = field(repr=False)
+    outline: npt.NDArray[np.int64] = field(repr=False)
+    root: npt.NDArray[np.int64] = field(repr=False)
+    shapes: Floats = field(repr=False)
     at: tuple[int, ...]
 
 
@@ -172,9 +172,12 @@ class Diagram:
     critical: float | None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results:
-    """A finished run, before anything is written. mesh_sha256: of the mesh file, if the scene names one."""
+    """A finished run, before anything is written. mesh_sha256: of the mesh file, if the scene names one.
+
+    In a notebook it shows itself in brief; `workflows.save` and `workflows.save_report` write it out.
+    """
 
     scene: Scene
     effects: dict[str, Effect]
@@ -185,3 +188,19 @@ class Results:
     mesh_sha256: str | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        from workflows import brief
+
+        return brief.text(self)
+
+    def _repr_html_(self) -> str:
+        from workflows import brief
+
+        return brief.html(self)
+
+
+def expect(results: object, who: str) -> None:
+    """Raise TypeError unless results are what `who` was given."""
+    if not isinstance(results, Results):
+        raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")

@@ -6,16 +6,26 @@ import base64
 import math
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-from workflows import answer, curves, drawing, figure_working, figures, mesh_figure, paper, resolved, wording, worth
+from workflows import (
+    answer,
+    curves,
+    drawing,
+    figure_working,
+    figures,
+    mesh_figure,
+    paper,
+    resolved,
+    templating,
+    wording,
+    worth,
+)
 from workflows.assumptions import assumptions
 from workflows.mode_shape import Picture
 from workflows.provenance import hashes, versions
 from workflows.records import Results, SpeedPoint
 
-_TEMPLATES = Path(__file__).with_name("templates")
 _MODES_AT_MOST = 7
 """Columns of the table of a plate without a damper."""
 
@@ -48,23 +58,16 @@ def draw(results: Results) -> Drawings:
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly)
-    environment.filters |= {word.__name__: word for word in words}
     shape = drawings.shape
-    return environment.get_template("report.html.j2").render(
+    return templating.page(
+        "report.html.j2",
+        {word.__name__: word for word in words},
+        drawings.css,
         results=results,
         scene=results.scene,
-        css=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8") + drawings.css),
         answer=answer.answer(results),
         rows=[_row(results, point) for point in results.speeds],
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import curves, provenance, worth
-from workflows.records import Floats, Results, Surface
+from workflows.records import Floats, Results, Surface, expect
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +60,11 @@ def dataset(results: Results) -> xr.Dataset:
 
     Names are those of `results.json`. Where one speed has fewer modes or cycles than another, or no damper in
     motion, the rest is NaN.
+
+    Raises:
+        TypeError: not results.
     """
+    expect(results, "dataset")
     import xarray as xr
 
     points = results.speeds

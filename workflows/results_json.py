@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from workflows import provenance, resolved, worth
-from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint
+from workflows.records import Damping, Mode, Reduced, Results, SpeedPoint, expect
 
 if TYPE_CHECKING:
     from damper import Working
@@ -19,7 +19,12 @@ REDUCED = ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2", "floor_tilt")
 
 
 def document(results: Results) -> dict[str, Any]:
-    """The results as plain data: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
+    """The results as plain data: numbers are finite, an unknown one is None, SI unless a name says otherwise.
+
+    Raises:
+        TypeError: not results.
+    """
+    expect(results, "document")
     return {
         "schema_version": SCHEMA_VERSION,
         "title": results.scene.title,

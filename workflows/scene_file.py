@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
@@ -66,12 +66,36 @@ class SceneFile:
         return replace(self, scene=self.scene.model_copy(update=tables))
 
 
+SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene | SceneFile
+"""A scene as Python calls take it: the name of a shipped one, a file's path, a dict, or one that is already read."""
+
+
 def shipped() -> list[str]:
     """Names of the scenes that come with the package."""
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def load(where: str | Path = DEFAULT) -> SceneFile:
+def opened(given: SceneLike) -> SceneFile:
+    """A scene however it is given; the mesh of one that comes from no file is looked for from the current folder.
+
+    Raises:
+        BadInput: see :func:`load`.
+        TypeError: it is no scene.
+    """
+    if isinstance(given, SceneFile):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return load(given)
+    if isinstance(given, Scene | Mapping):
+        if isinstance(given, Scene):
+            return _with_its_mesh(SceneFile(given, "scene", Path.cwd()))
+        return _with_its_mesh(SceneFile(parse(given), "scene", Path.cwd(), _remarks(given)))
+    raise TypeError(
+        f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(given).__name__}"
+    )
+
+
+def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     """Read and validate a scene.
 
     Args:
@@ -79,7 +103,10 @@ def load(where: str | Path = DEFAULT) -> SceneFile:
 
     Raises:
         BadInput: no such file, not TOML, or a scene that is wrong; names file, key and value.
+        TypeError: neither a name nor a path.
     """
+    if not isinstance(where, str | os.PathLike):
+        raise TypeError(f"load takes a scene's name or path, got {type(where).__name__}")
     path = Path(where)
     if str(where) in shipped() and not path.is_file():
         path, name = SHIPPED / f"{where}.toml", f"{where}.toml"
@@ -94,22 +121,34 @@ def load(where: str | Path = DEFAULT) -> SceneFile:
         raise BadInput("not a scene: a number has too many digits", file=name) from error
     except RecursionError as error:
         raise BadInput("not a scene: nested too deeply", file=name) from error
-    found = SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data))
-    if found.mesh is not None:
-        _check_mesh(found)
-    return found
+    return _with_its_mesh(SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data)))
 
 
 def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
-    """Validate a scene that is already a mapping, such as one from a notebook.
+    """Validate a scene that is already a mapping, such as one from a notebook; values of NumPy and paths will do.
 
     Raises:
         BadInput: the scene is wrong; the message names `name`, the key and the value.
+        TypeError: not a mapping.
     """
+    if not isinstance(data, Mapping):
+        raise TypeError(f"parse takes a dict of the scene's tables, got {type(data).__name__}")
+    plain = _plain(data)
     try:
-        return Scene.model_validate(data, context={"gravity": _gravity(data)})
+        return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
     except ValidationError as error:
-        raise explained(error, data, name) from None
+        raise explained(error, plain, name) from None
+
+
+def _plain(value: Any) -> Any:
+    """Values as TOML has them."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return value.tolist() if hasattr(value, "tolist") else value  # of NumPy
 
 
 def _read(path: Path, name: str) -> str:
@@ -172,13 +211,13 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _check_mesh(found: SceneFile) -> None:
-    mesh = found.mesh
-    if mesh is not None:
-        problem = _mesh_problem(mesh)
-        if problem:
-            value = found.scene.plate.mesh if found.scene.plate else None
-            raise BadInput(problem, file=found.name, key="[plate] mesh", value=value)
+def _with_its_mesh(found: SceneFile) -> SceneFile:
+    """The same, once the mesh file that it may name is seen to be there."""
+    problem = "" if found.mesh is None else _mesh_problem(found.mesh)
+    if problem:
+        value = found.scene.plate.mesh if found.scene.plate else None
+        raise BadInput(problem, file=found.name, key="[plate] mesh", value=value)
+    return found
 
 
 def _mesh_problem(mesh: Path) -> str:

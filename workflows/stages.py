@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -16,11 +16,14 @@ NAMES = ("mesh", "prestress", "modes", "reduction", "damper", "write", "report",
 
 
 class Stages:
-    """Clock of a run. Progress goes to standard error, and only where that is a terminal."""
+    """Clock of a run. Progress goes to standard error, and only where that is a terminal.
 
-    def __init__(self, *, visible: bool | None = None) -> None:
-        self._began = time.perf_counter()
-        self._spent: dict[str, float] = {}
+    `spent`: the times [s] of stages that were over before, and their total, which this clock goes on from.
+    """
+
+    def __init__(self, *, visible: bool | None = None, spent: Mapping[str, float] | None = None) -> None:
+        self._spent = dict(spent or {})
+        self._began = time.perf_counter() - self._spent.get("total", 0.0)
         self._inner: list[float] = []
         self._visible = sys.stderr.isatty() if visible is None else visible
         self._progress: Progress | None = None

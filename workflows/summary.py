@@ -19,7 +19,7 @@ def text(results: Results, out: Path | None) -> str:
     found = answer.answer(results)
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}", ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
-    parts += ["", *_table(results)]
+    parts += ["", *_aligned(rows(results))]
     if results.notes and out is None:
         parts.append("")
         parts += [line for note in results.notes for line in _wrapped(note, "- ")]
@@ -38,27 +38,19 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
     return textwrap.wrap(paragraph, width, initial_indent=mark, subsequent_indent=" " * len(mark))
 
 
-def _table(results: Results) -> list[str]:
+def rows(results: Results) -> list[tuple[str, ...]]:
+    """The table, its heads first: a row a speed."""
     if any(point.damping is not None for point in results.speeds):
-        heads: tuple[str, ...] = (
-            "rpm",
-            "load g",
-            "first Hz",
-            "cut-off g",
-            "/ load",
-            "SDC %",
-            "ball ζ %",
-            "at mm",
-            "hits",
-        )
-        return _aligned([heads, *(_damped(point) for point in results.speeds)])
-    count = min(max(len(point.modes) for point in results.speeds), _MODES_AT_MOST)
+        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
+        heads += ("ball ζ %", "at mm", "hits")
+        return [heads, *(_damped(point) for point in results.speeds)]
+    count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    rows = [
+    found = [
         (fixed(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
         for p in results.speeds
     ]
-    return _aligned([heads, *rows])
+    return [heads, *found]
 
 
 def _damped(point: SpeedPoint) -> tuple[str, ...]:

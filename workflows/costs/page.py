@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from workflows import drawing, store, wording
+from workflows import drawing, store, templating, wording
 from workflows.costs import plots
 from workflows.costs.ladder import Ladder, Row, Study
 from workflows.costs.plates import WITH_THEORY
 from workflows.costs.switching import Switched, Switches
 from workflows.costs.timing import POLICY, POLICY_OF_DIFFERENCES
-
-_TEMPLATES = Path(__file__).parent.parent / "templates"
 
 
 def write_accuracy(found: Study, out: Path) -> None:
@@ -232,21 +231,12 @@ def _write_csv(path: Path, columns: tuple[str, ...], rows: list[dict[str, Any]])
 
 
 def _render(template: str, **values: Any) -> str:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
+    words: dict[str, Callable[..., str]] = {
         "svg": Markup,
         "significant": wording.significant,
         "milliseconds": _milliseconds,
         "exponent": _exponent,
     }
-    css = Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8"))
-    return environment.get_template(template).render(css=css, **values)
+    return templating.page(template, words, **values)

@@ -7,12 +7,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from workflows import drawing, store, wording
+from workflows import drawing, store, templating, wording
 from workflows.reproduction import pictures
 from workflows.reproduction.claim import Value
 from workflows.reproduction.reproduce import ASSUMPTIONS, Reproduction
-
-_TEMPLATES = Path(__file__).parent.parent / "templates"
 
 
 def write(found: Reproduction, out: Path) -> None:
@@ -39,21 +37,13 @@ def dumps(found: Reproduction) -> str:
 
 def render(found: Reproduction) -> str:
     """The page."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"value": value, "fixed": wording.fixed, "significant": wording.significant}
-    css = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + drawing.shades_css(7)
-    return environment.get_template("reproduce.html.j2").render(
+    return templating.page(
+        "reproduce.html.j2",
+        {"value": value, "fixed": wording.fixed, "significant": wording.significant},
+        drawing.shades_css(7),
         found=found,
-        css=Markup(css),
         figures=[(figure, Markup(figure.svg)) for figure in pictures.draw(found)],
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
         assumptions=ASSUMPTIONS,

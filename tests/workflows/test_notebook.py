@@ -1,0 +1,242 @@
+"""As a notebook uses it: scenes in any form, results that show themselves in brief, and calls that write."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import curves, publish, store
+from workflows.records import Results
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def damper() -> Results:
+    return workflows.run("structure")
+
+
+@pytest.fixture(scope="module")
+def plate() -> Results:
+    source = workflows.load("paper")
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 2})
+    return workflows.run(source.changed(rotor=rotor))
+
+
+def _numbers(results: Results) -> dict[str, Any]:
+    return {name: value for name, value in workflows.document(results).items() if name != "timings"}
+
+
+def test_a_scene_in_every_form(damper: Results, structure: Scene, tmp_path: Path) -> None:
+    path = write(structure, tmp_path / "scene.toml")
+    for form in (path, str(path), structure, workflows.parse(structure), workflows.load("structure")):
+        assert _numbers(workflows.run(form)) == _numbers(damper)
+    assert _numbers(workflows.run(scene=structure)) == _numbers(damper)
+
+
+def test_what_is_no_scene(damper: Results) -> None:
+    for wrong in (None, 3, ["paper"], b"paper", damper):
+        with pytest.raises(TypeError, match=f"a dict, a Scene or what load returns, got {_kind(wrong)}$"):
+            workflows.run(wrong)
+    for wrong in (None, [("rotor", {})], "paper"):
+        with pytest.raises(TypeError, match=f"parse takes a dict of the scene's tables, got {_kind(wrong)}"):
+            workflows.parse(wrong)
+    with pytest.raises(TypeError, match="load takes a scene's name or path, got dict"):
+        workflows.load({})
+    with pytest.raises(workflows.BadInput, match="did you mean 'paper'"):
+        workflows.run("papper")
+    with pytest.raises(workflows.BadInput, match=r"^scene: \[rotor\]: missing"):
+        workflows.run({})
+
+
+def _kind(value: object) -> str:
+    return type(value).__name__
+
+
+def test_values_of_numpy_and_paths(structure: Scene, paper: Scene) -> None:
+    """What a notebook computes goes into a scene as it is."""
+    speeds = np.array([100.0, 200.0])
+    given = changed(structure, rotor__speeds=speeds, damper__cavity=(np.float64(2.5e-3), np.float32(3e-3)))
+    assert workflows.parse(given).rotor.speeds == (100.0, 200.0)
+    assert workflows.parse(changed(paper, rotor__modes=np.int64(3))).rotor.modes == 3
+    mesh = changed(paper, plate__length=None, plate__width=None, plate__mesh=Path("a") / "b.msh")
+    assert workflows.parse(mesh).plate.mesh == str(Path("a") / "b.msh")
+    with pytest.raises(workflows.BadInput, match=r"\[rotor\] modes = 3.5: expected a whole number"):
+        workflows.parse(changed(paper, rotor__modes=np.float64(3.5)))
+
+
+def test_a_mesh_is_looked_for_from_the_current_folder(
+    paper: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mesh = {"plate__length": None, "plate__width": None, "plate__mesh": "plate_coarse.msh"}
+    scene = changed(paper, **mesh, rotor__speeds=[0], rotor__modes=1, damper=None, release=None)
+    monkeypatch.chdir(tmp_path)
+    for form in (scene, workflows.parse(scene)):
+        with pytest.raises(workflows.BadInput, match=r"^scene: \[plate\] mesh = 'plate_coarse.msh': no such file"):
+            workflows.run(form)
+    shutil.copy(ROOT / "meshes" / "plate_coarse.msh", tmp_path)
+    results = workflows.run(scene)
+    assert results.mesh_sha256 is not None
+    assert results.speeds[0].modes[0].frequency_hz == pytest.approx(198.97, rel=2e-2)
+
+
+def test_results_in_brief(damper: Results, plate: Results) -> None:
+    for results in (damper, plate, replace(damper, speeds=damper.speeds[:1]), replace(plate, speeds=())):
+        assert len(repr(results)) < 500
+        assert len(repr(results).splitlines()) <= 3
+        assert repr(results).startswith(f"{results.scene.title}: {len(results.speeds)} speed")
+    assert "rpm" in repr(damper)
+    for part in (damper.speeds[0], damper.speeds[0].damping, plate.surface, plate.speeds[1].damping):
+        assert len(repr(part)) < 3000
+
+
+class Page(HTMLParser):
+    """Counts tags, and keeps the text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: list[str] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.open.append(tag)
+        self.seen.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_results_as_a_table(damper: Results, plate: Results, structure: Scene) -> None:
+    for results in (damper, plate):
+        page = Page(results._repr_html_())
+        assert page.open == []
+        assert page.seen.count("table") == 1
+        assert page.seen.count("tr") == 1 + len(results.speeds)
+        assert len(results._repr_html_()) < 5000
+    many = replace(damper, speeds=damper.speeds * 100)
+    assert Page(many._repr_html_()).seen.count("tr") < 20
+    assert "more speeds" in many._repr_html_()
+    assert Page(replace(plate, speeds=())._repr_html_()).open == []
+    hostile = workflows.run(changed(structure, title="<script>alert(1)</script> & co"))
+    assert "script" not in Page(hostile._repr_html_()).seen
+
+
+def test_save(damper: Results, plate: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert workflows.save(damper, "out") == tmp_path / "out"
+    assert workflows.save(plate, Path("out")) == tmp_path / "out"
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names >= store.ALWAYS_OURS
+    assert any(re.fullmatch(curves.FILES, name) for name in names)
+    assert list(tmp_path.iterdir()) == [tmp_path / "out"]
+    document = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+    assert {name: value for name, value in document.items() if name != "timings"} == _numbers(plate)
+    times = document["timings"]
+    assert times["modes"] == plate.timings["modes"]
+    assert times["total"] > plate.timings["total"]
+    assert {"write", "report"} <= set(times)
+    html = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "data:image/png;base64," in html, "the mode shape is drawn"
+
+
+def test_a_saved_run_is_that_of_the_command(tmp_path: Path, spindamp: Any) -> None:
+    outcome: Outcome = spindamp("run", "structure", "--out", "one")
+    assert outcome.status == 0
+    workflows.save(workflows.run("structure"), "two")
+    for folder in ("one", "two"):
+        document = json.loads((tmp_path / folder / "results.json").read_text(encoding="utf-8"))
+        del document["timings"]
+        (tmp_path / folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
+    texts = ("results.json", "csv-metadata.json", store.MANIFEST)
+    for name in texts:
+        assert (tmp_path / "one" / name).read_text() == (tmp_path / "two" / name).read_text()
+
+
+def test_save_report(plate: Results, tmp_path: Path) -> None:
+    path = workflows.save_report(plate, tmp_path / "deep" / "report.html")
+    assert path == tmp_path / "deep" / "report.html"
+    html = path.read_text(encoding="utf-8")
+    assert html.startswith("<!doctype html>")
+    assert "data:image/png;base64," in html
+    assert [p.name for p in path.parent.iterdir()] == ["report.html"]
+
+
+def test_a_report_that_fails_leaves_the_old_one(
+    damper: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = workflows.save_report(damper, tmp_path / "report.html")
+    before = path.read_text(encoding="utf-8")
+
+    def refused(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "replace", refused)
+    with pytest.raises(workflows.BadInput, match=r"path = .*: cannot be written: Permission denied"):
+        workflows.save_report(replace(damper, speeds=damper.speeds[:1]), path)
+    assert path.read_text(encoding="utf-8") == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_places_where_nothing_can_be_saved(damper: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    for place in (".", "file"):
+        with pytest.raises(workflows.BadInput, match=r"^folder = '"):
+            workflows.save(damper, place)
+    for place in (".", "folder", "file/report.html", "nul\0", "x" * 300):
+        with pytest.raises(workflows.BadInput, match=r"^path = '"):
+            workflows.save_report(damper, place)
+    for call in (workflows.save, workflows.save_report):
+        for given in (("out", damper), (damper, None), (damper, 3)):
+            with pytest.raises(TypeError, match=f"{call.__name__} takes"):
+                call(*given)
+    for ask in (workflows.dataset, workflows.document):
+        with pytest.raises(TypeError, match=f"{ask.__name__} takes what run returns, got str"):
+            ask("paper")
+    assert {path.name for path in tmp_path.iterdir()} == {"file", "folder"}
+
+
+def test_in_a_thread(tmp_path: Path) -> None:
+    """A widget's callback and a server's worker run there."""
+    with ThreadPoolExecutor(1) as pool:
+        results = pool.submit(workflows.run, "structure").result(120)
+        assert pool.submit(workflows.save, results, tmp_path / "out").result(120).is_dir()
+
+
+def test_nothing_is_drawn_where_there_is_no_plate(damper: Results, monkeypatch: pytest.MonkeyPatch) -> None:
+    def started(*_: object) -> None:
+        raise AssertionError("a process was started")
+
+    monkeypatch.setattr(publish, "Artist", started)
+    with publish.artist(damper) as nobody:
+        assert nobody is None
+
+
+def test_the_snippets_of_the_readme(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each runs as it stands, in an empty folder."""
+    found = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(found) >= 2
+    for number, text in enumerate(found):
+        monkeypatch.chdir(tmp_path)
+        exec(compile(text, f"README.md, snippet {number + 1}", "exec"), {"__name__": "__main__"})
+    assert any("workflows.save(" in text for text in found)
+    assert any("save_report(" in text for text in found)

@@ -1,0 +1,46 @@
+"""Results in brief, as a notebook or an interactive Python shows them."""
+
+from __future__ import annotations
+
+from html import escape
+
+from workflows import answer, summary
+from workflows.errors import one_line
+from workflows.records import Results
+from workflows.wording import fixed
+
+_ROWS_AT_MOST = 12
+
+
+def text(results: Results) -> str:
+    """Title, speeds and what was found, in two lines."""
+    found = answer.answer(results)
+    return f"{_head(results)}\n{' '.join((f'{found.verdict}.', *found.sentences[:1]))}"
+
+
+def html(results: Results) -> str:
+    """The same with a table; everything that comes from a scene is escaped."""
+    found = answer.answer(results)
+    sentences = " ".join(found.sentences)
+    heads, *rows = summary.rows(results)
+    left_out = len(rows) - _ROWS_AT_MOST
+    more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
+    table = _row("th", heads) + "".join(_row("td", row) for row in rows[:_ROWS_AT_MOST])
+    return (
+        f"<p>{escape(_head(results))}</p><p><b>{escape(found.verdict)}.</b> {escape(sentences)}</p>"
+        f"<table>{table}</table>{more}"
+    )
+
+
+def _head(results: Results) -> str:
+    speeds = [point.rpm for point in results.speeds]
+    title = one_line(results.scene.title)
+    if not speeds:
+        return f"{title}: 0 speeds"
+    if len(speeds) == 1:
+        return f"{title}: 1 speed, {fixed(speeds[0])} rpm"
+    return f"{title}: {len(speeds)} speeds, {fixed(min(speeds))} to {fixed(max(speeds))} rpm"
+
+
+def _row(kind: str, cells: tuple[str, ...]) -> str:
+    return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
