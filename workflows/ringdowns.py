@@ -116,7 +116,7 @@ def _one(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, keep: b
     system = particle_damper(scene, effects, point)
     motion = ringdown(system, release, None if isinstance(cycles, str) else cycles, keep_events=keep, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
-    best = int(np.argmax(found.sdc)) if len(found.sdc) else None
+    best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
     books = motion.energy
     return Damping(
