@@ -25,7 +25,8 @@ class Capacity:
     Attributes:
         peak_velocity: V at each cycle's start, shape (n,) [m/s].
         amplitude: V omega_1, the dynamic acceleration, shape (n,) [m/s^2]; over g it is the paper's Gamma.
-        sdc: specific damping capacity 1 - (V_next / V)^2, shape (n,) [-], section II.C of the paper.
+        sdc: specific damping capacity 1 - (V_next / V)^2, shape (n,) [-], section II.C of the paper; nan where the
+            ball gave the structure more energy than it had: that is a new start, no cycle of a ring-down.
         intrinsic_sdc: what the structure's own damping alone would give [-].
         cutoff: amplitude of the last cycle in which the ball moved [m/s^2]; None if it never moved or never rested.
     """
@@ -48,9 +49,9 @@ def capacity(ringdown: RingDown) -> Capacity:
     damper = ringdown.damper
     v = ringdown.peak_velocities
     start, end = v[:-1], v[1:]
-    alive = start > 0
-    sdc = np.zeros_like(start)
-    sdc[alive] = 1.0 - (end[alive] / start[alive]) ** 2
+    anew, alive = end > math.sqrt(2.0) * start, start > 0
+    sdc = np.where(anew, np.nan, 0.0)
+    sdc[alive & ~anew] = 1.0 - (end[alive & ~anew] / start[alive & ~anew]) ** 2
     amplitude = start * damper.stuck_frequency
     cutoff = None
     if ringdown.rested and ringdown.last_motion is not None and len(amplitude):

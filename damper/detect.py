@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from damper.compiled import kernel
-from damper.flight import first_extremum, relative
+from damper.flight import first_extremum, relative, wave
 from damper.records import HIT, NOTHING, PIECES, REVERSAL, ROLLING, SLIPPING, START, STUCK
 from damper.slip import end_of_pressing, end_of_slip
 from damper.threshold import MARGIN, drive, first_exceed
@@ -94,15 +94,15 @@ def _both_exceed(axis: Record, laws: Records, d: int, threshold: float) -> float
     law = laws[STUCK]
     p1, q1 = drive(axis, law, law.damping, d)
     if laws[ROLLING].damping == law.damping:
-        return first_exceed(p1, q1, law.decay, law.frequency, threshold)
+        return first_exceed(p1, q1, law, threshold)
     p2, q2 = drive(axis, law, laws[ROLLING].damping, d)
     above = threshold - 1e-13 * (abs(p1) + abs(q1))
     tau = 0.0
     for _ in range(8):  # whichever comes second decides; each peak passed is lower than the one before
-        tau += first_exceed(*_turned(p1, q1, law, tau), law.decay, law.frequency, threshold)
+        tau += first_exceed(*_turned(p1, q1, law, tau), law, threshold)
         if tau == np.inf or _turned(p2, q2, law, tau)[0] >= above:
             return tau
-        tau += first_exceed(*_turned(p2, q2, law, tau), law.decay, law.frequency, threshold)
+        tau += first_exceed(*_turned(p2, q2, law, tau), law, threshold)
         if tau == np.inf or _turned(p1, q1, law, tau)[0] >= above:
             return tau
     return np.inf
@@ -110,10 +110,9 @@ def _both_exceed(axis: Record, laws: Records, d: int, threshold: float) -> float
 
 @kernel
 def _turned(p: float, q: float, law: Record, tau: float) -> tuple[float, float]:
-    """Coefficients of exp(-decay t) (p cos + q sin) counted from t = tau; the first is its value there."""
-    e = math.exp(-law.decay * tau)
-    c, s = e * math.cos(law.frequency * tau), e * math.sin(law.frequency * tau)
-    return p * c + q * s, q * c - p * s
+    """Coefficients of exp(-decay t) (p C + q S) counted from t = tau; the first is its value there."""
+    e, (c, s) = math.exp(-law.decay * tau), wave(law, tau)
+    return e * (p * c + q * s), e * (q * c - law.frequency * law.frequency * p * s)
 
 
 @kernel
@@ -200,7 +199,7 @@ def _polish(axis: Record, law: Record, order: int, low: float, high: float, tau:
             break
         step /= 1.0 + 0.5 * bend
         tau += step
-        if abs(step) * (bend * bend + (law.frequency * step) ** 2) <= 1e-17 * tau:
+        if abs(step) * (bend * bend + law.square * step * step) <= 1e-17 * tau:
             return (tau if low <= tau <= high else np.inf), motion
     return np.inf, motion
 
@@ -213,7 +212,7 @@ def _reversal(axis: Record, law: Record, low: float, high: float, here: Motion, 
         if _motion(axis, law, valley)[_VELOCITY] > 0.0:
             return np.inf
         return _root(axis, law, _VELOCITY, low, valley, low)
-    if there[_VELOCITY] > 0.0 or there[_ACCELERATION] >= 0.0:
+    if there[_VELOCITY] > 0.0 or here[_ACCELERATION] >= 0.0 <= there[_ACCELERATION]:
         return np.inf
     # the velocity is concave or falls all the way: one zero after its top, which Newton meets from the right
     return _root(axis, law, _VELOCITY, low, high, high)
@@ -222,7 +221,7 @@ def _reversal(axis: Record, law: Record, low: float, high: float, here: Motion, 
 @kernel
 def _departure_motion(axis: Record, law: Record) -> Motion:
     """`_motion` at tau = 0, where a ball that was just set off accelerates along its direction."""
-    d, square = axis.direction, law.stiffness / law.mass
+    d, square = axis.direction, law.square
     structure = -2.0 * law.decay * axis.v - square * (axis.u - axis.offset)
     acceleration = d * (axis.f - axis.beta * structure)
     if axis.w == 0.0:

@@ -214,7 +214,7 @@ def _fly(axis: Record, laws: Records, ball: Record, books: Record, tau: float) -
 def _account(axis: Record, law: Record, tau: float, acceleration: float) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2]."""
     share = 1.0 - axis.beta
-    at_start = -2.0 * law.decay * axis.v - law.stiffness / law.mass * (axis.u - axis.offset)
+    at_start = -2.0 * law.decay * axis.v - law.square * (axis.u - axis.offset)
     axis.demand = max(axis.demand, abs(share * at_start + axis.f), abs(share * acceleration + axis.f))
     crest = axis.crest
     for _ in range(2):
@@ -286,7 +286,7 @@ def _tremor(clock: Record, axes: Records, laws: Records, ball: Record, books: Re
     elif still and ball.threshold > 0.0:
         for i in range(2):
             law = laws[i, STUCK]
-            square = law.stiffness / law.mass
+            square = law.square
             if math.sqrt((square * axes[i].u) ** 2 + square * axes[i].v ** 2) > _NEAR * ball.threshold:
                 return
         clock.trembles = 1

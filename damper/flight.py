@@ -1,8 +1,9 @@
 """Closed-form flight: where structure and ball are, a time tau after an event.
 
-The structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a cos + b sin); the ball
-follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its inertia and f of the
-rolling resistance; slipping, with beta = 1 and f of the sliding friction.
+The structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a C + b S) with
+C = cos(omega tau) and S = sin(omega tau) / omega, which stays good as damping nears its critical value and omega zero;
+the ball follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its inertia and f
+of the rolling resistance; slipping, with beta = 1 and f of the sliding friction.
 """
 
 from __future__ import annotations
@@ -40,7 +41,14 @@ def begin(axis: Record, laws: Records, ball: Record, time: float) -> None:
         push = -ball.mass * axis.f
     axis.offset = push / law.stiffness
     axis.a = axis.u - axis.offset
-    axis.b = (axis.v + law.decay * axis.a) / law.frequency
+    axis.b = axis.v + law.decay * axis.a
+
+
+@kernel
+def wave(law: Record, tau: float) -> tuple[float, float]:
+    """C and S: the cosine, and the sine over the frequency [s]."""
+    angle = law.frequency * tau
+    return math.cos(angle), math.sin(angle) / law.frequency
 
 
 @kernel
@@ -49,12 +57,11 @@ def structure(axis: Record, law: Record, tau: float) -> tuple[float, float, floa
 
     A heavy ball pushes the offset far out: just after the start, `increments` are better.
     """
-    c, s = math.cos(law.frequency * tau), math.sin(law.frequency * tau)
+    c, s = wave(law, tau)
     e = math.exp(-law.decay * tau) if law.decay > 0.0 else 1.0
     p = e * (axis.a * c + axis.b * s)
-    q = e * (axis.b * c - axis.a * s)
-    v = law.frequency * q - law.decay * p
-    acceleration = -2 * law.decay * v - law.stiffness / law.mass * p
+    v = e * (axis.b * c - law.frequency * law.frequency * axis.a * s) - law.decay * p
+    acceleration = -2 * law.decay * v - law.square * p
     return axis.offset + p, v, acceleration
 
 
@@ -62,7 +69,7 @@ def structure(axis: Record, law: Record, tau: float) -> tuple[float, float, floa
 def velocity(axis: Record, law: Record, tau: float) -> tuple[float, float]:
     """Velocity and acceleration of the structure."""
     if tau == 0.0:
-        return axis.v, -2 * law.decay * axis.v - law.stiffness / law.mass * (axis.u - axis.offset)
+        return axis.v, -2 * law.decay * axis.v - law.square * (axis.u - axis.offset)
     _, dv, acceleration = increments(axis, law, tau)
     return axis.v + dv, acceleration
 
@@ -73,7 +80,7 @@ def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, flo
     if law.frequency * tau > _SHORT or law.decay * tau > _SHORT:
         u, v, acceleration = structure(axis, law, tau)
         return u - axis.u - axis.v * tau, v - axis.v, acceleration
-    square = law.stiffness / law.mass
+    square = law.square
     first = axis.v
     second = -2 * law.decay * axis.v - square * (axis.u - axis.offset)
     du = dv = ddv = 0.0
@@ -91,7 +98,7 @@ def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, flo
 def relative(axis: Record, law: Record, tau: float) -> tuple[float, float, float, float]:
     """Position, velocity, acceleration and jerk of a moving ball relative to the structure."""
     du, dv, acceleration = increments(axis, law, tau)
-    jerk = -2.0 * law.decay * acceleration - law.stiffness / law.mass * (axis.v + dv)
+    jerk = -2.0 * law.decay * acceleration - law.square * (axis.v + dv)
     return (
         axis.s + axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau,
         axis.w - axis.beta * dv + axis.f * tau,
@@ -105,13 +112,11 @@ def first_extremum(axis: Record, law: Record, order: int) -> float:
     """First tau > 0 at which derivative `order` + 1 of u vanishes (order 2: acceleration is extreme)."""
     p, q = axis.a, axis.b
     for _ in range(order + 1):
-        p, q = law.frequency * q - law.decay * p, -law.frequency * p - law.decay * q
+        p, q = q - law.decay * p, -law.frequency * law.frequency * p - law.decay * q
     if p == 0.0 and q == 0.0:
         return np.inf
-    angle = math.atan2(p, -q)
-    if angle <= 0.0:
-        angle += math.pi
-    return angle / law.frequency
+    angle = math.atan2(law.frequency * p, -q) if p > 0.0 else math.atan2(-law.frequency * p, q)
+    return (angle if angle > 0.0 else math.pi) / law.frequency
 
 
 @kernel
@@ -124,15 +129,12 @@ def viscous_loss(axis: Record, law: Record, tau: float) -> float:
         for k in range(5):
             square += _WEIGHTS[k] * (axis.v + increments(axis, law, _NODES[k] * tau)[1]) ** 2
         return float(law.damping * tau * square)
-    p = law.frequency * axis.b - law.decay * axis.a
-    q = -law.frequency * axis.a - law.decay * axis.b
-    alpha, omega = law.decay, law.frequency
-    mean = 0.25 * (p * p + q * q) * -math.expm1(-2 * alpha * tau) / alpha
+    alpha, c, s = law.decay, *wave(law, tau)
     e = math.exp(-2 * alpha * tau)
-    c, s = math.cos(2 * omega * tau), math.sin(2 * omega * tau)
-    # integral of exp(-2 alpha t) (A cos 2 omega t + B sin 2 omega t)
-    big_a, big_b = 0.5 * (p * p - q * q), p * q
-    end = e * (big_a * (omega * s - alpha * c) - big_b * (omega * c + alpha * s))
-    begin_value = -big_a * alpha - big_b * omega
-    wave = 0.5 * (end - begin_value) / (alpha * alpha + omega * omega)
-    return law.damping * (mean + wave)
+    gone = -math.expm1(-2 * alpha * tau)
+    # integrals of exp(-2 alpha t) times C S and S^2; that of C^2 is what 1 leaves over omega^2 S^2
+    mixed = (1.0 - e * (2 * alpha * s * c + c * c - (law.frequency * s) ** 2)) / (4 * law.square)
+    sines = (gone - 2 * e * alpha * s * (alpha * s + c)) / (4 * alpha * law.square)
+    cosines = 0.5 * gone / alpha - law.frequency**2 * sines
+    fall = alpha * axis.v + law.square * axis.a  # v = exp(-alpha t) (v0 C - fall S)
+    return law.damping * (axis.v * axis.v * cosines - 2 * axis.v * fall * mixed + fall * fall * sines)

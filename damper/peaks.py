@@ -4,6 +4,10 @@ The speed v(t) = sqrt(v_x**2 + v_y**2) peaks twice in a vibration period. A cycl
 period later: the largest speed between 3/4 and 5/4 of a period after the last peak (for the first: in the first half
 period after the release). Following the peaks keeps the count right while the frequency shifts, and one large
 window keeps the kinks that impacts make from being taken for cycles.
+
+Strong damping stretches the period, and brings each peak closer to the zero before it: the window then opens at that
+zero of the structure's free velocity (`wait`). Nearly critical damping leaves no second peak; the window opens where
+nothing is left of the free vibration.
 """
 
 from __future__ import annotations
@@ -49,8 +53,8 @@ def close(cycle: Record, last_motion: float) -> None:
         _tally(cycle, last_motion)
     cycle.last_time = 0.0 if first else cycle.time
     cycle.last_speed = cycle.speed
-    cycle.opens = cycle.time + 0.75 * cycle.period
-    cycle.closes = cycle.time + 1.25 * cycle.period
+    cycle.opens = cycle.time + cycle.wait
+    cycle.closes = cycle.opens + 0.5 * cycle.period
     cycle.speed = -1.0
 
 

@@ -9,13 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.parameters import energy, half_gap, number, stuck_frequency
-from damper.records import AXIS, BOOKS, CLOCK, CYCLE, balls_of, laws_of
+from damper.records import AXIS, BOOKS, CLOCK, CYCLE, STUCK, balls_of, laws_of
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Records
     from damper.parameters import Parameters
 
 _CYCLES_AFTER_REST = 3
+
+_LIGHT = 0.1
+"""Decay rate over frequency up to which a structure's velocity peaks where it would without damping, nearly."""
+
+_NOTHING = 36.0
+"""Decay times after which nothing is left of a vibration: exp(-36) is rounding."""
 
 _LARGEST = 1e150
 """Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
@@ -57,20 +63,21 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         raise ValueError(f"ball_position {axes['s'][outside][0]:g} m lies outside the cavity")
     axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
 
+    laws = laws_of(rows)
     omega = stuck_frequency(rows)
     period = 2 * np.pi / omega
     size = np.abs(start).max(axis=2)
     reach = np.maximum(size[:, 0], np.maximum(size[:, 1], size[:, 3]) / omega)
     clocks, books, windows = np.zeros(len(rows), CLOCK), np.zeros(len(rows), BOOKS), np.zeros(len(rows), CYCLE)
     clocks["end"] = period * (max_cycles if cycles is None else cycles)
-    clocks["tail"] = _CYCLES_AFTER_REST * period if cycles is None else np.inf
     clocks["rest"], clocks["last_motion"] = np.inf, -np.inf
-    windows["period"], windows["closes"] = period, 0.5 * period
+    windows["period"], windows["wait"], windows["closes"] = period, _waits(laws[:, 0, STUCK], period), 0.5 * period
+    clocks["tail"] = np.maximum(_CYCLES_AFTER_REST * period, windows["wait"] + period) if cycles is None else np.inf
     windows["waiting_since"] = -np.inf
     for name in ("speed", "last_speed", "moving_speed", "waiting_speed"):
         windows[name] = -1.0
     return Prepared(
-        laws=laws_of(rows),
+        laws=laws,
         balls=balls_of(rows, reach),
         axes=axes,
         clocks=clocks,
@@ -78,6 +85,17 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         cycles=windows,
         initial=energy(rows, axes),
     )
+
+
+def _waits(laws: Records, period: Floats) -> Floats:
+    """Times [s], shape (n,), from a velocity maximum of free vibration to the zero before the one a period later.
+
+    At most until nothing is left of the vibration; 3/4 of the period where damping is light.
+    """
+    decay, frequency = laws["decay"], laws["frequency"]
+    zero = (2 * np.pi - np.arctan2(frequency, decay)) / frequency
+    light = decay <= _LIGHT * frequency
+    return np.where(light, 0.75 * period, np.minimum(zero, _NOTHING / np.where(light, 1.0, decay)))
 
 
 def _check_size(rows: Parameters, start: Floats) -> None:

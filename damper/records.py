@@ -28,8 +28,11 @@ tangential side of a wall hit; the end of slip."""
 PIECES = 32
 """Half periods of a flight that are looked through at a time: nearly every flight is shorter."""
 
-LAW = _record(("mass", "f8"), ("stiffness", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8"))
-"""A damped oscillator: mass [kg], stiffness [N/m], damping [N s/m], decay rate [1/s], damped frequency [rad/s]."""
+LAW = _record(
+    ("mass", "f8"), ("stiffness", "f8"), ("square", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8")
+)
+"""A damped oscillator: mass [kg], stiffness [N/m], their ratio [1/s^2], damping [N s/m], decay rate [1/s], damped
+frequency [rad/s], which is next to nothing where the damping is nearly critical."""
 
 BALL = _record(
     ("host_mass", "f8"),  # M2
@@ -57,7 +60,7 @@ AXIS = _record(
     ("direction", "i8"),  # of the relative motion, or of the sliding of the contact: -1, 0 (stuck), 1
     ("beta", "f8"),  # s = s0 + w0 t - beta (u - u0 - v0 t) + f t**2 / 2
     ("f", "f8"),
-    ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin)
+    ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin / frequency)
     ("a", "f8"),
     ("b", "f8"),
     ("crest", "f8"),  # flight time at which the structure's acceleration is extreme first
@@ -76,6 +79,7 @@ BOOKS = _record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip
 
 CYCLE = _record(
     ("period", "f8"),
+    ("wait", "f8"),  # from a velocity maximum until the next is sought
     ("opens", "f8"),  # window in which the next velocity maximum is sought
     ("closes", "f8"),
     ("time", "f8"),  # of the largest speed in it so far
@@ -135,10 +139,12 @@ def laws_of(rows: Parameters) -> Records:
     sprung[printed, :, STUCK] += ball[printed, None]
     stiffness = rows["stiffness"][:, :, None]
     laws = np.empty((len(rows), 2, 3), LAW)
-    laws["mass"], laws["stiffness"] = mass, stiffness
-    laws["damping"] = damping = 2 * rows["damping_ratio"][:, None, None] * np.sqrt(stiffness * sprung)
-    laws["decay"] = decay = damping / (2 * mass)
-    laws["frequency"] = np.sqrt(stiffness / mass - decay * decay)
+    zeta = rows["damping_ratio"][:, None, None]
+    laws["mass"], laws["stiffness"], laws["square"] = mass, stiffness, stiffness / mass
+    laws["damping"] = damping = 2 * zeta * np.sqrt(stiffness * sprung)
+    laws["decay"] = damping / (2 * mass)
+    # 1 - zeta^2 sprung / mass, which must not cancel where zeta nears 1
+    laws["frequency"] = np.sqrt(laws["square"] * ((1 - zeta) * (1 + zeta) + zeta**2 * (mass - sprung) / mass))
     return laws
 
 

@@ -47,7 +47,7 @@ def end_of_pressing(axis: Record, law: Record, ball: Record) -> tuple[float, int
     side = 1 if axis.s > 0.0 else -1
     pressing = side * math.copysign(ball.grip, axis.spin)
     p, q = drive(axis, law, law.damping, -side)
-    away = first_exceed(p, q, law.decay, law.frequency, pressing)
+    away = first_exceed(p, q, law, pressing)
     axis.heading = -side
     return (away, START) if away < spent else (spent, GRIP)
 

@@ -1,6 +1,7 @@
 """Elements whose shape functions are combinations of monomials in each cell, all tabulated at once.
 
-scikit-fem's `ElementGlobal` evaluates every monomial anew for every function, which is most of an assembly's time.
+scikit-fem's `ElementGlobal` evaluates every monomial anew for every function, which is most of an assembly's time, and
+compares the normals of all edges on the boundary with one another, which on cells that share no edges are all edges.
 """
 
 from __future__ import annotations
@@ -10,9 +11,15 @@ from typing import Any
 
 import numpy as np
 
+PIECE = 256
+"""Cells whose combinations are found at once."""
+
 
 def together(kind: Any) -> Any:
-    """Make an element of a scikit-fem class derived from `ElementGlobal`, its functions computed together."""
+    """Make an element of a scikit-fem class derived from `ElementGlobal`, its functions computed together.
+
+    It is for meshes whose cells share no points.
+    """
     from skfem.element import DiscreteField
 
     class Together(kind):  # type: ignore[misc]
@@ -25,6 +32,11 @@ def together(kind: Any) -> Any:
                 self._functions = self._tabulate(mapping, X, tind)
                 self._places = places
             return (self._functions[i],)
+
+        def _eval_dofs(self, mesh: Any, tind: Any = None) -> Any:
+            cells = np.arange(mesh.t.shape[1]) if tind is None else np.asarray(tind)
+            pieces = np.split(cells, range(PIECE, cells.size, PIECE))
+            return np.concatenate([super(Together, self)._eval_dofs(mesh.restrict(piece)) for piece in pieces])
 
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
             if self.V is None:

@@ -61,11 +61,11 @@ def capacity(results: Results) -> list[Curve]:
     """Specific damping capacity over the amplitude of the acceleration, a curve per load (Fig. 3)."""
     curves = []
     for point in results.speeds:
-        if point.damping is not None and len(point.damping.sdc):
-            damping = point.damping
+        damping = point.damping
+        if damping is not None and (known := np.isfinite(damping.sdc)).any():
             label = f"{wording.amount(point.load_g)} g"
             name = f"sdc_{speed_tag(point)}"
-            curves.append(Curve(name, label, "amplitude_g", "sdc", damping.amplitude_g, damping.sdc))
+            curves.append(Curve(name, label, "amplitude_g", "sdc", damping.amplitude_g[known], damping.sdc[known]))
     return curves
 
 

@@ -69,7 +69,7 @@ def velocity(results: Results, sheet: Sheet) -> str:
 def capacity(results: Results, sheet: Sheet) -> str:
     """Specific damping capacity over amplitude for every load: all of it, and the ball's part (Fig. 3)."""
     lines = curves.capacity(results)
-    dampings = [p.damping for p in results.speeds if p.damping is not None and len(p.damping.sdc)]
+    dampings = [p.damping for p in results.speeds if p.damping is not None and np.isfinite(p.damping.sdc).any()]
     if not lines:
         return ""
     # Without damping of its own the structure's part is nothing, and the two pictures would be one.

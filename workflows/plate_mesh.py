@@ -90,28 +90,16 @@ def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
 
 
-def root_and_place(source: SceneFile) -> tuple[float, tuple[float, float]]:
+def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:
     """In the plate's coordinates: x [m] of the clamped root, and the place (x, y) of the damper or of the tip's middle.
 
-    Raises:
-        BadInput: the mesh file is no good.
+    `mesh` is what `given` returns.
     """
     plate = source.scene.plate
-    if source.mesh is not None:
-        mesh = _from_file(source)
+    if mesh is not None:
         return float(mesh.p[0].min()), place(source, mesh)
     tip = 0.0 if plate is None or plate.length is None else plate.length
     return 0.0, given_place(source.scene) or (tip, 0.0)
-
-
-def check(source: SceneFile) -> tuple[float, float]:
-    """The sides [m] of the mesh that a scene names, once it is seen to be a plate with the damper on it.
-
-    Raises:
-        BadInput: it cannot.
-    """
-    length, width = np.ptp(_from_file(source).p, axis=1)
-    return float(length), float(width)
 
 
 def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
@@ -119,6 +107,21 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     given = given_place(source.scene)
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
     return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
+
+
+def given(source: SceneFile) -> Any:
+    """The mesh that a scene names, once it is seen to be a plate with the damper on it; None where it names none.
+
+    Raises:
+        BadInput: it cannot.
+    """
+    return None if source.mesh is None else _from_file(source)
+
+
+def sides(mesh: Any) -> tuple[float, float]:
+    """Length and width of a mesh [m]."""
+    length, width = np.ptp(mesh.p, axis=1)
+    return float(length), float(width)
 
 
 def _from_file(source: SceneFile) -> Any:

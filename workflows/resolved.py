@@ -25,9 +25,9 @@ def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> di
     return data
 
 
-def document(source: SceneFile, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
+def document(source: SceneFile, effects: dict[str, Effect], theory: Theory | None, mesh: Any = None) -> dict[str, Any]:
     """What `check --json` prints: the scene, why each effect is on or off, radii [m], remarks on how it is written."""
-    root, place, _ = radii(source)
+    root, place, _ = radii(source, mesh)
     found: dict[str, Any] = {
         "scene": scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
@@ -37,9 +37,9 @@ def document(source: SceneFile, effects: dict[str, Effect], theory: Theory | Non
     return found if theory is None else found | {"theory": vars(theory)}
 
 
-def heading(source: SceneFile) -> list[str]:
+def heading(source: SceneFile, mesh: Any = None) -> list[str]:
     """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
-    given, (root, place, at) = source.scene, radii(source)
+    given, (root, place, at) = source.scene, radii(source, mesh)
     lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
     what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
     clamped = "" if root is None else f"{_mm(root)} at the clamped root, "
@@ -49,14 +49,14 @@ def heading(source: SceneFile) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def radii(source: SceneFile) -> tuple[float | None, float, str]:
+def radii(source: SceneFile, mesh: Any) -> tuple[float | None, float, str]:
     """Radii [m] of the clamped root, which a [structure] has not, and of the damper; and its place on the plate."""
     hub = source.scene.rotor.hub_radius
     if source.scene.plate is None:
         return None, source.scene.rotor.radius or 0.0, ""
     from workflows.plate_mesh import root_and_place
 
-    root, (x, y) = root_and_place(source)
+    root, (x, y) = root_and_place(source, mesh)
     return hub, hub + (x - root), f" (x = {_mm(x)}, y = {_mm(y)})"
 
 

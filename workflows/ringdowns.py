@@ -118,7 +118,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     cycles = scene.release.cycles if scene.release is not None else "auto"
     motion = ringdown(system, release, None if isinstance(cycles, str) else cycles, keep_events=keep, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
-    best = int(np.argmax(found.sdc)) if len(found.sdc) else None
+    best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
     books = motion.energy
     return Damping(

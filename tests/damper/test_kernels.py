@@ -12,9 +12,9 @@ from scipy.integrate import quad
 
 from damper import Formulation, ringdown, stepped_ringdown
 from damper.detect import look, schedule
-from damper.flight import begin, first_extremum, increments, relative, structure, velocity, viscous_loss
+from damper.flight import begin, first_extremum, increments, relative, structure, velocity, viscous_loss, wave
 from damper.prepare import prepare
-from damper.records import HIT, NOTHING, PIECES, ROLLING, SLIPPING, STUCK
+from damper.records import HIT, LAW, NOTHING, PIECES, ROLLING, SLIPPING, STUCK
 from damper.threshold import drive, first_exceed
 from tests.damper.scenes import random_scene
 from tests.damper.test_reference import paper_like
@@ -44,7 +44,7 @@ def test_velocity_begins_where_the_flight_does(offset: float) -> None:
     """However far the offset lies: v = v0 + a0 tau - … to the rounding of v0 and of what it changes by."""
     axis, law, _ = flight(SLIPPING, 0.7)
     axis["offset"], axis["a"] = offset, axis["u"] - offset
-    axis["b"] = (axis["v"] + law["decay"] * axis["a"]) / law["frequency"]
+    axis["b"] = axis["v"] + law["decay"] * axis["a"]
     rate = law["stiffness"] / law["mass"] * (offset - axis["u"]) - 2 * law["decay"] * axis["v"]
     for tau in (0.0, 1e-30, 1e-20, 1e-14):
         change = rate * tau
@@ -115,20 +115,29 @@ def test_first_extremum(order: int, zeta: float) -> None:
         assert first_extremum(axis, law, order) == pytest.approx(turn, abs=2 * times[1])
 
 
+def oscillator(decay: float, frequency: float) -> np.record:
+    """The law of a structure of unit mass."""
+    law = np.zeros(1, LAW)[0]
+    law["mass"], law["decay"], law["frequency"] = 1.0, decay, frequency
+    law["damping"], law["stiffness"] = 2.0 * decay, decay**2 + frequency**2
+    law["square"] = law["stiffness"]
+    return law
+
+
 @pytest.mark.parametrize("decay", [0.0, 0.02, 0.5, 3.0])
 @pytest.mark.parametrize("phase", np.linspace(-3.1, 3.1, 12))
 @pytest.mark.parametrize("threshold", [0.0, 0.3, 0.9])
 def test_first_exceed(decay: float, phase: float, threshold: float) -> None:
-    """First time at which exp(-decay t) (p cos t + q sin t) is above a threshold, by a dense search."""
+    """First time at which exp(-decay t) (p cos w t + q sin w t) is above a threshold, by a dense search for w = 1."""
     p, q = math.cos(phase), math.sin(phase)
     times = np.linspace(0.0, 2 * math.pi, 20001)
     above = np.exp(-decay * times) * (p * np.cos(times) + q * np.sin(times)) > threshold
-    found = first_exceed(p, q, decay, 1.0, threshold)
+    found = first_exceed(p, q, oscillator(decay, 1.0), threshold)
     if not above.any():
         assert found == math.inf
     else:
         assert found == pytest.approx(times[above.argmax()], abs=times[1])
-    assert first_exceed(p, q, decay, 7.0, threshold) <= found or found == math.inf
+    assert first_exceed(p, 7.0 * q, oscillator(decay, 7.0), threshold) <= found or found == math.inf
 
 
 def test_drive_is_the_inertia_of_a_stuck_ball() -> None:
@@ -138,9 +147,8 @@ def test_drive_is_the_inertia_of_a_stuck_ball() -> None:
         for d in (-1, 1):
             p, q = drive(axis, law, law.damping, d)
             for tau in (0.0, 1e-4, 7e-4):
-                value = math.exp(-law.decay * tau) * (
-                    p * math.cos(law.frequency * tau) + q * math.sin(law.frequency * tau)
-                )
+                c, s = wave(law, tau)
+                value = math.exp(-law.decay * tau) * (p * c + q * s)
                 assert value == pytest.approx(-d * structure(axis, law, tau)[2], rel=1e-9)
 
 

@@ -1,10 +1,12 @@
 """The Mindlin element itself: patches, spurious modes, locking, rates."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from fem_cases import STEEL, distorted
 
-from fem import Effects, Plate, Rotor, assemble, mindlin, rectangle, solve_modes
+from fem import Effects, Plate, Rotor, assemble, mindlin, rectangle, solve_modes, theories
 from fem.forms import elastic_stiffness
 
 MESHES = {
@@ -102,3 +104,19 @@ def test_rate(kind):
     coarse, fine = np.abs(errors).max(axis=1)
     assert np.log2(coarse / fine) > 2.0
     assert fine < 4e-3
+
+
+@pytest.mark.parametrize("element", ["bfs", "argyris", "morley"])
+def test_memory_of_an_assembly_grows_with_the_cells(element):
+    """Four times the cells take four times the memory: nothing is as large as the square of their number."""
+    peaks = []
+    for n in (16, 32):
+        mesh = rectangle(1.0, 1.0, 2 * n, 2 * n if element == "bfs" else n)
+        plate = Plate(mesh if element == "bfs" else mesh.to_meshtri(), 0.01, STEEL)
+        tracemalloc.start()
+        try:
+            theories.discretise(plate, f"kirchhoff/{element}")
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    assert peaks[1] < 5.0 * peaks[0]

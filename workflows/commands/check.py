@@ -14,23 +14,20 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why."""
-    from workflows import effects, needs, resolved, scene_file
+    from workflows import effects, needs, plate_mesh, resolved, scene_file
 
     source = scene_file.load(scene)
     needs.check(source)
-    sides = None
-    if source.mesh is not None:
-        from workflows import plate_mesh
-
-        sides = plate_mesh.check(source)
+    mesh = plate_mesh.given(source)
+    sides = None if mesh is None else plate_mesh.sides(mesh)
     decided = effects.resolve(source.scene, source.name, None if sides is None else sides[0])
     theory = effects.theory(source.scene, sides)
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided, theory)
+        found = resolved.document(source, decided, theory, mesh)
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
-    typer.echo("\n".join(resolved.heading(source)))
+    typer.echo("\n".join(resolved.heading(source, mesh)))
     typer.echo(resolved.as_toml(source.scene, decided, theory))
     typer.echo(f"\n# A run needs about {needs.in_words(needs.memory(source))} of memory.")
