@@ -110,7 +110,8 @@ def canvas(sheet: Sheet, height: float, panels: int = 1) -> tuple[Figure, list[A
     from matplotlib.figure import Figure
 
     rows, columns = (1, panels) if sheet is WIDE else (panels, 1)
-    figure = Figure(figsize=(sheet.width, rows * height), layout="constrained")
+    figure = Figure(figsize=(sheet.width, rows * height))
+    figure.set_layout_engine("constrained", hspace=0.08)
     return figure, [figure.add_subplot(rows, columns, i + 1) for i in range(panels)]
 
 

@@ -46,7 +46,7 @@ def mesh(results: Results, sheet: Sheet) -> str:
         x, y = (metres * value for value in plate_mesh.damper_at(results.scene, surface.points.T[:2]))
         axes.plot(x, y, "o", ms=7, mfc="none", mec=drawing.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=f"x, outwards from the hub, {unit}", ylabel=f"y, across, {unit}")
+    axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return drawing.svg(figure, sheet, "mesh", "Mesh of the plate from above: cells, clamped root, place of the damper")

@@ -23,11 +23,14 @@ _LARGEST_PLAIN = 1e7
 _DECADES = (1e-3, 1e5)
 """Least and most that a logarithmic axis says without powers of ten."""
 
-_ROOM = 58.0
-"""Points of a figure's width for each label along x, margins included."""
+_INSIDE = 0.68
+"""What margins leave of a figure's width, at least."""
 
-_FEW, _MANY = 4, 8
-"""Labels along an axis without a limit: over a part of a decade, and over decades."""
+_DIGIT, _GAP = 4.8, 8.0
+"""Points that a digit takes, and that are to be between two labels."""
+
+_MANY = 8
+"""Labels along an axis that is not too short for them."""
 
 Labels = Callable[[Sequence[float]], list[str]]
 
@@ -58,26 +61,41 @@ def logarithmic(values: Sequence[float]) -> list[str]:
 def label(figure: Figure) -> None:
     """Label all axes of a figure that count in numbers; those with names of their own keep them."""
     for axes in figure.axes:
-        for axis, room in ((axes.xaxis, _room(axes)), (axes.yaxis, None)):
+        for axis, points in ((axes.xaxis, _points(axes)), (axes.yaxis, None)):
             if axis.isDefault_majfmt:
-                _label(axis, room)
+                _label(axis, points)
 
 
-def _label(axis: Axis, room: int | None) -> None:
-    """Ticks and labels of an axis, at most `room` of them if there is a limit."""
+def _label(axis: Axis, points: float | None) -> None:
+    """Ticks and labels of an axis, where labels side by side must do with so many points."""
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
+    low, high = sorted(axis.get_view_interval())
     if axis.get_scale() == "log":
-        low, high = sorted(axis.get_view_interval())
         axis.set_minor_formatter(NullFormatter())
         if high >= 10.0 * low:
-            axis.set_major_locator(LogLocator(subs=_steps(math.log10(high / low), room or _MANY), numticks=room))
+            room = _MANY if points is None else int(points / (6 * _DIGIT))
+            axis.set_major_locator(LogLocator(subs=_steps(math.log10(high / low), room), numticks=room))
             axis.set_major_formatter(_formatter(logarithmic))
             return
-        room = room or _FEW
-    if room is not None:
-        axis.set_major_locator(MaxNLocator(room, steps=[1, 2, 5, 10]))
+        axis.set_major_locator(MaxNLocator(_MANY // 2, steps=[1, 2, 5, 10]))
+    if points is not None:
+        locators = [MaxNLocator(bins, steps=[1, 2, 5, 10]) for bins in range(_MANY, 1, -1)]
+        fitting = (
+            locator for locator in locators if _width(_seen(locator.tick_values(low, high), low, high)) <= points
+        )
+        axis.set_major_locator(next(fitting, locators[-1]))
     axis.set_major_formatter(_formatter(even))
+
+
+def _seen(values: Sequence[float], low: float, high: float) -> list[float]:
+    slack = 1e-9 * (high - low)
+    return [value for value in values if low - slack <= value <= high + slack]
+
+
+def _width(values: Sequence[float]) -> float:
+    """Points that the labels of ticks take side by side."""
+    return sum(_DIGIT * len(label) + _GAP for label in even(values))
 
 
 def _steps(decades: float, room: int) -> tuple[float, ...]:
@@ -92,9 +110,7 @@ def _formatter(labels: Labels) -> Any:
         """Labels by what is in view: a locator offers a tick beyond either end as well."""
 
         def format_ticks(self, values: Sequence[float]) -> list[str]:
-            low, high = sorted(self.axis.get_view_interval())  # type: ignore[union-attr]
-            slack = 1e-9 * (high - low)
-            seen = [value for value in values if low - slack <= value <= high + slack]
+            seen = _seen(values, *sorted(self.axis.get_view_interval()))  # type: ignore[union-attr]
             named = dict(zip(seen, labels(seen), strict=True))
             return [named.get(value, "") for value in values]
 
@@ -104,11 +120,12 @@ def _formatter(labels: Labels) -> Any:
     return Seen()
 
 
-def _room(axes: Axes) -> int:
+def _points(axes: Axes) -> float:
+    """How long the x axis will be, margins guessed."""
     place, figure = axes.get_subplotspec(), axes.get_figure()
     if place is None or figure is None:
-        return _FEW
-    return max(2, int(72.0 * figure.get_figwidth() / place.get_gridspec().ncols / _ROOM))  # type: ignore[union-attr]
+        raise ValueError("expected axes in a grid of a figure")
+    return float(_INSIDE * 72.0 * figure.get_figwidth() / place.get_gridspec().ncols)  # type: ignore[union-attr]
 
 
 def _ends_at(value: float, places: int, step: float) -> bool:

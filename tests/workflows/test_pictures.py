@@ -139,7 +139,18 @@ def costs(captured: list[Any]) -> list[Any]:
     return drawn_by(captured, work)
 
 
-@pytest.fixture(params=["spinning_up", "holed", "costs"])
+@pytest.fixture(scope="module")
+def odd(captured: list[Any]) -> tuple[Results, list[Any]]:
+    """One cycle of a nanometre, at loads eleven powers of ten apart."""
+    source = workflows.load("structure")
+    assert source.scene.release is not None
+    release = source.scene.release.model_copy(update={"displacement": (1e-9, 0.0), "cycles": 1})
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.1, 3e4)})
+    results = workflows.run(source.changed(release=release, rotor=rotor))
+    return results, drawn_by(captured, lambda: report.draw(results))
+
+
+@pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])
 def figures(request: pytest.FixtureRequest, captured: list[Any]) -> list[Any]:
     if request.param == "costs":
         return costs(captured)
@@ -344,7 +355,7 @@ def test_the_mesh_is_what_was_solved(holed: tuple[Results, list[Any]]) -> None:
 
     results, figures = holed
     assert results.surface is not None
-    drawn = [figure for figure in figures if figure.axes[0].get_xlabel().startswith("x, outwards from the hub, mm")]
+    drawn = [figure for figure in figures if figure.axes[0].get_xlabel().startswith("x, radial, mm")]
     assert len(drawn) == 2
     for figure in drawn:
         axes = figure.axes[0]
