@@ -110,7 +110,7 @@ def swap(scratch: Path, target: Path) -> None:
     """
     if not target.exists():
         try:
-            os.rename(scratch, target)
+            rename(scratch, target)
         except OSError as error:
             if error.errno not in (errno.EEXIST, errno.ENOTEMPTY) and not target.is_dir():
                 raise  # otherwise another run came first: replace its results
@@ -119,17 +119,17 @@ def swap(scratch: Path, target: Path) -> None:
             return
     if not _exchange(scratch, target):
         aside = scratch.with_name(scratch.name + ASIDE)
-        _rename(target, aside)
+        rename(target, aside)
         try:
-            _rename(scratch, target)
+            rename(scratch, target)
         except OSError:
-            _rename(aside, target)
+            rename(aside, target)
             raise
         shutil.rmtree(aside, ignore_errors=True)
     sync_folder(target.parent)
 
 
-def _rename(old: Path, new: Path) -> None:
+def rename(old: Path, new: Path) -> None:
     """Rename a folder, again and again while it is in use for a moment."""
     for wait in _WAITS:
         try:

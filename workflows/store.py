@@ -122,7 +122,7 @@ def _swap(scratch: Path, target: Path, folder: Path) -> None:
         folders.swap(scratch, target)
     except PermissionError as error:
         beside = next(p for n in count(1) if not os.path.lexists(p := target.with_name(f"{target.name}-{n}")))
-        os.rename(scratch, beside)
+        folders.rename(scratch, beside)
         raise BadInput(
             f"cannot be replaced: {error.strerror}, as while another program has a file in it open; the new results"
             f" are in {beside}",

@@ -113,11 +113,11 @@ def test_a_new_folder_inherits_its_permissions(tmp_path: Path, monkeypatch: pyte
 class InUse:
     """Renaming as it is while a virus scanner or a spreadsheet has a file of a folder open."""
 
-    def __init__(self, folder: Path, times: float) -> None:
-        self.folder, self.times, self.rename = folder, times, os.rename
+    def __init__(self, name: str, times: float) -> None:
+        self.name, self.times, self.rename = name, times, os.rename
 
     def __call__(self, old: str | Path, new: str | Path) -> None:
-        if Path(old) == self.folder and self.times > 0:
+        if Path(old).match(self.name) and self.times > 0:
             self.times -= 1
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         self.rename(old, new)
@@ -129,9 +129,14 @@ def test_a_folder_in_use_for_a_moment(tmp_path: Path, monkeypatch: pytest.Monkey
     _publish(out, "old")
     slept: list[float] = []
     monkeypatch.setattr(folders.time, "sleep", slept.append)
-    monkeypatch.setattr(os, "rename", InUse(out, 2))
-    _publish(out, "new")
-    assert _found(out) == "new"
+    for name, text in (("out", "new"), (".out.*", "newer")):
+        monkeypatch.setattr(os, "rename", InUse(name, 2))
+        _publish(out, text)
+        assert _found(out) == text
+    monkeypatch.setattr(os, "rename", InUse(".other.*", 2))
+    _publish(tmp_path / "other", "first")
+    assert _found(tmp_path / "other") == "first"
+    assert len(slept) == 6
     assert 0 < sum(slept) < 2
 
 
@@ -142,7 +147,7 @@ def test_a_folder_in_use_costs_no_results(tmp_path: Path, monkeypatch: pytest.Mo
     _publish(out, "old")
     (tmp_path / "out-1").mkdir()
     monkeypatch.setattr(folders.time, "sleep", lambda _: None)
-    monkeypatch.setattr(os, "rename", InUse(out, math.inf))
+    monkeypatch.setattr(os, "rename", InUse("out", math.inf))
     with pytest.raises(BadInput, match=r"another program.*the new results are in .*out-2$") as caught:
         _publish(out, "new")
     assert caught.value.key == "--out"
