@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import mode_shape
 
@@ -132,7 +133,7 @@ def test_chromium_opens_it_without_a_word(finished: Path, tmp_path: Path, size: 
         f"--screenshot={picture}",
         (finished / "report.html").as_uri(),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
     assert done.returncode == 0, done.stderr
     assert "CONSOLE" not in done.stderr
     assert picture.stat().st_size > 30_000
