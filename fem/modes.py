@@ -153,12 +153,24 @@ def solve_real(
     if factor.negative:
         check_rest(operators)
         raise Divergence(omega, lowest(stiffness, operators.mass, values), factor.negative)
+    if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
+        values, vectors = _undrowned(stiffness, operators.mass, values, tolerance)
     order = np.argsort(values)
     first = order[:1]
     if rounding(stiffness, vectors[:, first], values[first])[0] > LOST:
         check_rest(operators)
     ratios = np.full(order.size, damping_ratio)
     return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
+
+
+def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:
+    """Modes of which the lowest is so low that its inverse eigenvalue, as values have it, drowns the others'.
+
+    From a shift between them the others keep their digits; the lowest has its own from the inverse.
+    """
+    shift = float(np.sqrt(values[0] * values[-1]))
+    shifted, vectors = lanczos(factorise((stiffness + shift * mass).tocsc()), mass, values.size, tolerance)
+    return np.where(values < shift, values, shifted - shift), vectors
 
 
 def linearise(operators: Operators, omega: float, start: Array | None = None) -> tuple[csc_array, Array | None]:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""
 
+SEED = 0
+"""Of the vectors that Krylov spaces start from."""
+
 CONVERGED = 1e-11
 """Residual of a mode relative to its own inverse eigenvalue."""
 
@@ -92,7 +95,7 @@ def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONV
 
 def random_block(n: int) -> Array:
     """Vectors (n, BLOCK) to start a Krylov space from, the same in every run."""
-    return np.random.default_rng(0).standard_normal((n, min(BLOCK, n)))
+    return np.random.default_rng(SEED).standard_normal((n, min(BLOCK, n)))
 
 
 def krylov(
@@ -101,15 +104,13 @@ def krylov(
     start: Array,
     count: int,
     rank: Callable[[Array], Array],
-    skew: bool = False,
     tolerance: float = CONVERGED,
-) -> tuple[Array, Any]:
+) -> tuple[Array, Array]:
     """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
 
     apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b).
-    rank: how much each eigenvalue is wanted. skew: the operator T is skew-adjoint and the eigenvalues are
-    those of iT, with complex vectors. tolerance: on residuals relative to their eigenvalues; where rounding forbids
-    it, as with small eigenvalues next to a huge one, they are as good as they get.
+    rank: how much each eigenvalue is wanted. tolerance: on residuals relative to their eigenvalues; where rounding
+    forbids it, as with small eigenvalues next to a huge one, they are as good as they get.
     Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight. Raises
     NotConverged.
     """
@@ -117,16 +118,15 @@ def krylov(
     basis, image = (np.empty((n, 0), order="F") for _ in range(2))
     projected = np.empty((0, 0))
     block, heavy, _, _ = orthonormal(start, basis, image, weight)
-    sign, unit = (-1.0, 1.0j) if skew else (1.0, 1.0)
     best, waited = np.inf, 0
     while True:
         basis, image = _append(basis, block), _append(image, heavy)
         block, heavy, column, coupling = orthonormal(apply(block, heavy), basis, image, weight)
         m, b = column.shape
         projected = np.pad(projected, ((0, b), (0, b)))
-        projected[m - b :] = sign * column.T
+        projected[m - b :] = column.T
         projected[:, m - b :] = column
-        values, vectors = np.linalg.eigh(0.5 * unit * (projected + sign * projected.T))
+        values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
         size = np.maximum(np.abs(values[order]), np.finfo(float).tiny)

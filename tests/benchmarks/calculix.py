@@ -20,17 +20,24 @@ def available():
     return shutil.which(COMMAND) is not None
 
 
-def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, threads=1):
+def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, threads=1, timeout=None):
     """Frequencies (count,) in Hz of a plate size = (length, width, thickness) in m.
 
     material: (E, nu, rho). cells: bricks along x, y and z. omega in rad/s, stagger in rad. mass: (kg, x, y).
+    timeout: seconds that `ccx` may take.
     """
     with tempfile.TemporaryDirectory() as folder:
         job = Path(folder) / "plate"
         job.with_suffix(".inp").write_text(deck(size, material, cells, omega, hub, stagger, count, mass))
         environment = {"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin:/usr/local/bin"}
         done = subprocess.run(
-            [COMMAND, job.name], cwd=folder, env=environment, capture_output=True, text=True, check=False
+            [COMMAND, job.name],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=timeout,
         )
         listing = job.with_suffix(".dat")
         if not listing.is_file():

@@ -19,12 +19,12 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from tests.limits import HANG
 from workflows.scene_file import SHIPPED
 from workflows.store import MANIFEST
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
 MOMENTS = ("anywhere", "while writing", "at the exchange")
-_PATIENCE = 120.0
 
 
 def main(count: int = 20, seed: int = 7) -> None:
@@ -49,13 +49,13 @@ class Trial:
             scene.write_text(text.replace("cycles = 20", f"cycles = {cycles}"), encoding="utf-8")
             self.scenes.append(scene)
             began = time.perf_counter()
-            self.start(scene, folder / name).wait(_PATIENCE)
+            self.start(scene, folder / name).wait(HANG)
             self.whole_run = time.perf_counter() - began
             self.right.append(contents(folder / name))
 
     def run(self, count: int) -> Counter[str]:
         """Kill `count` runs; what became of them."""
-        self.start(self.scenes[0], self.out).wait(_PATIENCE)
+        self.start(self.scenes[0], self.out).wait(HANG)
         found: Counter[str] = Counter()
         held = 0
         for number in range(count):
@@ -70,7 +70,7 @@ class Trial:
             held = held_now
         left = sum(path != self.out for path in self.folder.iterdir())
         found["scratch folders left by the dead"] = left
-        self.start(self.scenes[0], self.out).wait(_PATIENCE)
+        self.start(self.scenes[0], self.out).wait(HANG)
         if [path.name for path in self.folder.iterdir()] != ["out"] or contents(self.out) != self.right[0]:
             raise AssertionError(f"the next run left {sorted(path.name for path in self.folder.iterdir())}")
         return found
@@ -84,7 +84,7 @@ class Trial:
                 sign = "*" if when == "while writing" else f"*/{MANIFEST}"
                 began = time.perf_counter()
                 while process.poll() is None and set(self.folder.glob(f".out.{sign}")) <= before:
-                    if time.perf_counter() - began > _PATIENCE:
+                    if time.perf_counter() - began > HANG:
                         raise AssertionError("no scratch folder appeared")
                 time.sleep(self.draw.uniform(0.0, 0.8 * self.whole_run if when == "while writing" else 0.08))
             process.kill()

@@ -16,6 +16,8 @@ from tests.damper.scenes import random_scene
 KINDS = {1: "start", 2: "reversal", 3: "hit", 5: "grip"}
 TIME_TOLERANCE = 1e-9  # of a period
 ENERGY_TOLERANCE = 1e-7
+NUDGE = 1e-12
+"""By which releases are moved, relatively, to see how chaotic a motion is."""
 
 
 def paper_like(formulation: Formulation) -> ParticleDamper:
@@ -47,10 +49,27 @@ def _name(row: np.record) -> str:
     return "away" if pulled_from_wall else KINDS[row["kind"]]
 
 
-def agree(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]]) -> bool:
-    return [e[1:] for e in a] == [e[1:] for e in b] and all(
-        abs(p[0] - q[0]) < TIME_TOLERANCE for p, q in zip(a, b, strict=True)
-    )
+def agreed(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]]) -> int:
+    """How many events of two runs are the same, from the first one on."""
+    for k, (p, q) in enumerate(zip(a, b, strict=False)):
+        if p[1:] != q[1:] or not abs(p[0] - q[0]) < TIME_TOLERANCE:
+            return k
+    return min(len(a), len(b))
+
+
+def predictable(theirs: Reference) -> int:
+    """Whole cycles over which what rounding does to the reference's motion stays below the tolerance.
+
+    Rounding is made large enough to be seen: releases moved by some thousand times as much, each axis either way. What
+    the reference may miss between two samples, it misses elsewhere at another sampling.
+    """
+    d, (x, y), cycles = theirs.damper, theirs.release, theirs.cycles
+    others = [Reference(d, (x * (1 + a * NUDGE), y * (1 - b * NUDGE)), cycles, 512) for a in (-1, 1) for b in (-1, 1)]
+    others.append(Reference(d, (x, y), cycles, samples=2048))
+    first = min(agreed(theirs.events, other.events) for other in others)
+    if first == max(len(run.events) for run in (theirs, *others)):
+        return int(cycles)
+    return int(min(run.events[first][0] for run in (theirs, *others) if first < len(run.events)))
 
 
 @pytest.mark.parametrize(
@@ -72,24 +91,17 @@ def test_known_digits(formulation: Formulation, impacts: int, final: float, roll
 @pytest.mark.parametrize("seed", some(40, without=2))
 @pytest.mark.parametrize("slips", [False, True])
 def test_random_scene(seed: int, slips: bool) -> None:
-    """Same events at the same times over 15 cycles.
-
-    Chaos decides how many cycles can be compared: where the reference at two samplings disagrees with itself within
-    them, the comparison is made over fewer.
-    """
+    """Same events at the same times over 15 cycles; over fewer where the motion is too chaotic for as many."""
     damper, release = random_scene(seed)
     if slips:
         grip = 0.05 + 0.01 * seed
         damper = dataclasses.replace(damper, formulation=Formulation.CONSISTENT, floor_friction=grip)
-    for cycles in (15, 5, 2):
-        coarse = Reference(damper, release, cycles, samples=512)
-        run = ringdown(damper, release, cycles, keep_events=True)
-        scale = max(coarse.final, coarse.initial)
-        if agree(events(run), coarse.events):
-            assert run.impacts == coarse.impacts
-            ours = run.energy.final / run.energy.initial * coarse.initial
-            assert abs(ours - coarse.final) <= ENERGY_TOLERANCE * scale
-            return
-        fine = Reference(damper, release, cycles, samples=2048)
-        assert not agree(coarse.events, fine.events), f"the reference agrees with itself over {cycles} cycles"
-    pytest.fail("the reference does not agree with itself even over two cycles")
+    run, theirs = ringdown(damper, release, 15, keep_events=True), Reference(damper, release, 15, samples=512)
+    if not agreed(events(run), theirs.events) == len(theirs.events) == len(events(run)):
+        cycles = predictable(theirs)
+        assert 2 <= cycles < 15
+        run, theirs = ringdown(damper, release, cycles, keep_events=True), Reference(damper, release, cycles, 512)
+        assert agreed(events(run), theirs.events) == len(theirs.events) == len(events(run))
+    assert run.impacts == theirs.impacts
+    ours = run.energy.final / run.energy.initial * theirs.initial
+    assert abs(ours - theirs.final) <= ENERGY_TOLERANCE * max(theirs.final, theirs.initial)

@@ -1,16 +1,12 @@
 """CalculiX beside this code in one go, where it is installed."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fem_cases import STEEL, rpm
 
 from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-import calculix
+from tests.benchmarks import calculix
+from tests.limits import HANG
 
 pytestmark = pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
 
@@ -19,7 +15,7 @@ pytestmark = pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx)
 def test_a_plate_nobody_tabulated(stagger, hub):
     size, omega = (0.16, 0.06, 0.006), rpm(8000)
     material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
-    expected = calculix.frequencies(size, material, (16, 6, 2), omega, hub=hub, stagger=stagger, count=4)
+    expected = calculix.frequencies(size, material, (16, 6, 2), omega, hub=hub, stagger=stagger, count=4, timeout=HANG)
     plate = Plate(rectangle(0.16, 0.06, 16, 6), 0.006, STEEL)
     operators = assemble(plate, Rotor(hub, stagger), Effects(large_deflection=stagger > 0.0))
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=4e-3)

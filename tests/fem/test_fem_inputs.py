@@ -26,6 +26,7 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
+from tests.limits import HANG
 
 
 @pytest.mark.parametrize(
@@ -199,4 +200,4 @@ def test_import_is_light():
     """`import fem` and the records it offers load neither SciPy nor scikit-fem."""
     code = "import sys; from fem import Effects, Material, Rotor; Rotor(); Effects(); Material(1.0, 0.3, 1.0)"
     code += "; assert not {'scipy', 'skfem', 'meshio', 'numpy'} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=HANG)

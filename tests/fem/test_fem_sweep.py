@@ -229,17 +229,22 @@ def test_no_critical_speed_is_soon_found(monkeypatch):
     assert critical_speed(operators) == np.inf
 
 
+@pytest.mark.hard(
+    why="a frequency that vanishes: its inverse is 1e5 times the others', which drown in its rounding",
+    keeps="it falls as the root of the distance; the others keep nine digits",
+)
 @pytest.mark.parametrize("near", [1e-3, 1e-6, 1e-9])
-def test_complex_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near):
+@pytest.mark.parametrize("coriolis", [False, True])
+def test_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near, coriolis):
     monkeypatch.setattr("fem.solver.LARGEST", (60, 10))
-    effects = Effects(stress_stiffening=False, coriolis=True)
+    effects = Effects(stress_stiffening=False, coriolis=coriolis)
     operators = assemble(Plate(rectangle(0.2, 0.08, 6, 4), 0.004, STEEL), Rotor(stagger=np.pi / 2), effects)
     critical = critical_speed(operators)
     found = solve_modes(operators, (1.0 - near) * critical, 6).frequencies_hz
     before = solve_modes(operators, (1.0 - 2.0 * near) * critical, 6).frequencies_hz
     # Rounding moves the critical speed itself by 1e-11 or so.
     assert found[0] / before[0] == pytest.approx(np.sqrt(0.5), rel=1e-3 + 3e-11 / near)
-    np.testing.assert_allclose(found[1:], before[1:], rtol=10.0 * near + 5e-16 / near)
+    np.testing.assert_allclose(found[1:], before[1:], rtol=10.0 * near + 1e-9)
 
 
 def test_lanczos_gives_up_with_a_word(monkeypatch):

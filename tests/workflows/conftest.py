@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from tests.limits import HANG
 from workflows.cli import main
 from workflows.scene_file import SHIPPED
 
@@ -120,7 +121,7 @@ def chromium(profile: Path, *arguments: str) -> subprocess.CompletedProcess[str]
     """Run chromium without a window."""
     quiet = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking")
     command = [str(CHROMIUM), *quiet, f"--user-data-dir={profile}", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=55, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
 
 
 def width_on_a_phone(page: Path, folder: Path) -> int:

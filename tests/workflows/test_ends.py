@@ -12,14 +12,13 @@ from pathlib import Path
 import pytest
 
 from tests.benchmarks.kill_runs import Trial, contents
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows import cli, folders, store
 from workflows.errors import BadInput
 from workflows.scene_file import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
-HANG = 120.0
-"""Seconds after which something is taken to hang."""
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +100,8 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
         "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False, timeout=HANG)
+    assert done.returncode == 0
 
 
 PUBLISHED = """
@@ -126,6 +126,7 @@ def test_signals_after_the_results_are_in_place(number: signal.Signals, tmp_path
         capture_output=True,
         text=True,
         check=False,
+        timeout=HANG,
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.endswith("open out/report.html\n")
@@ -139,9 +140,8 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
         "r._look_up = lambda _: os.kill(os.getpid(), signal.SIGTERM)\n"
         "sys.exit(cli.main())"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, "ringdown", endless], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-c", code, "ringdown", endless]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=HANG)
     assert done.returncode == 143
     assert done.stderr == "spindamp: ended by SIGTERM; nothing is half-written; the same command starts over\n"
 
@@ -162,9 +162,8 @@ sys.exit(cli.main(["run", "structure", "--out", "out"]))
 # Sizes at which one after the other of the files that a run writes no longer fits.
 @pytest.mark.parametrize("most", [0, 100, 3_000, 9_000, 20_000, 60_000])
 def test_no_room_left(most: int, tmp_path: Path, trial: Trial) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, str(most)], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-c", FULL, str(most)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=HANG)
     assert done.returncode == 2, done.stderr
     assert done.stderr == "spindamp: --out = 'out': cannot be written: File too large\n"
     assert contents(tmp_path / "out") == trial.right[0]
@@ -202,7 +201,7 @@ for turn in range(40):
 def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a system cannot exchange two folders in one step, the next run brings the old results back first."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait()
+    dead.wait(HANG)
     out = tmp_path / "out"
     aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
     aside.mkdir()
@@ -247,4 +246,4 @@ def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
 def test_no_room_for_the_message(tmp_path: Path) -> None:
     for command in ("check nowhere.toml", "run --foo", "rnu"):
         line = f"{sys.executable} -m workflows.cli {command} 2>/dev/full"
-        assert subprocess.run(line, shell=True, cwd=tmp_path, check=False).returncode == 2
+        assert subprocess.run(line, shell=True, cwd=tmp_path, check=False, timeout=HANG).returncode == 2

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.limits import HANG
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("fem", "damper", "workflows")
 MAY_IMPORT = {"fem": {"fem"}, "damper": {"damper"}, "workflows": set(PACKAGES)}
@@ -69,7 +71,7 @@ def test_public_names_are_complete(package: str) -> None:
 
 def _loaded(statement: str) -> set[str]:
     code = f"import sys\n{statement}\nprint('\\n' + ' '.join(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=HANG)
     return set(done.stdout.splitlines()[-1].split())
 
 

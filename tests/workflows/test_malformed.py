@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome, toml
 from workflows.scene import Effects, Scene, Table
 from workflows.scene_errors import key_name
@@ -343,6 +344,6 @@ RIGHT = ("expected", "missing", "did you mean", "unknown", "belongs", "leave", "
 def test_malformed_for_the_command_itself(what: str, tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text(CASES[what].text, encoding="utf-8")
     command = [sys.executable, "-m", "workflows.cli", "run", "bad.toml"]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=HANG)
     refused(Outcome(done.returncode, done.stdout, done.stderr), CASES[what])
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import needs
 from workflows.scene_file import load, shipped
@@ -124,6 +125,7 @@ def test_a_limit_of_address_space(modes: int, limit: float, status: int, paper: 
         capture_output=True,
         text=True,
         check=False,
+        timeout=HANG,
     )
     assert done.returncode == status, done.stderr
     assert ("[rotor] modes = 100: this needs about" in done.stderr) == (status == 2)

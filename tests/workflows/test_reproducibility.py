@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import effects, provenance
 from workflows.records import Results
@@ -30,7 +31,7 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("again")
     seed = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
     command = [sys.executable, "-m", "workflows.cli", "run", "--out", str(folder / "out")]
-    subprocess.run(command, check=True, capture_output=True, env=os.environ | {"PYTHONHASHSEED": seed})
+    subprocess.run(command, check=True, capture_output=True, env=os.environ | {"PYTHONHASHSEED": seed}, timeout=HANG)
     return folder / "out"
 
 

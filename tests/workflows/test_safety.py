@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.scene_file import SHIPPED
 
@@ -193,7 +194,8 @@ def test_folders_of_the_same_name_do_not_hide_the_packages_from_the_command(tmp_
     for name in ("fem", "damper", "workflows", "numpy"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise SystemExit(9)\n")
-    done = subprocess.run([SCRIPT, "campbell", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    command = [SCRIPT, "campbell", "--json"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=HANG)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("{")
 

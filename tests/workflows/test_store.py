@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows import curves, folders, store
 from workflows.errors import BadInput
@@ -175,7 +176,7 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
         assert process.stdout is not None
         assert process.stdout.readline() == b"writing\n"
         process.send_signal(with_what)
-        process.wait(10)
+        process.wait(HANG)
     assert _content(out) == {"results.json": "old"}
     _publish(out, "new", "results.json")
     assert _content(out) == {"results.json": "new"}
