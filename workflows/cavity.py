@@ -23,8 +23,8 @@ PICTURE = """\
   ^   +----------------------+     y across, z through the thickness.
   |   |       +-----+        |     [damper] at is a place (x, y) on the plate.
   |   |       |  o  |        |     The damper's axes lie in the cavity's floor:
-  |   +-------+-----+--------+     1 along z (bending): cavity[0], release[0]
-  +----------------------> y       2 along y (across):  cavity[1], release[1]
+  |   +-------+-----+--------+     1 along z (bending): cavity[0], displacement[0]
+  +----------------------> y       2 along y (across):  cavity[1], displacement[1]
   the plate's section at the damper, seen along x; the load presses the ball o outwards, on the floor"""
 """How plate and damper lie to each other, for `spindamp check`."""
 

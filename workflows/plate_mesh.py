@@ -174,14 +174,14 @@ def _check_place(source: SceneFile, mesh: Any) -> None:
         raise off_the_plate(source, error) from error
     if plate is None or damper is None:
         return
-    odd = cavity.misfit(damper, plate.thickness, float(width), float(reach), _room(mesh, at))
+    odd = cavity.misfit(damper, plate.thickness, float(width), float(reach), room(mesh, at))
     if odd is not None:
         value = getattr(damper, odd[0])
         value = list(value) if isinstance(value, tuple) else value
         raise BadInput(odd[1], file=source.name, key=f"[damper] {odd[0]}", value=value)
 
 
-def _room(mesh: Any, at: tuple[float, float]) -> float:
+def room(mesh: Any, at: tuple[float, float]) -> float:
     """How wide the plate is at a place on it [m], as far as it reaches to both sides alike."""
     ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
     (xa, xb), (ya, yb) = ends

@@ -84,7 +84,7 @@ def _problem(error: Any, loc: list[str]) -> str:
 def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
-        half = units.halved(error["input"])
+        half = units.halved(error["input"], units.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
     return did_you_mean(loc[-1], _fields(loc[:-1])) or _belongs(loc[-1])
 

@@ -14,22 +14,23 @@ from workflows.wording import amount, fixed, percent, revolutions, significant
 _MODES_AT_MOST = 8
 
 
-def text(results: Results, out: Path | None) -> str:
-    """The summary, ready to print."""
+def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> str:
+    """The summary, ready to print; `remarks`, on how the scene is written, come first wherever the notes are."""
     found = answer.answer(results)
-    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}", ""]
+    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
+    parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
     if results.notes and out is None:
         parts.append("")
-        parts += [line for note in results.notes for line in _wrapped(note, "- ")]
+        parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
     seconds = f"{results.timings['total']:.1f} s"
     if out is None:
         parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]
     else:
         count = len(results.notes)
-        remarks = f", {count} remark{'s' if count > 1 else ''}" if count else ""
-        parts += ["", f"{seconds}{remarks}; open {out / 'report.html'}"]
+        counted = f", {count} remark{'s' if count > 1 else ''}" if count else ""
+        parts += ["", f"{seconds}{counted}; open {out / 'report.html'}"]
     return "\n".join(parts)
 
 

@@ -146,14 +146,14 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
     return _in_range(float(number) * factor, kind)
 
 
-def halved(value: object) -> str | None:
-    """Half of a quantity, written as it was; None for what is none."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return f"{value / 2:g}"
-    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
-    if match is None or not match[2] or not _UNIT.fullmatch(match[2].rstrip()):
+def halved(value: object, kind: Kind) -> str | None:
+    """Half of a quantity of a kind, as a scene would have it, in its own unit; None for what is none."""
+    try:
+        si = to_si(value, kind)
+    except UnitError:
         return None
-    return f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    return f"{si / 2:g}" if match is None else f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
 
 
 def _in_range(value: float, kind: Kind) -> float:

@@ -149,7 +149,7 @@ def test_the_room_on_a_tapered_blade(tmp_path: Path) -> None:
     mesh = read_mesh(drawn(tmp_path / "blade.msh", 0.4, taper=0.6))
     for x, y in ((0.4, 0.0), (0.43, 0.0), (0.46, 0.01), (0.46, -0.0175), (0.52, 0.0)):
         width = 0.05 - 0.03 * (x - 0.4) / 0.12
-        assert plate_mesh._room(mesh, (x, y)) == pytest.approx(width - 2 * abs(y), abs=1e-9)
+        assert plate_mesh.room(mesh, (x, y)) == pytest.approx(width - 2 * abs(y), abs=1e-9)
 
 
 def test_a_housing_is_carried_like_a_tip_mass(paper: Scene, tmp_path: Path) -> None:

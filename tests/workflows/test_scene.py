@@ -76,7 +76,11 @@ def test_a_run_says_its_speeds_first_and_remarks(
 ) -> None:
     bare = spindamp("ringdown", write(changed(structure, rotor__speeds=[1000]), tmp_path / "scene.toml")).out
     assert bare.splitlines()[0] == "A known structure: 9549.3 rpm"
-    assert "- Speeds without a unit are in rad/s: 1000 is 9549.3 rpm. Was '1000 rpm' meant?" in bare
+    assert bare.splitlines()[1] == "Speeds without a unit are in rad/s: 1000 is 9549.3 rpm. Was '1000 rpm' meant?"
+    assert bare.count("without a unit") == 1
+    written = spindamp("run", "scene.toml", "--out", "out").out
+    assert written.splitlines()[1] == bare.splitlines()[1]
+    assert "without a unit" in json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["notes"][0]
     assert spindamp("campbell", "campbell").out.startswith(
         "Campbell diagram of the paper's plate: 36 speeds from 0 to 17500 rpm\n"
     )

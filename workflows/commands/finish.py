@@ -32,7 +32,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
             from workflows.publish import publish
 
             results = publish(results, out, stages, artist)
-    typer.echo(results_json.dumps(results) if as_json else summary.text(results, out))
+    typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))
 
 
 def _say_if_slow() -> None:
