@@ -3,8 +3,10 @@
 A point (x, y, z) goes to r + z d, where r = (x + u, y + v, w) and d = (-theta_x, -theta_y, s), s² = 1 - theta².
 Green's strains are those of r and d alone, so that turning the plate as a whole, however far, does not strain it:
     membrane (r,a . r,b - delta_ab) / 2,  bending (r,a . d,b + r,b . d,a) / 2,  shear r,a . d
-and, of second order in z, d,a . d,b / 2, whose part that is even over the thickness joins the membrane's. The assumed
-shear (`fem.tying`) samples the covariant components of r,a . d. At small rotations this is `fem.mindlin`; a director
+and, of second order in z, d,a . d,b / 2, whose part that is even over the thickness joins the membrane's. What is
+stretched gets thinner: bending strains are multiplied by what plane stress leaves of the thickness, whose square is
+1 - 2 nu / (1 - nu) (E_xx + E_yy) of the membrane's; in shear, small beside them, that is left out. The assumed shear
+(`fem.tying`) samples the covariant components of r,a . d. At small rotations this is `fem.mindlin`; a director
 may turn by up to 90 degrees. The strains are those of Simo and Fox, Comput. Methods Appl. Mech. Engng 72 (1989) 267.
 """
 
@@ -20,6 +22,7 @@ from fem.fields import Block, Fields
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.plate import Material
     from fem.strains import Terms
 
     Array = NDArray[np.float64]
@@ -32,11 +35,11 @@ TURNS = (6, 9)
 class Section:
     """Membrane and bending energy over the fields u,x u,y v,x v,y w,x w,y and theta_x, its derivatives, theta_y, its.
 
-    stiffness: of plane stress, (3, 3) in Pa. thickness in m.
+    material: in plane stress. thickness in m.
     """
 
     fields: Fields
-    stiffness: Array
+    material: Material
     thickness: float
 
     def at(self, state: Array) -> SectionStress:
@@ -46,12 +49,22 @@ class Section:
         turned = np.tensordot(vectors, _forms(self.thickness), (1, 2))
         rest = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])
         strain = 0.5 * (turned @ vectors[:, :, None])[:, :, 0] - rest
-        return SectionStress(self, values, jacobian, turned, strain @ self.modulus)
+        return SectionStress(self, values, jacobian, turned, *self._law(strain))
 
-    @property
-    def modulus(self) -> Array:
-        """Stiffness (6, 6) of the membrane strains in N/m and of the bending strains in N m."""
-        return np.asarray(np.kron(np.diag([self.thickness, self.thickness**3 / 12.0]), self.stiffness))
+    def _law(self, strain: Array) -> tuple[Array, Array]:
+        """Stress (npoint, 6) and modulus (npoint, 6, 6) at strains (npoint, 6), of membrane and bending."""
+        h, nu, plane = self.thickness, self.material.poissons_ratio, self.material.plane_stress
+        thinner = -2.0 * nu / (1.0 - nu) * np.array([1.0, 1.0, 0.0])
+        square = 1.0 + strain[:, :3] @ thinner
+        moment = h**3 / 12.0 * strain[:, 3:] @ plane
+        energy = 0.5 * (strain[:, 3:] * moment).sum(axis=1)
+        stress = np.hstack([h * strain[:, :3] @ plane + energy[:, None] * thinner, square[:, None] * moment])
+        modulus = np.empty((len(strain), 6, 6))
+        modulus[:, :3, :3] = h * plane
+        modulus[:, 3:, 3:] = h**3 / 12.0 * square[:, None, None] * plane
+        modulus[:, :3, 3:] = thinner[:, None] * moment[:, None, :]
+        modulus[:, 3:, :3] = modulus[:, :3, 3:].transpose(0, 2, 1)
+        return stress, modulus
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +72,7 @@ class SectionStress:
     """A section's energy at a state, by point.
 
     values: of the fields (npoint, 12). jacobian: of r,x r,y d,x d,y by the fields, (npoint, 12, 12). turned: of the
-    strains by r,x r,y d,x d,y, (npoint, 6, 12). stress: (npoint, 6).
+    strains by r,x r,y d,x d,y, (npoint, 6, 12). stress: (npoint, 6), and its derivative by the strain (npoint, 6, 6).
     """
 
     energy: Section
@@ -67,6 +80,7 @@ class SectionStress:
     jacobian: Array
     turned: Array
     stress: Array
+    modulus: Array
 
     def force(self) -> Array:
         """The internal force (n,)."""
@@ -77,7 +91,7 @@ class SectionStress:
         """Fields and coefficients of the tangent stiffness."""
         forms = _forms(self.energy.thickness)
         felt = (self.stress[:, None, :] @ self.turned)[:, 0]
-        inner = self.turned.transpose(0, 2, 1) @ (self.energy.modulus @ self.turned)
+        inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
         inner += np.tensordot(self.stress, forms, 1)
         total = self.jacobian.transpose(0, 2, 1) @ inner @ self.jacobian
         for b, height in enumerate((felt[:, 8], felt[:, 11])):

@@ -71,7 +71,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         stiffness=plate.material.plane_stress,
         extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
         energies=(
-            director.Section(turned, plate.material.plane_stress, plate.thickness),
+            director.Section(turned, plate.material, plate.thickness),
             director.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),

@@ -97,7 +97,7 @@ def discretise(source: SceneFile, effects: dict[str, Effect], stages: Stages, si
     scene = source.scene
     with stages("mesh"):
         form = plate_mesh.planform(source)
-    theory = rules.theory(scene, form.sides)
+    theory = rules.theory(scene, form.sides, effects["large_deflection"].on)
     if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")

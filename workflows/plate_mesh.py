@@ -15,21 +15,32 @@ if TYPE_CHECKING:
     import fem
 
 
+def given(source: SceneFile) -> fem.Given:
+    """The planform of a scene that names a mesh.
+
+    Raises:
+        BadInput: the mesh file is no good.
+    """
+    from fem import Given
+
+    return Given(_from_file(source))
+
+
 def planform(source: SceneFile) -> fem.Rectangle | fem.Given:
     """The scene's planform as a ladder of meshes.
 
     Raises:
         BadInput: the mesh file is no good.
     """
-    from fem import Given, Rectangle
+    from fem import Rectangle
 
-    given = source.scene.plate
-    if given is None:
+    plate = source.scene.plate
+    if plate is None:
         raise ValueError("the scene has no plate")
     if source.mesh is not None:
-        return Given(_from_file(source))
-    form = Rectangle(given.length or 0.0, given.width or 0.0)
-    return _with_a_node_in_the_middle(form) if given.tip_mass else form
+        return given(source)
+    form = Rectangle(plate.length or 0.0, plate.width or 0.0)
+    return _with_a_node_in_the_middle(form) if plate.tip_mass else form
 
 
 def _with_a_node_in_the_middle(form: fem.Rectangle) -> fem.Rectangle:

@@ -23,8 +23,8 @@ def check(
         from workflows import plate_mesh
 
         sides = plate_mesh.check(source)
-    decided = effects.resolve(source.scene, source.name, None if sides is None else sides[0])
-    theory = effects.theory(source.scene, sides)
+    decided = effects.of(source)
+    theory = effects.theory(source.scene, sides, decided["large_deflection"].on)
     if json:
         from json import dumps
 

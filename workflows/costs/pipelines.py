@@ -138,5 +138,5 @@ def _theory(source: SceneFile) -> str | None:
     if source.scene.plate is None:
         return None
     sides = None if source.mesh is None else plate_mesh.planform(source).sides
-    found = effects.theory(source.scene, sides)
+    found = effects.theory(source.scene, sides, effects.of(source)["large_deflection"].on)
     return None if found is None else found.name

@@ -87,8 +87,8 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
     stages = stages or Stages()
-    length = rules.length(source)
-    decided, called = rules.resolve(source.scene, source.name, length), rules.called_for(source.scene, length)
+    form = rules.planform(source)
+    decided, called = rules.resolve(source.scene, source.name, form), rules.called_for(source.scene, form)
     has_plate = source.scene.plate is not None
     size = plate.discretise(source, decided, Stages(visible=False)).choice.size if has_plate else None
     with stages("effects", len(decided) + 1) as step:
