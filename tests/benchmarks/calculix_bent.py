@@ -108,7 +108,9 @@ def write():
     """Write the table."""
     with DATA.open("w") as file:
         file.write("# CalculiX 2.20, C3D20R, *STATIC (NLGEOM) + CENTRIF, then *FREQUENCY with PERTURBATION; made by\n")
-        file.write("# tests/benchmarks/calculix_bent.py, where the cases and their meshes are. difference: relative, of\n")
+        file.write(
+            "# tests/benchmarks/calculix_bent.py, where the cases and their meshes are. difference: relative, of\n"
+        )
         file.write("# the frequency from that on a coarser mesh.\n")
         file.write("case,rpm,mode,frequency_hz,difference\n")
         for name, case in CASES.items():
