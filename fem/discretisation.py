@@ -29,7 +29,7 @@ class Layer:
     z and weight in m (for solids 0 and 1). displacement: T, (3, nfield). gradient: D, (3, d, ngradient),
     with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains. quadratic: Q, (m, d,
     ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself for solids;
-    in plates the terms of grad u times grad theta are left out, as von Karman does.
+    in plates the terms of grad u times grad theta are left out, as von Karman does (`fem.director` has them).
     """
 
     z: float

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import director, tying
+from fem import director, director_shear, tying
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import Block, Fields
 from fem.planform import root_facets
@@ -72,7 +72,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
         energies=(
             director.Section(turned, plate.material, plate.thickness),
-            director.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),

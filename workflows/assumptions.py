@@ -6,12 +6,10 @@ from workflows import paper
 from workflows.records import Results
 
 _FLAT = "The centrifugal stress is that of the flat plate; vibrations are small about it."
-_BENT = (
-    "Vibrations are small about the plate as the load deflects it, with finite rotations; its material stays linear."
-)
+_BENT = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
 _MODERATE = (
-    "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections, which is"
-    " off by about 0.4 θ² in frequency where the plate turns by θ."
+    "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections, which"
+    " is off by about 0.4 θ² in frequency where the plate turns by θ."
 )
 
 

@@ -73,7 +73,7 @@ class Case:
 CASES = {
     "titanium 3 mm": Case(rectangle, 0.003, TITANIUM, 15000, 0.0, 45.0, (16, 4)),
     "titanium 2 mm": Case(rectangle, 0.002, TITANIUM, 9000, 0.0, 45.0, (16, 4)),
-    "swept": Case(swept, 0.003, STEEL, 8000, 0.0, 45.0, (12, 4)),
+    "swept": Case(swept, 0.003, STEEL, 8000, 0.0, 45.0, (12, 2)),
     "L, slow": Case(ell, 0.004, ALUMINIUM, 3000, 0.05, 0.0, (12, 4)),
     "L, fast": Case(ell, 0.004, ALUMINIUM, 6000, 0.05, 0.0, (12, 4)),
 }
