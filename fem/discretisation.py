@@ -17,6 +17,8 @@ from fem.fields import CLAMPED, Block, Fields
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.strains import Energy
+
     Array = NDArray[np.float64]
 
 
@@ -27,7 +29,7 @@ class Layer:
     z and weight in m (for solids 0 and 1). displacement: T, (3, nfield). gradient: D, (3, d, ngradient),
     with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains. quadratic: Q, (m, d,
     ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself for solids;
-    in plates the terms of grad u times grad theta are left out, as von Karman does.
+    in plates the terms of grad u times grad theta are left out, as von Karman does (`fem.director` has them).
     """
 
     z: float
@@ -107,6 +109,7 @@ class Discretisation:
     displacement, gradient: the fields f and g. inertia, elastic: layers that carry mass and stiffness.
     stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
     extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear.
+    energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
     membrane: numbers of the unknowns that a linear prestress may move.
     spaces: the spaces of u, v and w, for values at points. mesh: the planform they live on.
     """
@@ -119,6 +122,7 @@ class Discretisation:
     elastic: tuple[Layer, ...]
     stiffness: Array
     extra: tuple[tuple[Fields, Array], ...]
+    energies: tuple[Energy, ...]
     membrane: NDArray[np.int64]
     spaces: tuple[Space, Space, Space]
     mesh: Any

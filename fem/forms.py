@@ -37,6 +37,13 @@ def strain_matrix(layer: Layer) -> Array:
     return np.array([d[a, b] if a == b else d[a, b] + d[b, a] for a, b in VOIGT[d.shape[1]]])
 
 
+def products(layer: Layer) -> Array:
+    """A (nstrain, ngradient, ngradient): the second-order strains (Voigt) are half its products with the gradients."""
+    q = layer.quadratic
+    pairs = [q[:, a].T @ q[:, b] for a, b in VOIGT[q.shape[1]]]
+    return np.array([pair if a == b else pair + pair.T for (a, b), pair in zip(VOIGT[q.shape[1]], pairs, strict=True)])
+
+
 def elastic_stiffness(model: Discretisation) -> csc_array:
     """Return the linear elastic stiffness, N/m."""
     strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
@@ -69,18 +76,10 @@ def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
 
 def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:
     """Return the geometric stiffness of a stress given at each elastic layer, N/m."""
-    return gram((model.gradient, geometric_coefficients(model, stress)))
-
-
-def geometric_coefficients(model: Discretisation, stress: list[Array]) -> Array:
-    """Return S_ab Q_ma Q_mb summed over layers, (ngradient, ngradient, ncell, npoint)."""
     n = model.gradient.size
     coefficients = np.zeros((n, n, *model.gradient.dx.shape))
     for layer, s in zip(model.elastic, stress, strict=True):
-        q = layer.quadratic
-        for component, (a, b) in enumerate(VOIGT[q.shape[1]]):
-            pair = layer.weight * q[:, a].T @ q[:, b]
-            pair = pair if a == b else pair + pair.T
-            i, j = np.nonzero(pair)
-            coefficients[i, j] += pair[i, j, None, None] * s[component]
-    return coefficients
+        second = products(layer)
+        i, j = np.nonzero(second.any(axis=0))
+        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, s, 1)
+    return gram((model.gradient, coefficients))

@@ -16,6 +16,7 @@ from fem.discretisation import Discretisation, Space, number
 from fem.fields import Fields
 from fem.mindlin import plate_layers
 from fem.planform import root_facets
+from fem.strains import of_layers
 from fem.together import together
 
 if TYPE_CHECKING:
@@ -56,15 +57,17 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     elastic = plate_layers(plate.thickness)
     planar = np.asarray(membrane.global_coordinates())
     planes = [s.block(slopes) for s in (u, v)]
+    gradient = Fields((*planes, w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)))), dx, total)
     return Discretisation(
         theory=f"kirchhoff/{element}",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
         displacement=Fields((u.block(((),)), v.block(((),)), w.block(((), *slopes))), dx, total),
-        gradient=Fields((*planes, w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)))), dx, total),
+        gradient=gradient,
         inertia=elastic if rotary_inertia else plate_layers(plate.thickness, flat=True),
         elastic=elastic,
         stiffness=plate.material.plane_stress,
         extra=(),
+        energies=(of_layers(gradient, elastic, plate.material.plane_stress),),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),
         mesh=mesh,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import tying
+from fem import director, director_shear, tying
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import Block, Fields
 from fem.planform import root_facets
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.plate import Plate
+
+    Array = NDArray[np.float64]
 
 SHEAR_CORRECTION = 5.0 / 6.0
 """Reissner's factor for a homogeneous section."""
@@ -47,14 +49,17 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
     root = root_facets(mesh)
     bases = [basis, basis, basis, rotation, rotation]
     tables, total = number([(b, b.get_dofs(root).flatten()) for b in bases])
-    u, v, w, tx, ty = (Space(b, t) for b, t in zip(bases, tables, strict=True))
+    spaces = u, v, w, tx, ty = tuple(Space(b, t) for b, t in zip(bases, tables, strict=True))
 
     dx = np.asarray(basis.dx)
     value, gradient = ((),), ((0,), (1,))
-    shear = Fields((_shear(w, tx, ty),), dx, total)
+    places, reduction = _reduction(basis)
+    shear = Fields((_shear(w, tx, ty, places, reduction),), dx, total)
     floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / plate.thickness**2
     modulus = SHEAR_CORRECTION * plate.material.shear_modulus * plate.thickness / floor
     elastic = plate_layers(plate.thickness)
+    turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
+    samples = _samples(spaces, places, total)
     planar = np.asarray(basis.global_coordinates())
     return Discretisation(
         theory="mindlin",
@@ -65,6 +70,10 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         elastic=elastic,
         stiffness=plate.material.plane_stress,
         extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
+        energies=(
+            director.Section(turned, plate.material, plate.thickness),
+            director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+        ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),
         mesh=mesh,
@@ -86,20 +95,42 @@ def _layer(z: float, weight: float) -> Layer:
     return Layer(z, weight, displacement, gradient, quadratic)
 
 
-def _shear(w: Space, tx: Space, ty: Space) -> Block:
-    """Tabulate the assumed shear strain as one block over the unknowns of w and theta."""
-    basis, rotation = w.basis, tx.basis
+def _reduction(basis: Any) -> tuple[Array, Array]:
+    """Places of the shear samples (2, nsample), and what makes of their covariant shears those at the points.
+
+    The latter is (ncell, npoint, 2, nsample, 2).
+    """
     rule = tying.quadrilateral() if basis.mesh.t.shape[0] == 4 else tying.triangle()
-    reduction = rule.reduction(basis.X)
-    slope = np.stack([basis.elem.lbasis(rule.points, j)[1] for j in range(basis.Nbfun)], axis=-1)
-    turn = np.stack([rotation.elem.lbasis(rule.points, j)[0] for j in range(rotation.Nbfun)], axis=-1)
-    jacobian = basis.mapping.DF(rule.points)
-    from_w = np.einsum("masb,bsj->maj", reduction, slope)
-    from_turn = np.einsum("masb,kbcs,sj->kcmaj", reduction, jacobian, turn, optimize=True)
-    ncell, npoint = basis.dx.shape
-    covariant = np.concatenate(
-        [np.broadcast_to(from_w, (ncell, npoint, *from_w.shape[1:])), -from_turn[0], -from_turn[1]], axis=-1
-    )
-    table = np.einsum("abcm,cmaj->cmbj", basis.mapping.invDF(basis.X), covariant, optimize=True)
+    covariant = rule.reduction(basis.X)
+    return rule.points, np.einsum("abcm,masn->cmbsn", basis.mapping.invDF(basis.X), covariant, optimize=True)
+
+
+def _shear(w: Space, tx: Space, ty: Space, places: Array, reduction: Array) -> Block:
+    """Tabulate the assumed shear strain as one block over the unknowns of w and theta."""
+    slope, turn = _slopes(w, places), _values(tx, places)
+    jacobian = w.basis.mapping.DF(places)
+    from_w = np.einsum("cmbsn,snj->cmbj", reduction, slope, optimize=True)
+    from_turn = np.einsum("cmbsn,kncs,sj->kcmbj", reduction, jacobian, turn, optimize=True)
+    table = np.concatenate([from_w, -from_turn[0], -from_turn[1]], axis=-1)
     dofs: NDArray[Any] = np.concatenate([w.dofs, tx.dofs, ty.dofs], axis=1)
     return Block(np.ascontiguousarray(table), dofs)
+
+
+def _samples(spaces: tuple[Space, ...], places: Array, total: int) -> Fields:
+    """The fields u, v, w by the reference coordinates and the turns where shear is sampled, for `fem.director`."""
+    ncell = len(spaces[0].dofs)
+    tables = [*(_slopes(s, places) for s in spaces[:3]), *(_values(s, places)[:, None] for s in spaces[3:])]
+    blocks = (Block(np.broadcast_to(t, (ncell, *t.shape)), s.dofs) for t, s in zip(tables, spaces, strict=True))
+    return Fields(tuple(blocks), np.ones((ncell, places.shape[1])), total)
+
+
+def _slopes(space: Space, places: Array) -> Array:
+    """Derivatives (nplace, 2, ndof) of a space's functions by the reference coordinates."""
+    basis = space.basis
+    found = np.stack([basis.elem.lbasis(places, j)[1] for j in range(basis.Nbfun)], axis=-1)
+    return np.ascontiguousarray(found.transpose(1, 0, 2))
+
+
+def _values(space: Space, places: Array) -> Array:
+    """Values (nplace, ndof) of a space's functions."""
+    return np.stack([space.basis.elem.lbasis(places, j)[0] for j in range(space.basis.Nbfun)], axis=-1)

@@ -23,6 +23,7 @@ import numpy as np
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import CLAMPED, Fields
 from fem.levels import crowded
+from fem.strains import of_layers
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,15 +56,17 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     dx = np.asarray(basis.dx)
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
+    gradient = Fields(tuple(s.block(((0,), (1,), (2,))) for s in spaces), dx, total)
     return Discretisation(
         theory=f"solid/{layers}",
         points=np.asarray(basis.global_coordinates()),
         displacement=Fields(tuple(s.block(((),)) for s in spaces), dx, total),
-        gradient=Fields(tuple(s.block(((0,), (1,), (2,))) for s in spaces), dx, total),
+        gradient=gradient,
         inertia=body,
         elastic=body,
         stiffness=plate.material.elasticity,
         extra=(),
+        energies=(of_layers(gradient, body, plate.material.elasticity),),
         membrane=np.arange(total),
         spaces=(spaces[0], spaces[1], spaces[2]),
         mesh=planform,

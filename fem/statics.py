@@ -1,10 +1,8 @@
 """Static equilibrium with large deflection, and the stiffness about it.
 
-The strain is E = sym D g + (1/2) sum_m (Q g)_a (Q g)_b at every layer (`fem.discretisation.Layer`): von
-Kármán's strains and, in addition, the in-plane products, so that turning a plate as a whole strains it not
-even in its plane. The centrifugal load is that of the displaced mass when softening is counted. Newton's
-method starts from the stretched plate or from the state at a neighbouring speed, and takes the load in
-parts when that is too far.
+The strains are the theory's own (`fem.strains`, `fem.director`). The centrifugal load is that of the displaced mass
+when softening is counted. Newton's method starts from the stretched plate or from the state at a neighbouring speed,
+and takes the load in parts when that is too far.
 """
 
 from __future__ import annotations
@@ -14,16 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.fields import gram
-from fem.forms import VOIGT, geometric_coefficients, strain_matrix
 from fem.solver import factorise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.discretisation import Discretisation, Layer
+    from fem.discretisation import Discretisation
     from fem.operators import Operators
     from fem.solver import Factor
+    from fem.strains import Stressed
 
     Array = NDArray[np.float64]
 
@@ -121,6 +119,8 @@ def _newton(
     for number in range(ITERATIONS):
         stressed = _stressed(operators.model, state)
         residual = _unbalanced(operators, load, state, stressed)
+        if not np.isfinite(residual).all():  # further than the theory reaches
+            return None
         factor = factorise(_stiffness(operators, load, stressed))
         if factor.negative and not unstable:
             return None
@@ -160,49 +160,24 @@ def _again(
             return state, True
 
 
-def _stressed(model: Discretisation, state: Array) -> list[tuple[Layer, Array, Array]]:
-    """Each layer, how its strain varies with the gradients (nstrain, ngradient, ncell, npoint), and its stress."""
-    gradients = model.gradient.evaluate(state)
-    found = []
-    for layer in model.elastic:
-        strain, variation = _strain(layer, gradients)
-        found.append((layer, variation, np.einsum("st,tcp->scp", model.stiffness, strain)))
-    return found
+def _stressed(model: Discretisation, state: Array) -> list[Stressed]:
+    """The parts of the elastic energy at a state (n,)."""
+    return [energy.at(state) for energy in model.energies]
 
 
-def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[tuple[Layer, Array, Array]]) -> Array:
+def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[Stressed]) -> Array:
     """Force (n,) that is not balanced at a state under load times the unit load."""
-    model = operators.model
-    force = sum(layer.weight * np.einsum("sgcp,scp->gcp", variation, stress) for layer, variation, stress in stressed)
-    residual = load * operators.load - model.gradient.load(np.asarray(force))
-    for fields, c in model.extra:
-        residual -= fields.load(np.einsum("ij...,j...->i...", c, fields.evaluate(state)))
+    residual = load * operators.load
+    for part in stressed:
+        residual = residual - part.force()
     if operators.softening is not None:
         residual += load * (operators.softening @ state)
     return np.asarray(residual)
 
 
-def _stiffness(operators: Operators, load: float, stressed: list[tuple[Layer, Array, Array]]) -> csc_array:
-    """Tangent stiffness (n, n) of layers under stress, under load times the unit load."""
-    model = operators.model
-    coefficients = geometric_coefficients(model, [stress for _, _, stress in stressed])
-    for layer, variation, _ in stressed:
-        stiff = np.einsum("st,thcp->shcp", layer.weight * model.stiffness, variation)
-        coefficients = coefficients + np.einsum("sgcp,shcp->ghcp", variation, stiff, optimize=True)
-    stiffness = gram((model.gradient, coefficients), *model.extra)
+def _stiffness(operators: Operators, load: float, stressed: list[Stressed]) -> csc_array:
+    """Tangent stiffness (n, n) of parts under stress, under load times the unit load."""
+    stiffness = gram(*(term for part in stressed for term in part.terms()))
     if operators.softening is not None:
         stiffness = (stiffness - load * operators.softening).tocsc()
     return stiffness
-
-
-def _strain(layer: Layer, gradients: Array) -> tuple[Array, Array]:
-    """Strain (nstrain, ncell, npoint) and its variation with the gradients (nstrain, ngradient, ...)."""
-    products = np.einsum("mag,gcp->macp", layer.quadratic, gradients)
-    strain = np.einsum("sg,gcp->scp", strain_matrix(layer), gradients)
-    variation = np.broadcast_to(strain_matrix(layer)[:, :, None, None], (len(strain), *gradients.shape)).copy()
-    for k, (a, b) in enumerate(VOIGT[layer.quadratic.shape[1]]):
-        half = 0.5 if a == b else 1.0
-        strain[k] += half * (products[:, a] * products[:, b]).sum(axis=0)
-        variation[k] += half * np.einsum("mcp,mg->gcp", products[:, a], layer.quadratic[:, b])
-        variation[k] += half * np.einsum("mcp,mg->gcp", products[:, b], layer.quadratic[:, a])
-    return strain, variation

@@ -69,12 +69,16 @@ def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discre
     raise ValueError(f"theory must be one of auto, {', '.join([*THEORIES, *elements])}, got {theory!r}")
 
 
-def choose_theory(length: float, width: float, thickness: float, accuracy: float = 1e-3) -> Chosen:
+def choose_theory(
+    length: float, width: float, thickness: float, accuracy: float = 1e-3, large_deflection: bool = False
+) -> Chosen:
     """Choose the cheapest theory for a plate of these dimensions (m) and a relative accuracy in frequency.
 
     Thin-plate theory is taken where its difference from Mindlin's leaves half the accuracy to the mesh; the solid
-    where the plate is a block. Mindlin's own difference from the solid is reported, and not held against it: below
-    it only theory = "solid" goes. Raises ValueError unless all four are positive and finite.
+    where the plate is a block. With large deflection it is Mindlin's, whose director may turn as far as it is turned;
+    thin-plate theory is off by about 0.4 theta² there at a rotation theta. Mindlin's own difference from the solid is
+    reported, and not held against it: below it only theory = "solid" goes. Raises ValueError unless all four are
+    positive and finite.
     """
     if not all(0.0 < value < inf for value in (length, width, thickness, accuracy)):
         given = f"{length!r}, {width!r}, {thickness!r} and {accuracy!r}"
@@ -82,6 +86,9 @@ def choose_theory(length: float, width: float, thickness: float, accuracy: float
     ratio = thickness / min(length, width)
     if ratio > STOUT:
         return Chosen("solid", f"the plate is a block: its thickness is {ratio:.2g} of its smaller side", 0.0)
+    if large_deflection:
+        why = "the load deflects the plate: only Mindlin's theory and the solid know finite rotations"
+        return Chosen("mindlin", why, model_error("mindlin", length, width, thickness))
     if TORSION * ratio <= 0.5 * accuracy:
         why = (
             f"thin: shear changes twist by {100 * TORSION * ratio:.1g} % at most, at a thickness of {ratio:.1g} widths"

@@ -7,10 +7,12 @@ from workflows.materials import KNOWN
 from workflows.records import Results
 from workflows.scene import Scene
 
-_PRESTRESS = {
-    False: "The centrifugal stress is that of the flat plate; vibrations are small about it.",
-    True: "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections.",
-}
+_FLAT = "The centrifugal stress is that of the flat plate; vibrations are small about it."
+_BENT = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
+_MODERATE = (
+    "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections, which"
+    " is off by about 0.4 θ² in frequency where the plate turns by θ."
+)
 
 
 def assumptions(results: Results) -> list[tuple[str, str]]:
@@ -21,7 +23,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         found += [
             ("The plate is linear elastic and perfectly clamped at the root.", "ours"),
             *_known(scene),
-            (_PRESTRESS[results.effects["large_deflection"].on], "ours"),
+            (_prestress(results), "ours"),
         ]
     if scene.damper is not None:
         if scene.damper.ball_material is not None:
@@ -62,6 +64,12 @@ def _known(scene: Scene) -> list[tuple[str, str]]:
     """A material that the scene names."""
     name = None if scene.material is None else scene.material.name
     return [] if name is None else [(f"E, ν and ρ of {name}.", KNOWN[name].source)]
+
+
+def _prestress(results: Results) -> str:
+    if not results.effects["large_deflection"].on:
+        return _FLAT
+    return _MODERATE if results.theory is not None and results.theory.name.startswith("kirchhoff") else _BENT
 
 
 def _thin(results: Results) -> list[tuple[str, str]]:

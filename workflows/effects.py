@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from workflows import bending
 from workflows.errors import BadInput
 from workflows.scene import Scene
 from workflows.wording import significant
 
+if TYPE_CHECKING:
+    from workflows.plate_mesh import Planform
+    from workflows.scene_file import SceneFile
 OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
 
 
@@ -29,7 +34,7 @@ class Theory:
     model_error: float = 0.0
 
 
-def theory(scene: Scene, sides: tuple[float, float] | None = None) -> Theory | None:
+def theory(scene: Scene, sides: tuple[float, float] | None = None, large_deflection: bool = False) -> Theory | None:
     """The plate theory of a scene; None without a plate. `sides`: extent [m] of a plate whose planform is a mesh.
 
     Raises:
@@ -46,17 +51,24 @@ def theory(scene: Scene, sides: tuple[float, float] | None = None) -> Theory | N
         raise ValueError("the sides of a plate from a mesh are needed")
     if plate.theory != "auto":
         return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, plate.thickness))
-    chosen = choose_theory(*sides, plate.thickness, scene.accuracy.frequency)
+    chosen = choose_theory(*sides, plate.thickness, scene.accuracy.frequency, large_deflection)
     return Theory(chosen.name, chosen.why, chosen.model_error)
 
 
-def called_for(scene: Scene, length: float | None = None) -> dict[str, tuple[bool, str]]:
-    """Whether the scene calls for each effect, and why (not). `length` [m]: that of a plate from a mesh."""
-    return {name: _coriolis(scene, length) if rule is _coriolis else rule(scene) for name, rule in RULES.items()}
+def called_for(scene: Scene, form: Planform | None = None) -> dict[str, tuple[bool, str]]:
+    """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
+    return {name: rule(scene, form) if rule in _OF_THE_PLANFORM else rule(scene) for name, rule in RULES.items()}
 
 
-def resolve(scene: Scene, file: str | None = None, length: float | None = None) -> dict[str, Effect]:
-    """Every effect of the scene, decided. `length` [m]: that of a plate from a mesh.
+def of(source: SceneFile) -> dict[str, Effect]:
+    """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
+    from workflows import plate_mesh
+
+    return resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
+
+
+def resolve(scene: Scene, file: str | None = None, form: Planform | None = None) -> dict[str, Effect]:
+    """Every effect of the scene, decided. `form`: its planform, needed where that is a mesh.
 
     Raises:
         BadInput: the scene insists on an effect that its own values rule out.
@@ -65,7 +77,7 @@ def resolve(scene: Scene, file: str | None = None, length: float | None = None) 
     _check_large_deflection(scene, file)
     _check_slip(scene, file)
     decided = {}
-    for name, (called, why) in called_for(scene, length).items():
+    for name, (called, why) in called_for(scene, form).items():
         asked = getattr(scene.effects, name)
         if asked == "auto":
             decided[name] = Effect(called, why)
@@ -111,11 +123,6 @@ def _spins(scene: Scene) -> bool:
     return any(speed > 0 for speed in scene.rotor.speeds)
 
 
-def bends(scene: Scene) -> bool:
-    """Whether the centrifugal load has a part across the plate: any stagger but 0 and 90 degrees."""
-    return _spins(scene) and abs(math.sin(2 * scene.rotor.stagger)) > 1e-9
-
-
 def _stress_stiffening(scene: Scene) -> tuple[bool, str]:
     if scene.plate is None:
         return False, "the structure's frequency is given"
@@ -139,15 +146,15 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
     )
 
 
-def _coriolis(scene: Scene, length: float | None = None) -> tuple[bool, str]:
+def _coriolis(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
     """On when it moves a frequency by more than the accuracy asked for.
 
     What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
-    lowers it by 2 (Omega / w)²: two modes in the limit of a low one. `length`: that of a mesh, in m.
+    lowers it by 2 (Omega / w)²: two modes in the limit of a low one. L: the length, which a mesh has from its planform.
     """
     if scene.plate is None or scene.material is None or not _spins(scene):
         return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
-    length = length or scene.plate.length
+    length = scene.plate.length if form is None else form.sides[0]
     if length is None:
         raise ValueError("the length of a plate from a mesh is needed")
     stretching = 0.5 * math.pi * math.sqrt(scene.material.youngs_modulus / scene.material.density) / length
@@ -159,17 +166,14 @@ def _coriolis(scene: Scene, length: float | None = None) -> tuple[bool, str]:
     )
 
 
-def _large_deflection(scene: Scene) -> tuple[bool, str]:
+def _large_deflection(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
     if scene.plate is None:
         return False, "the structure's frequency is given"
     if not _spins(scene):
         return False, "nothing spins"
     if scene.effects.stress_stiffening is False:
         return False, "stress_stiffening is off, of which it is a part"
-    if not bends(scene):
-        return False, "the centrifugal load lies in the plate's own plane and does not bend it"
-    degrees = math.degrees(scene.rotor.stagger)
-    return True, f"at a stagger of {degrees:g} degrees the load twists the plate; the modes are those about that state"
+    return bending.large_deflection(scene, form)
 
 
 def _rotary_inertia(scene: Scene) -> tuple[bool, str]:
@@ -201,6 +205,8 @@ def _ball_slip(scene: Scene) -> tuple[bool, str]:
         return False, "no damper in the scene"
     return False, "the paper's model: the ball rolls again at once after a wall hit"
 
+
+_OF_THE_PLANFORM = (_coriolis, _large_deflection)
 
 RULES = {
     "stress_stiffening": _stress_stiffening,

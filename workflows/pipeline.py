@@ -37,7 +37,7 @@ def structure(source: SceneFile, stages: Stages, *, shapes: bool = True, size: i
         return Structure(source, effects, points, None)
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
-    effects = rules.resolve(source.scene, source.name, form.sides[0])
+    effects = rules.resolve(source.scene, source.name, form)
     answer = plate.solve(source, form, effects, stages, shapes=shapes, size=size)
     return Structure(source, effects, answer.points, answer, sha256)
 

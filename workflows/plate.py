@@ -105,7 +105,7 @@ def discretise(
     from fem.theories import solid_theory
 
     scene = source.scene
-    theory = rules.theory(scene, form.sides)
+    theory = rules.theory(scene, form.sides, effects["large_deflection"].on)
     if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")

@@ -27,12 +27,12 @@ def planform(source: SceneFile) -> Planform:
     """
     from fem import Given, Rectangle
 
-    given = source.scene.plate
-    if given is None:
+    plate = source.scene.plate
+    if plate is None:
         raise ValueError("the scene has no plate")
     if source.mesh is not None:
         return Given(_from_file(source))
-    form = Rectangle(given.length or 0.0, given.width or 0.0)
+    form = Rectangle(plate.length or 0.0, plate.width or 0.0)
     return _with_a_node_in_the_middle(form) if source.scene.point_mass else form
 
 
@@ -93,7 +93,7 @@ def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
 def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:
     """In the plate's coordinates: x [m] of the clamped root, and the place (x, y) of the damper or of the tip's middle.
 
-    `mesh` is what `given` returns.
+    `mesh` is one of the planform's, None where the scene names none.
     """
     plate = source.scene.plate
     if mesh is not None:
@@ -107,21 +107,6 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     given = given_place(source.scene)
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
     return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
-
-
-def given(source: SceneFile) -> Any:
-    """The mesh that a scene names, once it is seen to be a plate with the damper on it; None where it names none.
-
-    Raises:
-        BadInput: it cannot.
-    """
-    return None if source.mesh is None else _from_file(source)
-
-
-def sides(mesh: Any) -> tuple[float, float]:
-    """Length and width of a mesh [m]."""
-    length, width = np.ptp(mesh.p, axis=1)
-    return float(length), float(width)
 
 
 def _from_file(source: SceneFile) -> Any:

@@ -26,9 +26,18 @@ def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, 
     material: (E, nu, rho). cells: bricks along x, y and z. omega in rad/s, stagger in rad. mass: (kg, x, y).
     timeout: seconds that `ccx` may take.
     """
+    return _run(deck(*grid(size, cells), material, omega, hub, stagger, count, mass), count, threads, timeout)
+
+
+def frequencies_on(mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, count=6, threads=1, timeout=None):
+    """The same of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`), clamped at its smallest x."""
+    return _run(deck(*extruded(mesh, thickness, layers), material, omega, hub, stagger, count), count, threads, timeout)
+
+
+def _run(lines, count, threads, timeout):
     with tempfile.TemporaryDirectory() as folder:
         job = Path(folder) / "plate"
-        job.with_suffix(".inp").write_text(deck(size, material, cells, omega, hub, stagger, count, mass))
+        job.with_suffix(".inp").write_text(lines)
         environment = {"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin:/usr/local/bin"}
         done = subprocess.run(
             [COMMAND, job.name],
@@ -46,16 +55,15 @@ def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, 
     return np.array([float(row[2]) for row in rows])[:count]
 
 
-def deck(size, material, cells, omega, hub, stagger, count, mass):
-    """Write the input deck."""
-    nodes, bricks = grid(size, cells)
+def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None):
+    """Write the input deck of nodes (n, 3) and bricks (m, 20), clamped at the smallest x."""
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{k + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for k, (x, y, z) in enumerate(nodes)]
     lines += ["*ELEMENT, TYPE=C3D20R, ELSET=PLATE"]
     for k, brick in enumerate(bricks + 1):
         lines.append(f"{k + 1}, " + ", ".join(map(str, brick[:15])) + ",")
         lines.append(", ".join(map(str, brick[15:])))
-    lines += ["*NSET, NSET=ROOT"] + [f"{k + 1}," for k in np.flatnonzero(nodes[:, 0] < 1e-9)]
+    lines += ["*NSET, NSET=ROOT"] + [f"{k + 1}," for k in np.flatnonzero(nodes[:, 0] < nodes[:, 0].min() + 1e-9)]
     e, nu, rho = material
     lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{e:.12g}, {nu:.12g}", "*DENSITY", f"{rho:.12g}"]
     lines += ["*SOLID SECTION, ELSET=PLATE, MATERIAL=M"]
@@ -100,3 +108,27 @@ def grid(size, cells):
         for k in range(nz)
     ]
     return np.array(nodes), np.array(bricks)
+
+
+def extruded(mesh, thickness, layers):
+    """Nodes (n, 3) and 20-node bricks (m, 20), from 0, over a mesh of quadrilaterals."""
+    corners = mesh.p.T
+    middles = mesh.p[:, mesh.facets].mean(axis=1).T
+    levels = thickness * (np.arange(2 * layers + 1) / (2 * layers) - 0.5)
+    start, nodes = [], []
+    for k, z in enumerate(levels):
+        plane = corners if k % 2 else np.vstack([corners, middles])  # between two levels, corners alone
+        start.append(sum(map(len, nodes)))
+        nodes.append(np.column_stack([plane, np.full(len(plane), z)]))
+    cells = mesh.t.T
+    # MeshQuad numbers a cell's facets as 0-1, 1-2, 2-3, 0-3; an edge of `facets` is the same either way round.
+    edges = len(corners) + mesh.t2f.T
+    first = np.diff(corners[cells[:, :3]], axis=1)
+    left = first[:, 0, 0] * first[:, 1, 1] > first[:, 0, 1] * first[:, 1, 0]
+    cells = np.where(left[:, None], cells, cells[:, ::-1])
+    edges = np.where(left[:, None], edges, edges[:, [2, 1, 0, 3]])
+    bricks = []
+    for k in range(0, 2 * layers, 2):
+        below, between, above = start[k : k + 3]
+        bricks.append(np.hstack([below + cells, above + cells, below + edges, above + edges, between + cells]))
+    return np.vstack(nodes), np.vstack(bricks)

@@ -1,8 +1,11 @@
 """Large deflection: equilibria and the modes about them."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 from fem_cases import STEEL, distorted, paper_plate, rpm
+from scipy.spatial.transform import Rotation
 
 from fem import Effects, Material, Plate, Rotor, assemble, displacement, equilibrium, rectangle, solve_modes
 from fem.statics import _stressed, _unbalanced, tangent
@@ -48,18 +51,49 @@ def test_slow_is_linear():
     np.testing.assert_allclose(state, linear, atol=1e-5 * np.abs(linear).max())
 
 
-def test_turning_in_the_plane_strains_nothing():
-    """A finite in-plane rotation of an unclamped sheet leaves no force, which von Karman's strains alone would."""
-    operators = assemble(Plate(distorted(rectangle(0.2, 0.08, 4, 2), 0.01), 0.01, STEEL), Rotor(), BENT)
-    blocks, points = operators.model.gradient.blocks, operators.model.points
-    gradients = np.zeros((operators.model.gradient.size, *points.shape[1:]))
-    c, s = np.cos(0.4) - 1.0, np.sin(0.4)
-    gradients[0], gradients[1], gradients[2], gradients[3] = c, -s, s, c
-    from fem.statics import _strain
+@dataclass(frozen=True)
+class Prescribed:
+    """Fields of known values."""
 
-    assert len(blocks) == 5
-    for layer in operators.model.elastic:
-        np.testing.assert_allclose(_strain(layer, gradients)[0], 0.0, atol=1e-15)
+    values: np.ndarray
+
+    def evaluate(self, _):
+        return self.values
+
+
+def of_points(fields, *values):
+    """Fields (nfield,) that are the same at every point."""
+    return Prescribed(np.broadcast_to(np.array(values)[:, None, None], (len(values), *fields.dx.shape)))
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+def test_turning_in_the_plane_strains_nothing(theory):
+    """A finite in-plane rotation of an unclamped sheet leaves no stress, which von Karman's strains alone would."""
+    operators = assemble(Plate(rectangle(0.2, 0.08, 4, 2), 0.01, STEEL), Rotor(), BENT, theory)
+    c, s = np.cos(0.4) - 1.0, np.sin(0.4)
+    energy = operators.model.energies[0]
+    in_plane = (c, -s, 0.0, s, c) if theory == "solid" else (c, -s, s, c)
+    zeros = (0.0,) * (energy.fields.size - len(in_plane))
+    stress = replace(energy, fields=of_points(energy.fields, *in_plane, *zeros)).at(None).stress
+    np.testing.assert_allclose(stress, 0.0, atol=1e-15 * 2e11)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_turning_in_space_strains_nothing(triangles):
+    """A finite rotation of an unclamped Mindlin plate by 0.9 rad about any axis, shear included."""
+    mesh = distorted(rectangle(0.2, 0.08, 4, 2), 0.01)
+    plate = Plate(mesh.to_meshtri() if triangles else mesh, 0.01, STEEL)
+    section, shear = assemble(plate, Rotor(), BENT).model.energies
+    turn = Rotation.from_rotvec([0.6, -0.5, 0.45]).as_matrix()
+    moved, (tx, ty) = turn[:, :2] - np.eye(3)[:, :2], -turn[:2, 2]
+    section = replace(section, fields=of_points(section.fields, *moved.ravel(), tx, 0.0, 0.0, ty, 0.0, 0.0))
+    np.testing.assert_allclose(section.at(None).stress, 0.0, atol=1e-14 * 2e11 * 0.01)
+    sampled = np.einsum("kj,jmcs->kmcs", moved, shear.sides).reshape(6, *shear.sides.shape[2:])
+    felt = []
+    for turns in ((0.0, 0.0), (tx, ty)):  # a director that stays behind, and one that turns too
+        values = np.concatenate([sampled, of_points(shear.samples, *turns).values])
+        felt.append(np.abs(replace(shear, samples=Prescribed(values)).at(None).felt).max())
+    assert felt[1] < 1e-12 * felt[0]
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])

@@ -451,7 +451,7 @@ def test_what_needs_each_other_is_switched_together(
     paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
 ) -> None:
     plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1}
-    both = changed(paper, **plate, damper=None, release=None)
+    both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
     for scene, effect, words in (
         (both, "stress_stiffening", "together with large_deflection, which needs it"),

@@ -18,10 +18,10 @@ def check(
 
     source = scene_file.load(scene)
     needs.check(source)
-    mesh = plate_mesh.given(source)
-    sides = None if mesh is None else plate_mesh.sides(mesh)
-    decided = effects.resolve(source.scene, source.name, None if sides is None else sides[0])
-    theory = effects.theory(source.scene, sides)
+    form = None if source.mesh is None else plate_mesh.planform(source)
+    decided = effects.resolve(source.scene, source.name, form)
+    theory = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
+    mesh = None if form is None else form.mesh(form.sizes[0])
     if json:
         from json import dumps
 

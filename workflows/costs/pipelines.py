@@ -137,6 +137,7 @@ def _theory(source: SceneFile) -> str | None:
 
     if source.scene.plate is None:
         return None
-    sides = None if source.mesh is None else plate_mesh.planform(source).sides
-    found = effects.theory(source.scene, sides)
+    form = None if source.mesh is None else plate_mesh.planform(source)
+    decided = effects.resolve(source.scene, source.name, form)
+    found = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
     return None if found is None else found.name

@@ -34,7 +34,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     ladders: list[Ladder] = []
     chosen: dict[str, Chosen] = {}
     form = None if source.scene.plate is None else plate_mesh.planform(source)
-    effects = rules.resolve(source.scene, source.name, None if form is None else form.sides[0])
+    effects = rules.resolve(source.scene, source.name, form)
     if form is not None:
         found, picked = _plate(source, form, effects, stages)
         ladders += found

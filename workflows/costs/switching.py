@@ -88,8 +88,7 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
     """
     stages = stages or Stages()
     form = None if source.scene.plate is None else plate_mesh.planform(source)
-    length = None if form is None else form.sides[0]
-    decided, called = rules.resolve(source.scene, source.name, length), rules.called_for(source.scene, length)
+    decided, called = rules.resolve(source.scene, source.name, form), rules.called_for(source.scene, form)
     size = None if form is None else plate.discretise(source, form, decided, Stages(visible=False)).choice.size
     with stages("effects", len(decided) + 1) as step:
         own = _run(source, decided, {}, size)

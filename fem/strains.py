@@ -1,0 +1,88 @@
+"""Strains that are not linear in the fields, their stress, and what both do to forces and stiffness.
+
+The elastic energy is the integral of e.C e / 2 over strains e(f) of fields f: forces are (de/df)' C e, the tangent
+stiffness is (de/df)' C (de/df) + (C e).(d²e/df²). `Quadratic` has the strains of layers (`fem.discretisation.Layer`),
+E = sym D g + (1/2) sum_m (Q g)_a (Q g)_b: Green's for solids; for plates von Kármán's and, in addition, the in-plane
+products, so that turning a plate in its own plane does not strain it. `fem.director` is for plates that turn further.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from fem.forms import products, strain_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.discretisation import Layer
+    from fem.fields import Fields
+
+    Array = NDArray[np.float64]
+    Terms = tuple[tuple[Fields, Array], ...]
+
+
+class Stressed(Protocol):
+    """A part of the elastic energy at a state."""
+
+    def force(self) -> Array:
+        """The internal force (n,), the energy's derivative."""
+        ...
+
+    def terms(self) -> Terms:
+        """Fields and coefficients of which `fem.fields.gram` makes the tangent stiffness."""
+        ...
+
+
+class Energy(Protocol):
+    """A part of the elastic energy."""
+
+    def at(self, state: Array) -> Stressed:
+        """The same at a state (n,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Quadratic:
+    """Strains linear_sf f_f + products_sfg f_f f_g / 2 of fields f, with a stiffness (nstrain, nstrain)."""
+
+    fields: Fields
+    modulus: Array
+    linear: Array
+    products: Array
+
+    def at(self, state: Array) -> QuadraticStress:
+        """The energy at a state (n,)."""
+        values = self.fields.evaluate(state)
+        turned = np.tensordot(self.products, values, 1)
+        strain = np.tensordot(self.linear, values, 1) + 0.5 * np.einsum("sfcp,fcp->scp", turned, values)
+        return QuadraticStress(self, self.linear[:, :, None, None] + turned, np.tensordot(self.modulus, strain, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class QuadraticStress:
+    """A variation of the strains with the fields (nstrain, nfield, ncell, npoint), and a stress (nstrain, ...)."""
+
+    energy: Quadratic
+    variation: Array
+    stress: Array
+
+    def force(self) -> Array:
+        """The internal force (n,)."""
+        return self.energy.fields.load(np.einsum("sgcp,scp->gcp", self.variation, self.stress))
+
+    def terms(self) -> Terms:
+        """Fields and coefficients of the tangent stiffness."""
+        stiff = np.tensordot(self.energy.modulus, self.variation, 1)
+        material = np.einsum("sgcp,shcp->ghcp", self.variation, stiff, optimize=True)
+        return ((self.energy.fields, material + np.tensordot(self.energy.products.transpose(1, 2, 0), self.stress, 1)),)
+
+
+def of_layers(fields: Fields, layers: tuple[Layer, ...], stiffness: Array) -> Quadratic:
+    """Make the energy of layers of a stiffness (nstrain, nstrain) in Pa over the gradient fields."""
+    modulus = np.asarray(np.kron(np.diag([layer.weight for layer in layers]), stiffness))
+    linear = np.concatenate([strain_matrix(layer) for layer in layers])
+    return Quadratic(fields, modulus, linear, np.concatenate([products(layer) for layer in layers]))
