@@ -125,6 +125,7 @@ def in_blocks(
     size: int,
     threads: int,
     progress: Callable[[int], None] | None = None,
+    block_size: int = _BLOCK,
 ) -> None:
     """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
 
@@ -134,12 +135,12 @@ def in_blocks(
         work((0, 0))
 
     def counted(begin: int) -> int:
-        block = (begin, min(begin + _BLOCK, size))
+        block = (begin, min(begin + block_size, size))
         work(block)
         return block[1] - begin
 
     with ThreadPoolExecutor(threads) as pool:
-        pending = {pool.submit(counted, begin) for begin in range(0, size, _BLOCK)}
+        pending = {pool.submit(counted, begin) for begin in range(0, size, block_size)}
         done = 0
         try:
             while pending:

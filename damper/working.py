@@ -2,7 +2,7 @@
 
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A.
-It is measured on a ladder of releases, whose rungs are so close that each amplitude is met by several ring-downs.
+It is measured on sweeps that come slowly down through all amplitudes, from several starts.
 """
 
 from __future__ import annotations
@@ -23,25 +23,32 @@ if TYPE_CHECKING:
     from damper.arrays import Floats
     from damper.model import ParticleDamper
 
-_SETTLING, _CYCLES = 8, 64
-"""Cycles that the ball is given to find its motion, and after which a rung ends."""
+_SWEEPS, _STAY = 16, 120
+"""Sweeps through the amplitudes, and cycles that each of them takes for an octave where the ball takes nothing."""
+
+_SETTLING = 12
+"""Cycles that the ball is given to find its motion at the start of a sweep."""
 
 _EVENTS = 2000
-"""Most events that a cycle may have on average; a rung with more is left out from there on."""
+"""Most events that a cycle may have on average; a sweep with more is left out from there on."""
 
-_RUNGS, _BINS = 24, 12
-"""Releases, and points of the curve, in an octave of amplitude."""
+_BINS = 12
+"""Points of the curve in an octave of amplitude."""
 
-_OCTAVES = 2
-"""By which the ladder grows at its top until the damping has fallen to half its peak, and the most it may have."""
+_BINNED = 0.01
+"""Relative error that reading a peak off bins may leave."""
 
-_MOST_OCTAVES = 24
+_OCTAVES, _MOST_OCTAVES = 2, 24
+"""By which sweeps begin higher until the damping falls to half its peak, and the most that they may go through."""
 
 _LEAST_STAY = 1.0
 """Cycles that must have been spent in a bin for it to have a point of the curve."""
 
 _LOWEST = 1e-3
 """Least amplitude over half the clearance that is looked at where nothing holds the ball."""
+
+_BALANCED = 1e-3
+"""Share of its drive that a ball must be left with for its figures to have a meaning."""
 
 _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
@@ -60,8 +67,7 @@ class Working:
         range: amplitudes between which the damper works, from the cut-off (or, where nothing holds the ball, from half
             the peak) to where the damping has fallen to half its peak [m].
         half: amplitudes between which the damping is at least half its peak [m].
-        error: of the peak, relative: what halves of the ladder, every other release each, and of its cycles, early and
-            late, make of the damping around it differs by this much at most [-].
+        error: of the peak, relative: by how much halves of the sweeps differ from all of them around it, at most [-].
     """
 
     amplitude: Floats
@@ -77,15 +83,16 @@ class Working:
         """The figures where the cavity's floor tilts with the structure; None where the ball can never move.
 
         At a slope kappa over displacement the load G pulls the ball by G kappa u = -tau u'' down the slope,
-        tau = G kappa / omega_1^2, so that what drives it is (1 - tau) u'' instead of u''. To leading order in the mass
-        ratio the ball moves as it would at the amplitude (1 - tau) A on a level floor, and takes the same energy.
+        tau = G kappa / omega_1^2, so that what drives it is (1 - tau) u'' instead of u'': nothing at tau = 1, beyond it
+        the pull of the slope. To leading order in the mass ratio the ball moves as it would at the
+        amplitude |1 - tau| A on a level floor, and takes the same energy.
 
         Args:
             share: tau [-].
         """
-        if not share < 1:
+        left = abs(1 - share)
+        if left < _BALANCED:
             return None
-        left = 1 - share
         low, high = self.range
         return replace(
             self,
@@ -100,10 +107,10 @@ class Working:
 
 
 def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
-    """Measure the damper on a ladder of releases along x, the structure's own damping set aside.
+    """Measure the damper on sweeps through the amplitudes along x, the structure's own damping set aside.
 
-    The ball starts at a wall, so that one that nothing holds meets the other wall however small the amplitude: the
-    figures are those of a ball in motion.
+    A sweep comes from above, so that the ball is in motion: one that little holds may keep bouncing at amplitudes at
+    which it would not begin to. A ball at rest in the middle of its cavity then takes less, until it meets a wall.
 
     Args:
         damper: what is measured; its damping ratio has no influence.
@@ -113,17 +120,16 @@ def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
     gap, cutoff = bare.half_gap[0], bare.rolling_threshold / bare.stuck_frequency**2
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return _nothing(cutoff)
-    lowest, top = max(cutoff, _freely(bare) * gap), 4 * max(cutoff, gap)
-    samples = _climb(bare, lowest, top, threads)
+    lowest, octaves = max(cutoff, _freely(bare) * gap), 0.0
+    top = 8 * max(cutoff, gap)
     while True:
-        whole = _figures(samples, cutoff)
-        if whole is None or whole.damping_ratio[-1] < whole.peak / 2 or top > lowest * 2**_MOST_OCTAVES:
-            break
-        more = _climb(bare, top, top * 2**_OCTAVES, threads)
-        samples, top = np.concatenate([samples, more]), top * 2**_OCTAVES
-    if whole is None:
-        return _nothing(cutoff)
-    return replace(whole, error=_spread(samples, whole))
+        samples = _sweep(bare, lowest, top, threads)
+        whole, octaves = _figures(samples, cutoff), math.log2(top / lowest)
+        if whole is None:
+            return _nothing(cutoff)
+        if whole.damping_ratio[-1] < whole.peak / 2 or octaves > _MOST_OCTAVES:
+            return replace(whole, error=max(_spread(samples, whole), _BINNED))
+        top *= 2**_OCTAVES
 
 
 def _freely(damper: ParticleDamper) -> float:
@@ -137,34 +143,35 @@ def _freely(damper: ParticleDamper) -> float:
     return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
 
 
-def _climb(damper: ParticleDamper, low: float, high: float, threads: int | None) -> Floats:
-    """Samples on a ladder from low to high, a row for each cycle of each rung.
+def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None) -> Floats:
+    """Samples on sweeps from high to low, a row for each cycle of each sweep.
 
-    Columns: the logarithms of the amplitude before and after it, whether the rung is odd, whether the cycle is late.
+    From cycle to cycle the structure's motion is made a little smaller where the ball takes less than that, so that the
+    ball keeps the motion that it came with. Columns: the logarithms of the amplitude before and after a cycle, and two
+    by which the sweeps fall into halves.
     """
     from damper import engine
 
-    count = max(4, math.ceil(_RUNGS * math.log2(high / low)))
-    start = np.zeros((count, 5, 2))
-    start[:, 0, 0] = low * (high / low) ** ((np.arange(count) + 0.5) / count)
-    start[:, 2, 0] = damper.half_gap[0]
-    p = prepare(np.repeat(damper.parameters, count), start, _CYCLES, _CYCLES)
+    each = np.arange(_SWEEPS)
+    start = np.zeros((_SWEEPS, 5, 2))
+    start[:, 0, 0] = high * 2 ** ((each + 1) / _SWEEPS)  # at least one octave's share above, to settle on the way
+    start[:, 2, 0] = damper.half_gap[0] * (1 - each / _SWEEPS)
+    cycles = _SETTLING + math.ceil(_STAY * (math.log2(high / low) + 1))
+    p = prepare(np.repeat(damper.parameters, _SWEEPS), start, cycles, cycles)
     tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
-    energy = np.full((count, _CYCLES), np.nan)
+    energy = np.full((_SWEEPS, cycles, 2), np.nan)
+    factor, least = 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2
 
     def work(block: tuple[int, int]) -> None:
         engine.run_by_cycles(
-            block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, _EVENTS * _CYCLES, energy
+            block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, _EVENTS * cycles, factor, least, energy
         )
 
-    in_blocks(work, count, threads or os.cpu_count() or 1)
+    in_blocks(work, _SWEEPS, threads or os.cpu_count() or 1, block_size=1)
     with np.errstate(divide="ignore"):
-        level = 0.5 * np.log(2 * energy[:, _SETTLING - 1 :] / damper.stiffness[0])
-    before, after = level[:, :-1].ravel(), level[:, 1:].ravel()
-    cycle = np.arange(_CYCLES - _SETTLING)
-    odd = np.repeat(np.arange(count) % 2, cycle.size)
-    late = np.tile(cycle >= cycle.size / 2, count)
-    rows = np.column_stack([before, after, odd, late])
+        level = 0.5 * np.log(2 * energy[:, _SETTLING:] / damper.stiffness[0])
+    halves = np.repeat(np.column_stack([each % 2, each // (_SWEEPS // 2)]), level.shape[1], axis=0)
+    rows = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]
 
 
@@ -232,9 +239,9 @@ def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
 def _spread(samples: Floats, whole: Working) -> float:
     """Largest relative deviation of the damping around the peak in a half of the samples.
 
-    Around the peak means within a bin on either side of it. 1 where fewer than two halves see it.
+    Around the peak means within two bins on either side of it. 1 where fewer than two halves see it.
     """
-    near = math.exp(1.5 * math.log(2) / _BINS)
+    near = math.exp(2.5 * math.log(2) / _BINS)
     found = []
     for column in (2, 3):
         for value in (0, 1):

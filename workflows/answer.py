@@ -43,16 +43,16 @@ def answer(results: Results) -> Answer:
     grades = [(p, worth.grade(results, p)) for p in turning]
     if all(grade is Grade.NO for _, grade in grades):
         return Answer(*_why_not(results, turning))
-    fed = _fed(points)
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
     parts = (
-        fed,
+        _fed(points),
         _how_much(results, turning),
         _between(results, turning),
         _reach(results, turning),
         _tilt(turning),
         _beside_the_paper(results),
     )
-    verdict = _verdict(grades) if fed is None else "No verdict: the equations as printed create energy"
+    verdict = "No verdict: the equations as printed do not conserve energy" if printed else _verdict(grades)
     return Answer(verdict, tuple(part for part in parts if part))
 
 
@@ -73,14 +73,14 @@ def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
 
 
 def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
-    """One word for all loads, or a word for each stretch of them: Yes up to 5483 g, hardly above."""
+    """One word for all loads, or a word for each stretch of them: yes up to these, hardly from those on."""
     stretches = [(grade, [p for p, _ in run]) for grade, run in groupby(grades, key=lambda pair: pair[1])]
     if len(stretches) == 1:
         return _WORDS[stretches[0][0]].capitalize()
     if len(stretches) > _STEPS_AT_MOST:
         return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
-    words = [f"{_WORDS[grade]} up to {run[-1].load_g:.0f} g" for grade, run in stretches[:-1]]
-    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {stretches[-1][1][0].load_g:.0f} g on"])
+    words = [f"{_WORDS[grade]} up to {_speed(run[-1])}" for grade, run in stretches[:-1]]
+    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {_speed(stretches[-1][1][0])} on"])
     return text[0].upper() + text[1:]
 
 
@@ -94,7 +94,8 @@ def _how_much(results: Results, points: list[SpeedPoint]) -> str:
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
-        said = f"{_load(there)} it comes to {_percent(least.damping_ratio)} % at best."
+        within = ", within what the plate endures," if least.limited else ""
+        said = f"{_load(there)}{within} it comes to {_percent(least.damping_ratio)} % at best."
         text += f" {said[0].upper()}{said[1:]}"
     return f"{text} The air alone gives turbine blades {_percent(AIR[0])} to {_percent(AIR[1])} %."
 
@@ -106,13 +107,14 @@ def _between(results: Results, points: list[SpeedPoint]) -> str:
     limit = worth.endured(results) or math.inf
     ranges = []
     for point, figures in ends:
-        low, high = figures.range[0], min(figures.range[1], limit)
+        low, high = min(figures.half[0], limit), min(figures.half[1], limit)
         loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
         said = f" ({loads[0]:.0f} to {loads[1]:.0f} g)" if loads else ""
         ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}")
-    below = "Below, the load holds the ball at rest" if ends[0][1].cutoff > 0 else "Below, the ball misses the walls"
-    beyond = ", or the plate does not endure it" if any(w.range[1] > limit for _, w in ends) else ""
-    return f"It works {', '.join(ranges)}. {below}; above, less than half of its best is left{beyond}."
+    held = [f"{_load(p)} below {_millimetres(w.cutoff)} mm" for p, w in ends if w.cutoff > 0]
+    rests = f" The load holds it at rest {', '.join(held)}." if held else ""
+    beyond = ", and what the plate endures ends them" if any(w.half[1] > limit for _, w in ends) else ""
+    return f"At least half of its best is left {', '.join(ranges)}{beyond}.{rests}"
 
 
 def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -136,13 +138,12 @@ def _tilt(points: list[SpeedPoint]) -> str | None:
     shares = [p.tilt_share for p in points]
     if max(shares) < _NOTABLE_TILT:
         return None
-    stuck = [p for p in points if p.tilt_share >= 1]
     text = (
         "As the plate bends, the cavity's floor tilts and the load pulls the ball back down the slope: these figures"
-        f" count in the {span(100 * min(shares), 100 * min(max(shares), 1))} % of the ball's drive that it takes."
+        f" count in the {span(100 * min(shares), 100 * max(shares))} % of the ball's drive that this opposes."
     )
-    if stuck:
-        text += f" From {stuck[0].load_g:.0f} g on it takes all of it, and the ball never moves."
+    if max(shares) > 1:
+        text += " Beyond 100 % it is the slope that drives the ball."
     return text
 
 
@@ -172,8 +173,8 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     figures = worth.felt(low)
     if figures is None:
         return "No: the ball never moves", (
-            f"As the plate bends, the cavity's floor tilts, and already at {low.load_g:.0f} g the load pulls the ball"
-            " down the slope by more than the vibration drives it.",
+            f"As the plate bends, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball down the"
+            " slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
         return "No: the ball never moves", tuple(part for part in (reach, _tilt(points)) if part)
@@ -205,6 +206,10 @@ def _beside_the_paper(results: Results) -> str | None:
 def _load(point: SpeedPoint) -> str:
     """Where in the range of loads, within a sentence."""
     return f"at {point.load_g:.0f} g" if point.load_g > 0 else "at rest"
+
+
+def _speed(point: SpeedPoint) -> str:
+    return f"{point.rpm:.0f} rpm ({point.load_g:.0f} g)"
 
 
 def _millimetres(length: float) -> str:

@@ -56,10 +56,20 @@ def _floor_tilt(results: Results) -> str | None:
         " those of a ball that the tilt of the floor does not pull back. The verdict and the ball's own figures count"
         " the tilt in, to leading order in the mass ratio"
     )
-    if tilt >= 1:
-        return f"{cause}; at {rpm:.0f} rpm it is {significant(tilt)} times what drives the ball, which never moves."
-    times = significant(1 / (1 - tilt), 2)
-    return f"{cause}; at {rpm:.0f} rpm it raises the cut-off {times} times."
+    if abs(tilt - 1) < 0.01:
+        return f"{cause}; at {rpm:.0f} rpm it all but cancels what drives the ball."
+    times = significant(1 / abs(1 - tilt), 2)
+    return f"{cause}; at {rpm:.0f} rpm it changes the cut-off {times} times."
+
+
+def _level_structure(results: Results) -> str | None:
+    """What a scene without a plate cannot tell."""
+    if results.scene.plate is not None or not any(p.load_g > 0 for p, _, _ in _rung(results)):
+        return None
+    return (
+        "A [structure] says neither how the cavity's floor tilts as it bends, which on a plate raises the amplitude"
+        " from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor, without limit."
+    )
 
 
 def _held(results: Results) -> str | None:
@@ -198,6 +208,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _nothing_released,
     _held,
     _floor_tilt,
+    _level_structure,
     _books,
     _work_bound,
     _assumed_damping,

@@ -75,6 +75,21 @@ def test_two_hits_a_cycle_of_a_rolling_ball(over_gap: float) -> None:
     assert at(working(damper), amplitude) == pytest.approx(two_hits(damper, amplitude), rel=0.03)
 
 
+@pytest.mark.parametrize("over_gap", [1.5, 3.0, 6.0])
+@pytest.mark.parametrize("rolling_friction", [1e-8, 1e-6])
+def test_ring_downs_of_a_ball_that_little_holds(over_gap: float, rolling_friction: float) -> None:
+    """It keeps bouncing from above down to amplitudes at which it would not begin to: the curve is that of the ball in
+    motion, which a ring-down from above shows."""
+    damper = paper(rolling_friction=rolling_friction)
+    found, zeta = working(damper), 3e-4
+    release = over_gap * damper.half_gap[0]
+    books = ringdown(replace(damper, damping_ratio=zeta), (release, 0.0)).energy
+    amplitude = np.linspace(0, release, 4001)[1:]
+    ball = np.interp(np.log(amplitude), np.log(found.amplitude), found.damping_ratio, left=0.0)
+    expected = np.trapezoid(ball / (zeta + ball) * damper.stiffness[0] * amplitude, amplitude)
+    assert books.rolling + books.impact + books.slip == pytest.approx(expected, rel=0.03)
+
+
 @pytest.mark.parametrize("zeta", [3e-4, 5e-3])
 @pytest.mark.parametrize("over_cutoff", [1.5, 2.0, 2.5])
 def test_ring_downs_lose_what_the_curve_says(zeta: float, over_cutoff: float) -> None:
@@ -110,9 +125,12 @@ def test_peaks_on_level_and_tilting_floors(
 
 
 def test_a_floor_that_tilts_too_far() -> None:
+    """At 1 the slope takes all of the drive; beyond, it drives: at 2 as much as the vibration does on a level floor."""
     found = working(paper())
     assert found.tilted(1.0) is None
-    assert found.tilted(3.0) is None
+    twice = found.tilted(2.0)
+    assert twice is not None
+    assert (twice.peak, twice.cutoff) == pytest.approx((found.peak, found.cutoff))
 
 
 @pytest.mark.parametrize("load", [0, 2687, 21932])
@@ -134,15 +152,15 @@ def test_own_damping_has_no_part_in_it() -> None:
 def test_the_error_is_what_another_ladder_differs_by(
     rolling_friction: float, mass_ratio: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Other releases and a longer time to settle: the peak moves by about the error that is stated."""
+    """Other starts and slower sweeps: the peak moves by about the error that is stated."""
     import sys
 
     damper = paper(mass_ratio=mass_ratio, rolling_friction=rolling_friction)
     found = working(damper)
     module = sys.modules["damper.working"]
-    monkeypatch.setattr(module, "_RUNGS", 31)
-    monkeypatch.setattr(module, "_SETTLING", 16)
-    monkeypatch.setattr(module, "_CYCLES", 96)
+    monkeypatch.setattr(module, "_SWEEPS", 24)
+    monkeypatch.setattr(module, "_SETTLING", 20)
+    monkeypatch.setattr(module, "_STAY", 170)
     again = working(damper)
     assert found.peak == pytest.approx(again.peak, rel=0.02 + 2 * max(found.error, again.error))
     assert found.error < 0.3

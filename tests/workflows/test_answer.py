@@ -86,7 +86,7 @@ def test_neither_release_nor_own_damping_moves_the_figures(tmp_path: Path, zeta:
 
 def test_a_step_between_two_loads_is_named(tmp_path: Path) -> None:
     found = results(tmp_path, speeds='"3500 rpm", "17500 rpm"')
-    low, high = (f"{p.load_g:.0f} g" for p in found.speeds)
+    low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
     assert answer(found).verdict == f"Modestly up to {low}, hardly from {high} on"
     assert [worth.grade(found, p).name for p in found.speeds] == ["MODESTLY", "HARDLY"]
 
