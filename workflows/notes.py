@@ -68,7 +68,7 @@ def _level_structure(results: Results) -> str | None:
         return None
     return (
         "A [structure] says neither how the cavity's floor tilts as it bends, which on a plate raises the amplitude"
-        " from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor, without limit."
+        " from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor without limit."
     )
 
 
