@@ -70,10 +70,6 @@ SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene | Scen
 """A scene as Python calls take it: the name of a shipped one, a file's path, a dict, or one that is already read."""
 
 
-_DEEPEST = 8
-"""Tables within tables that are looked through; a scene has fewer."""
-
-
 def shipped() -> list[str]:
     """Names of the scenes that come with the package."""
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
@@ -144,14 +140,12 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         raise explained(error, plain, name) from None
 
 
-def _plain(value: Any, depth: int = 0) -> Any:
-    """Values as TOML has them, as deep as a scene goes."""
-    if depth > _DEEPEST:
-        return value
-    if isinstance(value, Mapping):
-        return {key: _plain(item, depth + 1) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item, depth + 1) for item in value]
+def _plain(value: Any, depth: int = 4) -> Any:
+    """Values as TOML has them, as deep as a scene goes: a table, a key, a list, a value."""
+    if depth and isinstance(value, Mapping):
+        return {key: _plain(item, depth - 1) for key, item in value.items()}
+    if depth and isinstance(value, list | tuple):
+        return [_plain(item, depth - 1) for item in value]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     return value.tolist() if hasattr(value, "tolist") else value  # of NumPy
