@@ -120,14 +120,13 @@ def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
     gap, cutoff = bare.half_gap[0], bare.rolling_threshold / bare.stuck_frequency**2
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return _nothing(cutoff)
-    lowest, octaves = max(cutoff, _freely(bare) * gap), 0.0
-    top = 8 * max(cutoff, gap)
+    lowest, top = max(cutoff, _freely(bare) * gap), 8 * max(cutoff, gap)
     while True:
         samples = _sweep(bare, lowest, top, threads)
-        whole, octaves = _figures(samples, cutoff), math.log2(top / lowest)
+        whole = _figures(samples, cutoff)
         if whole is None:
             return _nothing(cutoff)
-        if whole.damping_ratio[-1] < whole.peak / 2 or octaves > _MOST_OCTAVES:
+        if whole.damping_ratio[-1] < whole.peak / 2 or top > lowest * 2**_MOST_OCTAVES:
             return replace(whole, error=max(_spread(samples, whole), _BINNED))
         top *= 2**_OCTAVES
 
@@ -150,7 +149,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     ball keeps the motion that it came with. Columns: the logarithms of the amplitude before and after a cycle, and two
     by which the sweeps fall into halves.
     """
-    from damper import engine
+    from damper import sweeping
 
     each = np.arange(_SWEEPS)
     start = np.zeros((_SWEEPS, 5, 2))
@@ -163,7 +162,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     factor, least = 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2
 
     def work(block: tuple[int, int]) -> None:
-        engine.run_by_cycles(
+        sweeping.run_by_cycles(
             block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, _EVENTS * cycles, factor, least, energy
         )
 
@@ -241,17 +240,15 @@ def _spread(samples: Floats, whole: Working) -> float:
 
     Around the peak means within two bins on either side of it. 1 where fewer than two halves see it.
     """
-    near = math.exp(2.5 * math.log(2) / _BINS)
-    found = []
-    for column in (2, 3):
-        for value in (0, 1):
-            amplitude, ratio = _curve(samples[samples[:, column] == value], whole.cutoff)
-            around = (amplitude > whole.peak_amplitude / near) & (amplitude < whole.peak_amplitude * near)
-            if around.any():
-                found.append(float(ratio[around].mean()))
-    around = (whole.amplitude > whole.peak_amplitude / near) & (whole.amplitude < whole.peak_amplitude * near)
-    mean = float(whole.damping_ratio[around].mean())
-    return max(abs(one / mean - 1) for one in found) if len(found) > 1 else 1.0
+
+    def around(amplitude: Floats, ratio: Floats) -> Floats:
+        near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / _BINS
+        return ratio[near]
+
+    halves = [samples[samples[:, column] == value] for column in (2, 3) for value in (0, 1)]
+    seen = [part.mean() for half in halves if (part := around(*_curve(half, whole.cutoff))).size]
+    mean = around(whole.amplitude, whole.damping_ratio).mean()
+    return max(float(abs(one / mean - 1)) for one in seen) if len(seen) > 1 else 1.0
 
 
 def _nothing(cutoff: float) -> Working:

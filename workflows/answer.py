@@ -100,21 +100,24 @@ def _how_much(results: Results, points: list[SpeedPoint]) -> str:
     return f"{text} The air alone gives turbine blades {_percent(AIR[0])} to {_percent(AIR[1])} %."
 
 
-def _between(results: Results, points: list[SpeedPoint]) -> str:
-    """Between what amplitudes the ball works, at the lowest load at which it does and at the highest."""
-    working = [(p, w) for p in points if worth.best(results, p) is not None and (w := worth.felt(p)) is not None]
-    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
+def _between(results: Results, points: list[SpeedPoint]) -> str | None:
+    """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
     limit = worth.endured(results) or math.inf
+    felt = [(p, w) for p in points if worth.best(results, p) is not None and (w := worth.felt(p)) is not None]
+    working = [(p, w) for p, w in felt if w.half[0] < limit]
+    if not working:
+        return None
+    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
     ranges = []
     for point, figures in ends:
-        low, high = min(figures.half[0], limit), min(figures.half[1], limit)
+        low, high = figures.half[0], min(figures.half[1], limit)
         loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
         said = f" ({loads[0]:.0f} to {loads[1]:.0f} g)" if loads else ""
-        ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}")
+        ends_there = ", all that the plate endures" if high < figures.half[1] else ""
+        ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
     held = [f"{_load(p)} below {_millimetres(w.cutoff)} mm" for p, w in ends if w.cutoff > 0]
     rests = f" The load holds it at rest {', '.join(held)}." if held else ""
-    beyond = ", and what the plate endures ends them" if any(w.half[1] > limit for _, w in ends) else ""
-    return f"At least half of its best is left {', '.join(ranges)}{beyond}.{rests}"
+    return f"At least half of its best is left {', '.join(ranges)}.{rests}"
 
 
 def _reach(results: Results, points: list[SpeedPoint]) -> str | None:

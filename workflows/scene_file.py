@@ -140,12 +140,12 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         raise explained(error, plain, name) from None
 
 
-def _plain(value: Any) -> Any:
-    """Values as TOML has them."""
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+def _plain(value: Any, depth: int = 4) -> Any:
+    """Values as TOML has them, as deep as a scene goes: a table, a key, a list, a value."""
+    if depth and isinstance(value, Mapping):
+        return {key: _plain(item, depth - 1) for key, item in value.items()}
+    if depth and isinstance(value, list | tuple):
+        return [_plain(item, depth - 1) for item in value]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     return value.tolist() if hasattr(value, "tolist") else value  # of NumPy

@@ -1,5 +1,7 @@
 """The theories against each other, their rates, and the choice among them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from fem_cases import STEEL, beam_rates, distorted, paper_plate, rpm
@@ -115,12 +117,15 @@ def test_morley_comes_from_below():
     assert (low < high).all()
 
 
-@pytest.mark.parametrize(("theory", "meshes_error"), [("kirchhoff", 1e-4), ("mindlin", 1e-3), ("solid", 2e-3)])
-def test_quads_and_triangles_agree(theory, meshes_error):
+@pytest.mark.parametrize(
+    ("theory", "size", "thickness", "meshes_error"),
+    [("kirchhoff", 4, 0.004, 1e-4), ("mindlin", 4, 0.004, 1e-3), ("solid", 3, 0.012, 2e-3)],
+)
+def test_quads_and_triangles_agree(theory, size, thickness, meshes_error):
     """One plate, two kinds of mesh, at speed and under stagger: within the meshes' errors."""
-    mesh = Rectangle(0.2, 0.08).mesh(4)
+    mesh, rotor = Rectangle(0.2, 0.08).mesh(size), Rotor(0.1, 0.6)
     found = [
-        solve_modes(assemble(Plate(m, 0.004, STEEL), Rotor(0.1, 0.6), Effects(), theory), rpm(6000), 4).frequencies_hz
+        solve_modes(assemble(Plate(m, thickness, STEEL), rotor, Effects(), theory), rpm(6000), 4).frequencies_hz
         for m in (mesh, mesh.to_meshtri())
     ]
     np.testing.assert_allclose(found[0], found[1], rtol=meshes_error)
@@ -158,15 +163,17 @@ def test_choice_keeps_its_word():
     np.testing.assert_allclose(thin, thick, rtol=5e-4)
 
 
+@cache
+def at_rest(theory, thickness):
+    plate = Plate(Rectangle(0.2, 0.08).mesh(5), thickness, STEEL)
+    return solve_modes(assemble(plate, Rotor(), Effects(), theory), 0.0, 4).frequencies_hz
+
+
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
 @pytest.mark.parametrize("thickness", [0.005, 0.01, 0.016])
 def test_theories_own_errors(theory, thickness):
     """Against bricks, on one graded mesh so that the error of the mesh falls out: within a factor of three."""
-    plate = Plate(Rectangle(0.2, 0.08).mesh(5), thickness, STEEL)
-    found, solid = (
-        solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 4).frequencies_hz for t in (theory, "solid/4")
-    )
-    true = np.abs(found / solid - 1.0).max()
+    true = np.abs(at_rest(theory, thickness) / at_rest("solid/4", thickness) - 1.0).max()
     assert true / 3.0 < model_error(theory, 0.2, 0.08, thickness) < 3.0 * true
 
 

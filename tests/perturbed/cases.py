@@ -226,14 +226,14 @@ def _cases() -> dict[str, Case]:
     made["no rotary inertia"] = Case(
         Problem(SMALL, Rotor(0.1, 0.2), Effects(rotary_inertia=False, coriolis=True)), modes(1e3)
     )
-    made["an inward beam, almost buckling"] = Case(Problem(INWARD, Rotor(), Effects()), near(1e-6, 4))
+    made["an inward beam, almost buckling"] = Case(Problem(INWARD, Rotor(-1.0), Effects()), near(1e-6, 4))
 
     for name, plate, rotor, effects in (
         ("strip in its plane", _plate(1.0, 0.02, (12, 2), 0.001), Rotor(), Effects()),
         ("far above the first frequency", SMALL, Rotor(stagger=LAG), Effects()),
         ("of a short and wide plate", _plate(0.02, 1.0, (2, 12), 0.001), Rotor(), Effects()),
         ("of a strip that has none", _plate(1.0, 0.02, (24, 4), 0.001), Rotor(), Effects()),
-        ("of an inward beam", INWARD, Rotor(), Effects()),
+        ("of an inward beam", INWARD, Rotor(-1.0), Effects()),
     ):
         made[f"critical speed {name}"] = Case(Problem(plate, rotor, effects), critical)
 
@@ -254,9 +254,9 @@ def _cases() -> dict[str, Case]:
     strip = _plate(0.2, 0.08, (8, 4), 0.001)
     made["a thin strip untwists"] = Case(Problem(strip, Rotor(0.1, 0.7), BENT), bent(419.0))
     pressed = Plate(PRESSED, 1e-3, STEEL)
-    made["pressed beyond equilibrium"] = Case(Problem(pressed, Rotor(0.0, 0.7), BENT), bent(3e4), "NoEquilibrium")
+    made["pressed beyond equilibrium"] = Case(Problem(pressed, Rotor(-0.2, 0.7), BENT), bent(3e4), "NoEquilibrium")
     made["pressed until it is unstable"] = Case(
-        Problem(replace(pressed, thickness=1e-4), Rotor(0.0, LAG), BENT), bent(100.0), "Divergence"
+        Problem(replace(pressed, thickness=1e-4), Rotor(-0.2, LAG), BENT), bent(100.0), "Divergence"
     )
     return made
 

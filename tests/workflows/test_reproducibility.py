@@ -111,6 +111,8 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     point = document["speeds"][0]
     names = {"rpm", "load_g", "duration", *point["modes"][0], *point["reduced"], *point["damper"]}
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
+    names |= {"damping_ratio_peak", "at_amplitude", "range_low", "range_high", "cutoff"}
+    names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
         assert set(data.variables) <= names
         assert names - set(data.variables) <= {"cycles", "energy", "branch"}
