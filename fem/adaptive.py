@@ -52,6 +52,9 @@ NEAR = 0.3
 HALVINGS = 6
 """How often a range of speeds is halved at most."""
 
+FEW = 16
+"""Speeds up to which what one basis leaves open is dearer to answer by others than speed by speed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Answer:
@@ -91,8 +94,17 @@ def answer(
 ) -> list[Answer]:
     """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
 
-    Raises Divergence when a speed is found to be beyond the critical one.
+    FEW speeds have one basis alone. Raises Divergence when a speed is found to be beyond the critical one.
     """
+    if omega.size > FEW:
+        return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
+    basis, found, _ = _grow(operators, omega, count, tolerance, SPARES[0])
+    return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+
+
+def _by_halves(
+    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
+) -> list[Answer]:
     for spare in SPARES:
         basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
         if found.within(tolerance).all() or omega.size == 1:
@@ -105,7 +117,7 @@ def answer(
     return [
         part
         for piece in (omega[:half], omega[half:])
-        for part in answer(operators, piece, count, tolerance, damping_ratio, halvings - 1)
+        for part in _by_halves(operators, piece, count, tolerance, damping_ratio, halvings - 1)
     ]
 
 

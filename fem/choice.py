@@ -56,7 +56,7 @@ class Choice:
 
     size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
     errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
-    size with its largest error.
+    size with its largest error. rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
     """
 
     operators: Operators
@@ -65,6 +65,7 @@ class Choice:
     errors: Array
     tolerance: float
     tried: tuple[tuple[int, float], ...] = field(default=())
+    rates: Array = field(default_factory=lambda: np.full((1, 1), np.nan))
 
     @property
     def met(self) -> bool:
@@ -124,7 +125,8 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
     errors = np.maximum(errors, search.drifts(size))[alive]
     errors = np.where(np.isfinite(errors), errors, np.nan)
     probes = np.array(search.probes)[alive]
-    return Choice(search.operators(size), size, probes, errors, tolerance, tuple(sorted(search.tried.items())))
+    rates = 2.0 * np.pi * search.frequencies(size)[alive]
+    return Choice(search.operators(size), size, probes, errors, tolerance, tuple(sorted(search.tried.items())), rates)
 
 
 def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:

@@ -26,6 +26,13 @@ _STEPS = 100
 _MODES_FOLLOWED = 12
 """Modes up to which that is so."""
 
+_STIFFENED = 50.0
+"""Growth of a squared frequency from the lowest speed to the highest up to which that is so: one reduced basis answers
+all speeds between. Beyond, they take several, or are solved one by one."""
+
+_FEW_STEPS = 12
+"""Speeds by which modes are followed there."""
+
 _BASIS, _LEAST_BASIS = 1e-3, 1e-7
 """Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
 finer it would be lost in rounding."""
@@ -149,9 +156,21 @@ def _sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
     if not operators.effects.large_deflection and scene.rotor.modes <= _MODES_FOLLOWED:
-        speeds = np.union1d(speeds, np.linspace(speeds.min(), speeds.max(), _STEPS))
+        speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(operators, speeds, count, tolerance=max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS))
+
+
+def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
+    """Speeds between low and high in rad/s: evenly, or such that modes that are stiffened much grow by like factors.
+
+    rates: (k, count), of the modes at the lowest speed and the highest, as far as they are known.
+    """
+    growth = float((rates[-1] / rates[0]).max() ** 2)
+    if not growth > _STIFFENED:
+        return np.linspace(low, high, _STEPS)
+    share = (growth ** np.linspace(0.0, 1.0, _FEW_STEPS + 2)[1:-1] - 1.0) / (growth - 1.0)
+    return np.sqrt(low**2 + share * (high**2 - low**2))
 
 
 def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:

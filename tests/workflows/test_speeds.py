@@ -1,0 +1,55 @@
+"""Speeds that are solved beside those asked for, so that modes can be followed: only as many as they are worth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import Scene, changed
+
+
+@pytest.fixture
+def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many speeds each reduced basis that is grown is for."""
+    from fem import adaptive
+
+    speeds: list[int] = []
+    plain = adaptive._grow
+
+    def counted(operators: Any, omega: np.ndarray, *arguments: Any) -> Any:
+        speeds.append(omega.size)
+        return plain(operators, omega, *arguments)
+
+    monkeypatch.setattr(adaptive, "_grow", counted)
+    return speeds
+
+
+def test_two_speeds_far_apart_take_no_hundred(paper: Scene, bases: list[int]) -> None:
+    """The first frequency grows fiftyfold between them: no one basis answers what lies between."""
+    scene = changed(
+        paper,
+        plate__thickness="0.3 mm",
+        plate__theory="mindlin",
+        rotor__speeds=["0 rpm", "17500 rpm"],
+        damper=None,
+        release=None,
+    )
+    slow, fast = workflows.run(scene).speeds
+    assert fast.modes[0].frequency_hz > 45 * slow.modes[0].frequency_hz
+    assert bases == [14], "one try"
+    assert [mode.branch for mode in fast.modes[:2]] == [0, 1]
+
+
+def test_steps_between_speeds_grow_with_the_stiffness() -> None:
+    """Where modes are stiffened much, their squared frequencies grow by like factors from step to step."""
+    from workflows.plate import _steps
+
+    assert len(_steps(0.0, 100.0, np.array([[100.0], [300.0]]))) == 100
+    assert len(_steps(0.0, 100.0, np.full((1, 1), np.nan))) == 100
+    steps = _steps(10.0, 100.0, np.array([[1.0, 2.0], [40.0, 3.0]]))
+    assert len(steps) == 12
+    squares = 1.0 + (1600.0 - 1.0) * (steps**2 - 10.0**2) / (100.0**2 - 10.0**2)
+    np.testing.assert_allclose(squares[1:] / squares[:-1], 1600.0 ** (1 / 13), rtol=1e-9)
