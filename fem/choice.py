@@ -49,6 +49,9 @@ EXACT = 1e-3
 MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
 """Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
 
+PAIR, LARGE = 1.5, 500
+"""By how much a mesh that only tells the error of one from a file may exceed that, and cells from which this is asked."""
+
 
 @dataclass(frozen=True, eq=False)
 class Choice:
@@ -78,20 +81,26 @@ class Choice:
 
 
 def choose_mesh(
-    planform: Planform, build: Callable[[int], Operators], speeds: tuple[float, ...], count: int, tolerance: float
+    planform: Planform,
+    build: Callable[[int], Operators],
+    speeds: tuple[float, ...],
+    count: int,
+    tolerance: float,
+    most: int | None = None,
 ) -> Choice:
     """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
 
     build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
     at the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of
-    which one is three times as fine. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
+    which one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
+    MOST_UNKNOWNS. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
     ValueError for a tolerance of 0 or less.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
     probes = tuple(sorted({min(speeds), max(speeds)}))
     search = Estimates(planform, build, probes, count, EXACT * tolerance)
-    if len(planform.sizes) == 1:
+    if len(planform.sizes) == 1 or _alone(planform, search, most):
         return _unknown(search, planform.sizes[0], tolerance)
     coarse, fine = _first_pair(planform, count)
     while True:
@@ -105,7 +114,8 @@ def choose_mesh(
         if between and len(search.tried) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        following = _next(planform, search.unknowns(fine), search.theory, fine, float(errors.max()) / tolerance)
+        room = min(_most(search.theory), most or np.inf) / search.unknowns(fine)
+        following = next_size(planform, fine, float(errors.max()) / tolerance, room)
         if following is None or (search.slow and len(search.tried) > PATIENCE):
             return _end(search, fine, errors, tolerance)
         coarse, fine = fine, following
@@ -134,6 +144,25 @@ def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
     return _end(search, size, np.full_like(search.frequencies(size), np.nan), tolerance)
 
 
+def _alone(planform: Planform, search: Estimates, most: int | None) -> bool:
+    """Whether a planform's coarsest mesh is so large that no other is compared with it."""
+    coarsest = planform.sizes[0]
+    if planform.mesh(coarsest).t.shape[1] < LARGE:
+        return False
+    search.frequencies(coarsest)
+    return not has_pair(planform, search.unknowns(coarsest), search.theory, most)
+
+
+def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:
+    """Whether the mesh next to a planform's coarsest, which has so many unknowns, may be solved to tell its error."""
+    following = unknowns * (planform.sizes[1] / planform.sizes[0]) ** 2 if len(planform.sizes) > 1 else np.inf
+    return bool(following <= min(PAIR * _most(theory), most or np.inf))
+
+
+def _most(theory: str) -> int:
+    return MOST_UNKNOWNS[theory.partition("/")[0]]
+
+
 def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
     """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
     sizes = planform.sizes
@@ -141,9 +170,11 @@ def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
     return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine
 
 
-def _next(planform: Planform, unknowns: int, theory: str, size: int, excess: float) -> int | None:
-    """The size that should bring an error down by a factor, the largest that may be tried, or None."""
-    most = MOST_UNKNOWNS[theory.partition("/")[0]]
-    finer = [other for other in planform.sizes if other > size and unknowns * (other / size) ** 2 <= most]
-    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), STEP)
+def next_size(planform: Planform, size: int, excess: float, room: float, step: float = STEP) -> int | None:
+    """The size that should bring an error down by a factor, the largest that may be tried, or None.
+
+    room: by what factor the unknowns may grow. step: by what factor the size may at most.
+    """
+    finer = [other for other in planform.sizes if other > size and (other / size) ** 2 <= room]
+    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), step)
     return next((other for other in finer if other >= wanted), finer[-1] if finer else None)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import effects as rules
-from workflows import plate_mesh, plate_records
+from workflows import needs, plate_mesh, plate_records
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
 from workflows.plate_records import Discrete
 from workflows.records import Diagram, Reduced, SpeedPoint, Surface
+from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
 
-_MODES_FOLLOWED = 12
+MODES_FOLLOWED = 12
 """Modes up to which that is so."""
 
 _STIFFENED = 50.0
@@ -75,9 +76,9 @@ def solve(
     try:
         with stages("modes"):
             discrete = discretise(source, form, effects, stages, size)
-            diagram = _sweep(source, discrete)
+            diagram = sweep(source, discrete)
         with stages("reduction"):
-            reduced = _reduce(source, discrete.choice.operators, diagram)
+            reduced = reduce(source, discrete.choice.operators, diagram)
     except Divergence as error:
         found = f"{source.name}: {error}; no speed asked for is below the critical one"
         raise NoAnswer(". ".join((found, *source.remarks))) from error
@@ -102,14 +103,19 @@ def solve(
 
 
 def discretise(
-    source: SceneFile, form: Planform, effects: dict[str, Effect], stages: Stages, size: int | None = None
+    source: SceneFile,
+    form: Planform,
+    effects: dict[str, Effect],
+    stages: Stages,
+    size: int | None = None,
+    most: int | None = None,
 ) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
-    With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
+    With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `most`: unknowns
+    beyond which no finer mesh is tried, if not those that the memory holds.
     """
     from fem import Choice, Effects, MeshError, PlaceError, Rotor, assemble, choose_mesh
-    from fem.theories import solid_theory
 
     scene = source.scene
     theory = rules.theory(scene, form.sides, effects["large_deflection"].on)
@@ -118,9 +124,7 @@ def discretise(
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
     rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
-    model, layers = theory.name, 0.0
-    if theory.name == "solid":
-        model, layers = solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
+    model, layers = _with_layers(source, form, theory)
 
     def build(size: int, effects: fem.Effects) -> fem.Operators:
         with stages("mesh"):
@@ -136,7 +140,9 @@ def discretise(
         return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers)
     try:
         tolerance = max(scene.accuracy.frequency - layers, 0.5 * scene.accuracy.frequency)
-        choice = choose_mesh(form, lambda size: build(size, plain), scene.rotor.speeds, scene.rotor.modes, tolerance)
+        fit = needs.most_unknowns(source, form, model, switches.large_deflection)
+        speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
+        choice = choose_mesh(form, lambda size: build(size, plain), speeds, modes, tolerance, limit)
         if switches != plain:
             choice = replace(choice, operators=build(choice.size, switches))
     except MeshError as error:
@@ -149,16 +155,39 @@ def discretise(
     return Discrete(choice, theory, described, layers)
 
 
-def _sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
+def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
+    """The theory's name with the layers of a solid, and the error that these leave."""
+    from fem.theories import solid_theory
+
+    scene = source.scene
+    if theory.name != "solid" or scene.plate is None:
+        return theory.name, 0.0
+    return solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
+
+
+def model(source: SceneFile, form: Planform, effects: dict[str, Effect]) -> str:
+    """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
+    theory = rules.theory(source.scene, form.sides, effects["large_deflection"].on)
+    if theory is None:
+        raise ValueError("the scene has no plate")
+    return _with_layers(source, form, theory)[0]
+
+
+def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
     from fem import campbell
 
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
-    if not operators.effects.large_deflection and scene.rotor.modes <= _MODES_FOLLOWED:
+    if not one_by_one(scene, operators):
         speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(operators, speeds, count, tolerance=max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS))
+
+
+def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
+    """Whether every speed is solved by itself, so that speeds beside those asked for would cost."""
+    return operators.effects.large_deflection or scene.rotor.modes > MODES_FOLLOWED
 
 
 def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
@@ -173,8 +202,12 @@ def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
     return np.sqrt(low**2 + share * (high**2 - low**2))
 
 
-def _reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
-    """What the damper feels at each speed of the diagram; nothing without a damper."""
+def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
+    """What the damper feels at each speed of the diagram; nothing without a damper.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
     from fem import NoFlapMode, PlaceError, reduce_over
 
     damper = source.scene.damper

@@ -1,0 +1,212 @@
+"""How long a run takes and how much memory, reckoned from a small one: coarse meshes, few speeds, few cycles.
+
+The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on
+this machine: work grows as the power 1.3 of the unknowns, between that of the matrices (1) and that of a planar mesh's
+factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. A mesh from a file that is large itself is
+not solved for this; what it takes is reckoned from what others took, and from how fast this machine is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from workflows import needs, plate, plate_records, ringdowns
+from workflows.effects import Effect, Theory
+from workflows.records import SpeedPoint
+from workflows.scene_file import SceneFile
+from workflows.stages import Stages
+from workflows.wording import significant
+
+if TYPE_CHECKING:
+    from workflows.plate_mesh import Planform
+    from workflows.plate_records import Discrete
+
+_UNKNOWNS, _LARGE = 6000, 3.0
+"""Up to which meshes are tried here, and how many times as many a file's own may have to be."""
+
+_SPEEDS, _CYCLES = 3, 1000
+"""Up to which there are speeds and cycles here."""
+
+_GROWTH = {"kirchhoff": 1.3, "mindlin": 1.3, "solid": 1.5}
+
+_PRICE = {"kirchhoff": 1.7e-6, "mindlin": 1.7e-6, "solid": 8e-7, "solid/4": 1.9e-6, "solid/6": 2.5e-6}
+"""Seconds that matrices and six modes at two speeds took for one unknown, to be grown by the power above."""
+
+_DEFLECTED, _TURNING = 8.0, 6.0
+"""By how much large deflection and Coriolis forces make modes dearer."""
+
+_REFERENCE = 4, 0.1
+"""Size of a mesh of the paper's plate, and the seconds that its modes took on the machine where prices were taken."""
+
+_SEARCH = 1.3
+"""Work of a search over that of the last of its meshes, each of which is about half as large as the next."""
+
+_START = 3.0
+"""Seconds to start the program, to draw and to write."""
+
+_BOOKS = 1.2e3
+"""Bytes of a cycle in the results and their text."""
+
+
+_FINE, _MANY, _MANY_CYCLES = 1e-4, 200, 100_000
+"""Accuracy below which meshes become large; numbers of speeds and cycles that count as many."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """What a run takes, within a factor of two: bytes of memory, seconds on this machine as busy as it is now."""
+
+    memory: float
+    seconds: float
+
+
+def in_words(found: Need) -> str:
+    """For people."""
+    seconds = found.seconds
+    time = (
+        f"{significant(seconds, 1)} s"
+        if seconds < 90
+        else f"{significant(seconds / 60, 2)} minutes"
+        if seconds < 5400
+        else f"{significant(seconds / 3600, 2)} hours"
+    )
+    return f"A run takes about {time} and {needs.in_words(found.memory)} of memory."
+
+
+def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Effect], theory: Theory | None) -> bool:
+    """Whether a scene has anything for which a run may take more than a minute, so that it is worth a need()."""
+    scene = source.scene
+    cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
+    speeds = len(scene.rotor.speeds)
+    dear = theory is not None and (
+        theory.name.startswith("solid")
+        or effects["large_deflection"].on
+        or effects["coriolis"].on
+        or scene.rotor.modes > plate.MODES_FOLLOWED
+        or scene.accuracy.frequency < _FINE
+        or source.mesh is not None
+    )
+    return dear or speeds > _MANY or speeds * cycles > _MANY_CYCLES
+
+
+def need(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> Need:
+    """Reckon what a run of a scene takes.
+
+    Raises:
+        BadInput, NoAnswer: what a run would raise.
+    """
+    small = _small(source)
+    if form is None:
+        points = tuple(ringdowns.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
+        memory, seconds = 0.0, 0.0
+    else:
+        points, memory, seconds = _plate(source, small, form, effects)
+    cycles, spent = _damper(source, small, effects, points)
+    lines = needs.of_lines(source.scene)
+    return Need(needs.BASE + memory + cycles * _BOOKS + lines, _START + seconds + spent)
+
+
+def _small(source: SceneFile) -> SceneFile:
+    """The scene at its lowest speed, its highest and one between."""
+    speeds = sorted(source.scene.rotor.speeds)
+    few = tuple(dict.fromkeys((speeds[0], speeds[len(speeds) // 2], speeds[-1])))
+    rotor = source.scene.rotor.model_copy(update={"speeds": few})
+    return replace(source, scene=source.scene.model_copy(update={"rotor": rotor}))
+
+
+def _plate(
+    source: SceneFile, small: SceneFile, form: Planform, effects: dict[str, Effect]
+) -> tuple[tuple[SpeedPoint, ...], float, float]:
+    """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
+    pace = _pace()  # also loads what solves plates
+    model = plate.model(source, form, effects)
+    if needs.unknowns(model, form.mesh(form.sizes[0])) > _LARGE * _UNKNOWNS:
+        return (), *_unsolved(source, form, effects, model, pace)
+    began = perf_counter()
+    discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
+    searched = perf_counter()
+    operators = discrete.choice.operators
+    diagram = plate.sweep(small, discrete)
+    reduced = plate.reduce(small, operators, diagram)
+    swept = perf_counter()
+
+    scene, here = source.scene, float(operators.mass.shape[0])
+    there = here * _growth(source, form, discrete, here)
+    larger = (there / here) ** _GROWTH[operators.model.theory.partition("/")[0]]
+    each = len(scene.rotor.speeds) / len(small.scene.rotor.speeds) if plate.one_by_one(scene, operators) else 1.0
+    seconds = ((searched - began) * (1.0 if there == here else _SEARCH) + (swept - searched) * each) * larger
+    memory = needs.of_a_plate(operators.model.theory, there, scene.rotor.modes, operators.effects.large_deflection)
+    numbers = [int((diagram.omega == omega).argmax()) for omega in small.scene.rotor.speeds if omega in diagram.omega]
+    return plate_records.points(small, discrete, diagram, numbers, reduced), memory, seconds
+
+
+def _unsolved(
+    source: SceneFile, form: Planform, effects: dict[str, Effect], model: str, pace: float
+) -> tuple[float, float]:
+    """Bytes and seconds of a plate whose coarsest mesh is large: it is taken for the one that the search ends with."""
+    from fem.choice import has_pair
+
+    scene, large = source.scene, effects["large_deflection"].on
+    fit = needs.most_unknowns(source, form, model, large)
+    name = model.partition("/")[0]
+    unknowns = needs.unknowns(model, form.mesh(form.sizes[0]))
+    if has_pair(form, unknowns, model, fit):
+        unknowns *= (form.sizes[1] / form.sizes[0]) ** 2
+    once = pace * _PRICE.get(model, _PRICE[name]) * unknowns ** _GROWTH[name] * max(scene.rotor.modes / 6, 1.0)
+    each = once * (_DEFLECTED if large else 1.0)
+    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED or effects["coriolis"].on
+    turning = _TURNING if effects["coriolis"].on else 1.0
+    speeds = len(scene.rotor.speeds) if alone else 1
+    return needs.of_a_plate(model, unknowns, scene.rotor.modes, large), each * (1.0 + speeds * turning)
+
+
+def _pace() -> float:
+    """How slow this machine is against the one that prices were taken on."""
+    from fem import Effects, Material, Plate, Rectangle, Rotor, assemble
+    from fem.probing import probe
+
+    size, usual = _REFERENCE
+    for _ in range(2):  # the first loads
+        began = perf_counter()
+        mesh = Rectangle(0.2, 0.08).mesh(size)
+        operators = assemble(Plate(mesh, 0.003, Material(114e9, 0.33, 4430.0)), Rotor(0.1, 0.5), Effects())
+        probe(operators, (10.0, 600.0), 6, 1e-6)
+        spent = perf_counter() - began
+    return spent / usual
+
+
+def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
+    """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
+    from fem.choice import MOST_UNKNOWNS, next_size
+
+    choice = discrete.choice
+    if choice.met or not choice.errors.max() > 0.0:
+        return 1.0
+    model = choice.operators.model.theory
+    fit = needs.most_unknowns(source, form, model, choice.operators.effects.large_deflection)
+    room = min(MOST_UNKNOWNS[model.partition("/")[0]], fit) / unknowns
+    following = next_size(form, choice.size, float(choice.errors.max()) / choice.tolerance, room, step=inf)
+    return 1.0 if following is None else (following / choice.size) ** 2
+
+
+def _damper(
+    source: SceneFile, small: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]
+) -> tuple[float, float]:
+    """Cycles of all ring-downs, and the seconds that they and the damper's own figures take."""
+    release = source.scene.release
+    if release is None or not points:
+        return 0.0, 0.0
+    asked = None if isinstance(release.cycles, str) else release.cycles
+    few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
+    scene = small.scene.model_copy(update={"release": few})
+    ringdowns.simulate(scene, effects, points[:1], Stages(visible=False))  # loads and compiles
+    began = perf_counter()
+    found = ringdowns.simulate(scene, effects, points, Stages(visible=False))
+    spent = (perf_counter() - began) / len(points)
+    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(points)
+    speeds = len(source.scene.rotor.speeds)
+    more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
+    return speeds * cycles * more, speeds * spent * more
