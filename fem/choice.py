@@ -50,7 +50,7 @@ MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
 """Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
 
 PAIR, LARGE = 1.5, 500
-"""By how much a mesh that only tells the error of one from a file may exceed that, and cells from which this is asked."""
+"""By how much a mesh that only tells the error of one from a file may exceed that; cells from which this is asked."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from workflows import needs, plate, plate_records, ringdowns
-from workflows.effects import Effect, Theory
+from workflows.effects import Effect
 from workflows.records import SpeedPoint
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -76,13 +76,13 @@ def in_words(found: Need) -> str:
     return f"A run takes about {time} and {needs.in_words(found.memory)} of memory."
 
 
-def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Effect], theory: Theory | None) -> bool:
-    """Whether a scene has anything for which a run may take more than a minute, so that it is worth a need()."""
+def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> bool:
+    """Whether a scene has anything for which a run may take more than a minute, so that it is worth a `need`."""
     scene = source.scene
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
-    dear = theory is not None and (
-        theory.name.startswith("solid")
+    dear = form is not None and (
+        plate.model(source, form, effects).startswith("solid")
         or effects["large_deflection"].on
         or effects["coriolis"].on
         or scene.rotor.modes > plate.MODES_FOLLOWED

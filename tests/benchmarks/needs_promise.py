@@ -24,7 +24,7 @@ from tests.soak.dice import Dice, Seeded, power, sometimes
 from tests.soak.plates import scene as plate_scene
 from tests.workflows.conftest import write
 
-LIMIT = 600
+LIMIT = 300
 
 
 def scene(dice: Dice, folder: Path) -> dict[str, Any]:

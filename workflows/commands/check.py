@@ -13,23 +13,24 @@ def check(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene (TOML), or the name of a shipped one.")],
     json: Json = False,
 ) -> None:
-    """Validate a scene; print it resolved, with the effects it calls for and why."""
-    from workflows import effects, needs, pilot, plate_mesh, resolved, scene_file
+    """Validate a scene; print it resolved, with the effects it calls for and why, and what a run of it takes."""
+    from workflows import effects, needs, pilot, pipeline, resolved, scene_file
+    from workflows.stages import Stages
 
     source = scene_file.load(scene)
     needs.check(source)
-    form = None if source.mesh is None else plate_mesh.planform(source)
-    decided = effects.resolve(source.scene, source.name, form)
-    need = pilot.need(source, plate_mesh.planform(source) if source.scene.plate else None, decided)
+    decided = pipeline.decide(source, Stages(visible=False))
+    form = decided.form
+    theory = effects.theory(source.scene, None if form is None else form.sides, decided.effects["large_deflection"].on)
+    mesh = None if form is None or source.mesh is None else form.mesh(form.sizes[0])
+    need = pilot.need(source, form, decided.effects)
     needs.refuse(source, need.memory, need.seconds)
-    theory = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
-    mesh = None if form is None else form.mesh(form.sizes[0])
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided, theory, mesh) | {"needs": vars(need)}
+        found = resolved.document(source, decided.effects, theory, mesh) | {"needs": vars(need)}
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
     typer.echo("\n".join(resolved.heading(source, mesh)))
-    typer.echo(resolved.as_toml(source.scene, decided, theory))
+    typer.echo(resolved.as_toml(source.scene, decided.effects, theory))
     typer.echo(f"\n# {pilot.in_words(need)}")

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import typer
 
-from workflows import curves, needs, pipeline, results_json, store, summary
+from workflows import curves, needs, pilot, pipeline, results_json, store, summary
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
+
+_LONG = 60.0
+"""Seconds from which on a run says beforehand how long it takes."""
 
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
@@ -24,7 +27,9 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
         artist = stack.enter_context(Artist()) if drawn else None
-        found = pipeline.structure(source, stages, shapes=drawn)
+        decided = pipeline.decide(source, stages)
+        _say_if_long(source, decided)
+        found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
         if artist is not None and found.plate is not None and found.plate.surface is not None:
             artist.draw(found.plate.surface, pipeline.shown(found.points))
         results = pipeline.results(pipeline.damped(found, stages), stages)
@@ -33,6 +38,16 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
 
             results = publish(results, out, stages, artist)
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))
+
+
+def _say_if_long(source: SceneFile, decided: pipeline.Decided) -> None:
+    """What the run takes, if that may be long; a run that is too long or too large ends here."""
+    if not pilot.may_be_long(source, decided.form, decided.effects):
+        return
+    need = pilot.need(source, decided.form, decided.effects)
+    needs.refuse(source, need.memory, need.seconds)
+    if need.seconds > _LONG:
+        typer.echo(f"spindamp: {pilot.in_words(need)}", err=True)
 
 
 def _say_if_slow() -> None:
