@@ -30,6 +30,10 @@ TURNS = (6, 9)
 """Where theta_x and theta_y stand among a section's fields; their derivatives follow each."""
 
 
+FLAT = np.array([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, *[0.0] * 6])
+"""r,x r,y d,x d,y at rest."""
+
+
 @dataclass(frozen=True, eq=False)
 class Section:
     """Membrane and bending energy over the fields u,x u,y v,x v,y w,x w,y and theta_x, its derivatives, theta_y, its.
@@ -44,11 +48,12 @@ class Section:
     def at(self, state: Array) -> SectionStress:
         """The energy at a state (n,); not a number where a director would turn beyond 90 degrees."""
         values = _pointwise(self.fields.evaluate(state))
-        vectors, jacobian = _vectors(values)
-        turned = np.tensordot(vectors, _forms(self.thickness), (1, 2))
-        rest = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])
-        strain = 0.5 * (turned @ vectors[:, :, None])[:, :, 0] - rest
-        return SectionStress(self, values, jacobian, turned, *self._law(strain))
+        moved, jacobian = _vectors(values)
+        forms = _forms(self.thickness)
+        rest, added = forms @ FLAT, np.tensordot(moved, forms, (1, 2))
+        # not half of r,a . r,b - delta_ab, of which rounding would leave nothing where strains are small
+        strain = ((rest + 0.5 * added) @ moved[:, :, None])[:, :, 0]
+        return SectionStress(self, values, jacobian, rest + added, *self._law(strain))
 
     def _law(self, strain: Array) -> tuple[Array, Array]:
         """Stress (npoint, 6) and modulus (npoint, 6, 6) at strains (npoint, 6), of membrane and bending."""
@@ -100,7 +105,7 @@ class SectionStress:
 
 
 def _vectors(values: Array) -> tuple[Array, Array]:
-    """Return r,x r,y d,x d,y (npoint, 12) and their derivatives by the fields (npoint, 12, 12)."""
+    """Return by how much r,x r,y d,x d,y differ from `FLAT` (npoint, 12), and their derivatives by the fields."""
     vectors, jacobian = np.zeros((2, len(values), 12, 12))
     vectors = vectors[:, :, 0]
     for b in range(2):
@@ -109,7 +114,6 @@ def _vectors(values: Array) -> tuple[Array, Array]:
         for k, turn in enumerate(TURNS):
             jacobian[:, 6 + 3 * b + k, turn + 1 + b] = -1.0
     vectors[:] = (jacobian @ values[:, :, None])[:, :, 0]
-    vectors[:, [0, 4]] += 1.0
     for b in range(2):
         vectors[:, 8 + 3 * b], jacobian[:, 8 + 3 * b, _lifting(b)], _ = _lift(values[:, _lifting(b)])
     return vectors, jacobian

@@ -14,6 +14,8 @@ import numpy as np
 from fem.fields import Block, Fields
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from fem.strains import Terms
@@ -76,11 +78,11 @@ class ShearStress:
 
     def terms(self) -> Terms:
         """Fields and coefficients of the tangent stiffness."""
-        dofs = np.concatenate([block.dofs for block in self.energy.samples.blocks], axis=1)
-        block = Block(np.ascontiguousarray(self._table()), dofs)
-        material = np.eye(2)[:, :, None, None] * self.energy.modulus
-        fields = Fields((block,), self.energy.dx, self.energy.samples.dofs)
-        return (fields, material), (self.energy.samples, self._curvature())
+        samples = self.energy.samples
+        blocks = tuple(Block(t, block.dofs) for t, block in zip(self._tables(), samples.blocks, strict=True))
+        fields = Fields(blocks, self.energy.dx, samples.dofs)
+        material = np.tile(np.eye(2), 2 * [len(blocks)])[:, :, None, None] * self.energy.modulus
+        return (fields, material), (samples, self._curvature())
 
     @property
     def _variation(self) -> Array:
@@ -96,16 +98,15 @@ class ShearStress:
         """How the director's height varies with the turns, (2, ncell, nsample)."""
         return np.asarray(self.director[:2] / self.director[2])
 
-    def _table(self) -> Array:
-        """The shear at the points for a unit of each unknown, (ncell, npoint, 2, ndof)."""
+    def _tables(self) -> Iterator[Array]:
+        """What each block's unknowns add to the shear at the points, for a unit of each: (ncell, npoint, 2, ndof)."""
         ncell, npoint = self.energy.dx.shape
-        variation, start, parts = self._variation.transpose(2, 3, 0, 1), 0, []
+        variation, start = self._variation.transpose(2, 3, 0, 1), 0
         for block in self.energy.samples.blocks:
             part = variation[..., start : start + block.size] @ block.table
-            parts.append(part.reshape(ncell, -1, part.shape[-1]))
+            shear = self.energy._reduction @ part.reshape(ncell, -1, part.shape[-1])
+            yield shear.reshape(ncell, npoint, 2, -1)
             start += block.size
-        table = self.energy._reduction @ np.concatenate(parts, axis=-1)
-        return np.asarray(table.reshape(ncell, npoint, 2, -1))
 
     def _curvature(self) -> Array:
         """What the shears' second derivatives carry, (8, 8, ncell, nsample)."""

@@ -81,7 +81,7 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
     """
     from scipy.sparse import coo_array
 
-    rows, cols, data = [], [], []
+    parts: dict[tuple[int, int], tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = {}
     for fields, coefficients in terms:
         starts = np.cumsum([0, *(block.size for block in fields.blocks)])
         for a, left in enumerate(fields.blocks):
@@ -90,14 +90,14 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
                 if not c.any():
                     continue
                 cells = _cell_matrices(left.table, c, right.table, fields.dx)
-                shape = cells.shape
-                rows.append(np.broadcast_to(left.dofs[:, :, None], shape).ravel())
-                cols.append(np.broadcast_to(right.dofs[:, None, :], shape).ravel())
-                data.append(cells.ravel())
+                same = id(left.dofs), id(right.dofs)
+                parts[same] = (left.dofs, right.dofs, parts[same][2] + cells if same in parts else cells)
     n = terms[0][0].dofs
-    if not data:
+    if not parts:
         return coo_array((n, n)).tocsc()
-    row, col, value = np.concatenate(rows), np.concatenate(cols), np.concatenate(data)
+    row = np.concatenate([np.broadcast_to(left[:, :, None], cells.shape).ravel() for left, _, cells in parts.values()])
+    col = np.concatenate([np.broadcast_to(right[:, None], cells.shape).ravel() for _, right, cells in parts.values()])
+    value = np.concatenate([cells.ravel() for _, _, cells in parts.values()])
     free = (row >= 0) & (col >= 0)
     return coo_array((value[free], (row[free], col[free])), shape=(n, n)).tocsc()
 

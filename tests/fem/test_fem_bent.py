@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, rpm
 
-from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, solve_modes
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, equilibrium, rectangle, solve_modes
 from fem.bent import bent
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
@@ -49,6 +49,19 @@ def test_a_bent_plate_nobody_tabulated():
     )
     operators = assemble(Plate(mesh, 0.002, Material(*calculix_bent.TITANIUM)), Rotor(0.02, stagger), BENT)
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=3e-3)
+
+
+@pytest.mark.hard(
+    why="strains of 1e-14, as differences of stretched and unstretched lengths, are rounding",
+    keeps="the state is that of the linear theory, however slow the plate turns",
+)
+@pytest.mark.parametrize("slow", [1e-9, 1e-5, 1e-3])
+@pytest.mark.parametrize("triangles", [False, True])
+def test_a_plate_that_hardly_spins_is_stretched_as_in_the_linear_theory(slow, triangles):
+    mesh = rectangle(0.2, 0.08, 4, 2)
+    operators = assemble(Plate(mesh.to_meshtri() if triangles else mesh, 1e-3, STEEL), Rotor(0.1), BENT)
+    found = equilibrium(operators, slow) / slow**2
+    np.testing.assert_allclose(found, operators.prestress, atol=1e-10 * np.abs(operators.prestress).max())
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])

@@ -133,7 +133,17 @@ def _matrices(
 
 def _fields(model: Discretisation, change: Callable[[Fields], Fields]) -> Discretisation:
     extra = tuple((change(fields), c) for fields, c in model.extra)
-    return replace(model, displacement=change(model.displacement), gradient=change(model.gradient), extra=extra)
+    energies = tuple(
+        replace(energy, **{name: change(held) for name, held in vars(energy).items() if isinstance(held, Fields)})
+        for energy in model.energies
+    )
+    return replace(
+        model,
+        displacement=change(model.displacement),
+        gradient=change(model.gradient),
+        extra=extra,
+        energies=energies,
+    )
 
 
 def _tables(fields: Fields, changed: Callable[[np.ndarray], np.ndarray]) -> Fields:
