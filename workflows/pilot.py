@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
     from workflows.plate_records import Discrete
 
-_UNKNOWNS, _LARGE = 6000, 3.0
+_UNKNOWNS, _LARGE = 10_000, 2.0
 """Up to which meshes are tried here, and how many times as many a file's own may have to be."""
 
 _SPEEDS, _CYCLES = 3, 1000
@@ -44,7 +44,7 @@ _REFERENCE = 4, 0.1
 _SEARCH = 1.3
 """Work of a search over that of the last of its meshes, each of which is about half as large as the next."""
 
-_START = 3.0
+_START = 5.0
 """Seconds to start the program, to draw and to write."""
 
 _BOOKS = 1.2e3
@@ -125,13 +125,14 @@ def _plate(
     model = plate.model(source, form, effects)
     if needs.unknowns(model, form.mesh(form.sizes[0])) > _LARGE * _UNKNOWNS:
         return (), *_unsolved(source, form, effects, model, pace)
-    began = perf_counter()
-    discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
-    searched = perf_counter()
-    operators = discrete.choice.operators
-    diagram = plate.sweep(small, discrete)
-    reduced = plate.reduce(small, operators, diagram)
-    swept = perf_counter()
+    with plate.answering(source):
+        began = perf_counter()
+        discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
+        searched = perf_counter()
+        operators = discrete.choice.operators
+        diagram = plate.sweep(small, discrete)
+        reduced = plate.reduce(small, operators, diagram)
+        swept = perf_counter()
 
     scene, here = source.scene, float(operators.mass.shape[0])
     there = here * _growth(source, form, discrete, here)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -71,23 +73,12 @@ def solve(
         BadInput: the theory or a place on the plate is no good.
         NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
     """
-    from fem import Divergence, NoEquilibrium, NotConverged, SingularMatrix, Unresolved
-
-    try:
+    with answering(source):
         with stages("modes"):
             discrete = discretise(source, form, effects, stages, size)
             diagram = sweep(source, discrete)
         with stages("reduction"):
             reduced = reduce(source, discrete.choice.operators, diagram)
-    except Divergence as error:
-        found = f"{source.name}: {error}; no speed asked for is below the critical one"
-        raise NoAnswer(". ".join((found, *source.remarks))) from error
-    except NoEquilibrium as error:
-        raise NoAnswer(f"{source.name}: {error}") from error
-    except Unresolved as error:
-        raise NoAnswer(f"{source.name}: [plate] theory, thickness: {error}") from error
-    except (SingularMatrix, NotConverged) as error:
-        raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
     asked = source.scene.rotor.speeds
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
     numbers = [known[omega] for omega in asked if omega in known]
@@ -100,6 +91,28 @@ def solve(
         )
         beyond = plate_records.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
     return PlateAnswer(points, surface, discrete.theory, beyond)
+
+
+@contextmanager
+def answering(source: SceneFile) -> Iterator[None]:
+    """Say of what has no solution why, in the words of the scene.
+
+    Raises:
+        NoAnswer: the plate diverges, has no equilibrium, or is too thin for its theory in double precision.
+    """
+    from fem import Divergence, NoEquilibrium, NotConverged, SingularMatrix, Unresolved
+
+    try:
+        yield
+    except Divergence as error:
+        found = f"{source.name}: {error}; no speed asked for is below the critical one"
+        raise NoAnswer(". ".join((found, *source.remarks))) from error
+    except NoEquilibrium as error:
+        raise NoAnswer(f"{source.name}: {error}") from error
+    except Unresolved as error:
+        raise NoAnswer(f"{source.name}: [plate] theory, thickness: {error}") from error
+    except (SingularMatrix, NotConverged) as error:
+        raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
 
 
 def discretise(

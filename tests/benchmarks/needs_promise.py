@@ -32,6 +32,8 @@ def scene(dice: Dice, folder: Path) -> dict[str, Any]:
     found = plate_scene(dice)
     plate, rotor = found["plate"], found["rotor"]
     fastest = max(float(str(speed).split()[0]) for speed in rotor["speeds"])
+    plate["thickness"] = max(plate["thickness"], 3e-4 * max(plate["length"], plate["width"]))
+    fastest = fastest or 1.0
     rotor["speeds"] = [f"{speed} rad/s" for speed in np.linspace(0.2, 1.0, int(power(dice, 0, 1.5))) * fastest]
     rotor["modes"] = int(power(dice, 0.3, 1.6))
     plate["theory"] = dice.one_of(("auto", "auto", plate["theory"]))

@@ -15,6 +15,7 @@ def check(
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and what a run of it takes."""
     from workflows import effects, needs, pilot, pipeline, resolved, scene_file
+    from workflows.errors import NoAnswer
     from workflows.stages import Stages
 
     source = scene_file.load(scene)
@@ -23,14 +24,19 @@ def check(
     form = decided.form
     theory = effects.theory(source.scene, None if form is None else form.sides, decided.effects["large_deflection"].on)
     mesh = None if form is None or source.mesh is None else form.mesh(form.sizes[0])
-    need = pilot.need(source, form, decided.effects)
-    needs.refuse(source, need.memory, need.seconds)
+    try:
+        need = pilot.need(source, form, decided.effects)
+    except NoAnswer as error:
+        taken, said = None, f"A run will end without an answer: {error}"
+    else:
+        needs.refuse(source, need.memory, need.seconds)
+        taken, said = vars(need), pilot.in_words(need)
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided.effects, theory, mesh) | {"needs": vars(need)}
+        found = resolved.document(source, decided.effects, theory, mesh) | {"needs": taken}
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
     typer.echo("\n".join(resolved.heading(source, mesh)))
     typer.echo(resolved.as_toml(source.scene, decided.effects, theory))
-    typer.echo(f"\n# {pilot.in_words(need)}")
+    typer.echo(f"\n# {said}")

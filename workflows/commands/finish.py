@@ -8,6 +8,7 @@ from pathlib import Path
 import typer
 
 from workflows import curves, needs, pilot, pipeline, results_json, store, summary
+from workflows.errors import NoAnswer
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -44,7 +45,10 @@ def _say_if_long(source: SceneFile, decided: pipeline.Decided) -> None:
     """What the run takes, if that may be long; a run that is too long or too large ends here."""
     if not pilot.may_be_long(source, decided.form, decided.effects):
         return
-    need = pilot.need(source, decided.form, decided.effects)
+    try:
+        need = pilot.need(source, decided.form, decided.effects)
+    except NoAnswer:  # the run says so itself
+        return
     needs.refuse(source, need.memory, need.seconds)
     if need.seconds > _LONG:
         typer.echo(f"spindamp: {pilot.in_words(need)}", err=True)
