@@ -14,9 +14,10 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Space, number
 from fem.fields import Fields
-from fem.mindlin import plate_layers
 from fem.planform import root_facets
+from fem.sections import layers, stretched, weighed
 from fem.strains import of_layers
+from fem.thickness import of
 from fem.together import together
 
 if TYPE_CHECKING:
@@ -52,18 +53,20 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     u, v = (Space(membrane, t) for t in tables[:2])
     w = replace(bare, dofs=tables[2])
 
-    dx = np.asarray(membrane.dx)
-    slopes = ((0,), (1,))
-    elastic = plate_layers(plate.thickness)
     planar = np.asarray(membrane.global_coordinates())
+    thickness = of(plate.thickness, planar)
+    dx, elastic = weighed(np.asarray(membrane.dx), thickness), layers(thickness)
+    slopes = ((0,), (1,))
     planes = [s.block(slopes) for s in (u, v)]
-    gradient = Fields((*planes, w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)))), dx, total)
+    bent = stretched(w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1))), thickness, start=2)
+    gradient = Fields((*planes, bent), dx, total)
+    moved = (u.block(((),)), v.block(((),)), stretched(w.block(((), *slopes)), thickness, start=1))
     return Discretisation(
         theory=f"kirchhoff/{element}",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
-        displacement=Fields((u.block(((),)), v.block(((),)), w.block(((), *slopes))), dx, total),
+        displacement=Fields(moved, dx, total),
         gradient=gradient,
-        inertia=elastic if rotary_inertia else plate_layers(plate.thickness, flat=True),
+        inertia=elastic if rotary_inertia else layers(thickness, flat=True),
         elastic=elastic,
         stiffness=plate.material.plane_stress,
         extra=(),

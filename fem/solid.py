@@ -24,11 +24,13 @@ from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import CLAMPED, Fields
 from fem.levels import crowded
 from fem.strains import of_layers
+from fem.thickness import of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.plate import Plate
+    from fem.thickness import Profile
 
     Array = NDArray[np.float64]
 
@@ -111,8 +113,24 @@ def quadrilaterals(mesh: Any) -> Any:
     return MeshQuad(np.hstack([mesh.p, middles, centres]), cells)
 
 
-def extrude(mesh: Any, thickness: float, layers: int) -> Any:
-    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface."""
+def extrude(mesh: Any, thickness: float | Profile, layers: int) -> Any:
+    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface.
+
+    Where the thickness varies they have 27 nodes each, which follow it.
+    """
+    from skfem import MeshHex2
+
+    if isinstance(thickness, float | int):
+        return _bricks(mesh, thickness, layers)
+    bricks = MeshHex2.from_mesh(_bricks(mesh, 1.0, layers))
+    numbers, points = bricks.dofs.element_dofs, bricks.doflocs.copy()
+    height = np.empty(points.shape[1])
+    height[numbers] = np.asarray(of(thickness, points[:2, numbers.T])).T
+    points[2] *= height
+    return MeshHex2(points, bricks.t)
+
+
+def _bricks(mesh: Any, thickness: float, layers: int) -> Any:
     from skfem import MeshHex
 
     n = mesh.p.shape[1]

@@ -66,6 +66,8 @@ def _of_a_flat_blade(scene: Scene) -> float | None:
     plate, material, rotor = scene.plate, scene.material, scene.rotor
     if plate is None or material is None or plate.length is None or plate.width is None:
         return None
+    if not isinstance(plate.thickness, float):
+        return None
     shaped = SLENDER[0] <= plate.length / plate.width <= SLENDER[1] and plate.thickness <= THIN * plate.width
     if not shaped or rotor.stagger != 0.0 or scene.point_mass > 0.0 or rotor.modes > LOWEST:
         return None
@@ -89,7 +91,7 @@ def _solved(scene: Scene, form: Planform | None) -> Bent | None:
     mesh = next((mesh for mesh in meshes if mesh.t.shape[1] >= scene.rotor.modes), ladder.mesh(ladder.sizes[-1]))
     effects = Effects(spin_softening=scene.effects.spin_softening is not False)
     rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
-    return bent(plate_mesh.plate(source, mesh), rotor, effects, scene.rotor.speeds, scene.rotor.modes)
+    return bent(plate_mesh.plate(source, mesh, ladder), rotor, effects, scene.rotor.speeds, scene.rotor.modes)
 
 
 def _percent(part: float) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import effects as rules
-from workflows import plate_mesh, plate_records
+from workflows import plate_mesh, plate_records, thicknesses
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
 from workflows.plate_records import Discrete
@@ -112,7 +112,7 @@ def discretise(
     from fem.theories import solid_theory
 
     scene = source.scene
-    theory = rules.theory(scene, form.sides, effects["large_deflection"].on)
+    theory = rules.theory(scene, form, effects["large_deflection"].on)
     if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
@@ -120,11 +120,11 @@ def discretise(
     rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
     model, layers = theory.name, 0.0
     if theory.name == "solid":
-        model, layers = solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
+        model, layers = solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
 
     def build(size: int, effects: fem.Effects) -> fem.Operators:
         with stages("mesh"):
-            plate = plate_mesh.plate(source, form.mesh(size))
+            plate = plate_mesh.plate(source, form.mesh(size), form)
         with stages("prestress"):
             return assemble(plate, rotor, effects, model)
 

@@ -142,6 +142,7 @@ class Surface:
         outline: the points at the ends of each edge of one cell only, (edges, 2); root: of those that are clamped.
         shapes: (speeds, modes, n, 3), mass-normalised.
         at: which of the run's speeds the first axis of `shapes` holds.
+        thickness: at the points, (n,) [m], where it varies.
     """
 
     points: Floats = field(repr=False)
@@ -150,6 +151,7 @@ class Surface:
     root: npt.NDArray[np.int64] = field(repr=False)
     shapes: Floats = field(repr=False)
     at: tuple[int, ...]
+    thickness: Floats | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)

@@ -216,6 +216,8 @@ def _bent() -> Iterator[tuple[str, Case]]:
             named = key if not table else key_name([table, key])
             if path == "plate.length" and what == "shorter than thick":
                 named = "[plate] thickness"
+            if path == "plate.thickness" and what == "a table":  # where it varies it is one
+                named = "[plate] thickness.a"
             yield f"{path} {what}", Case(_text(_with(raw, table, key, value)), named)
 
 

@@ -20,14 +20,13 @@ def check(
     needs.check(source)
     form = None if source.mesh is None else plate_mesh.planform(source)
     decided = effects.resolve(source.scene, source.name, form)
-    theory = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
-    mesh = None if form is None else form.mesh(form.sizes[0])
+    theory = effects.theory(source.scene, form, decided["large_deflection"].on)
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided, theory, mesh)
+        found = resolved.document(source, decided, theory, form)
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
-    typer.echo("\n".join(resolved.heading(source, mesh)))
+    typer.echo("\n".join(resolved.heading(source, form)))
     typer.echo(resolved.as_toml(source.scene, decided, theory))
     typer.echo(f"\n# A run needs about {needs.in_words(needs.memory(source))} of memory.")
