@@ -109,7 +109,7 @@ class Discretisation:
     points: (3, ncell, npoint) in m, z = 0 for plates.
     displacement, gradient: the fields f and g. inertia, elastic: layers that carry mass and stiffness.
     stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
-    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear.
+    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear, springs at the root.
     energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
     membrane: numbers of the unknowns that a linear prestress may move.
     spaces: the spaces of u, v and w, for values at points. mesh: the planform they live on.

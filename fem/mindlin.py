@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import director, director_shear, tying
+from fem import director, director_shear, root, tying
 from fem.discretisation import Discretisation, Space, number
 from fem.fields import Block, Fields
-from fem.planform import root_facets
+from fem.planform import clamped
 from fem.sections import layers, stretched, weighed
 from fem.thickness import of
 
@@ -48,9 +48,8 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
     quadrature = get_quadrature(mesh.elem.refdom, 5)
     basis = Basis(mesh, element, quadrature=quadrature)
     rotation = basis if quads else Basis(mesh, ElementTriP2B(), quadrature=quadrature)
-    root = root_facets(mesh)
     bases = [basis, basis, basis, rotation, rotation]
-    tables, total = number([(b, b.get_dofs(root).flatten()) for b in bases])
+    tables, total = number([(b, clamped(b, plate)) for b in bases])
     spaces = u, v, w, tx, ty = tuple(Space(b, t) for b, t in zip(bases, tables, strict=True))
 
     dx = np.asarray(basis.dx)
@@ -66,6 +65,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
     for blocks in (moved, strained):
         blocks[3:] = [stretched(block, thickness) for block in blocks[3:]]
     turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
+    springs = root.springs(plate.elastic_root, mesh, tuple((space, ()) for space in spaces), total)
     samples = _samples(spaces, places, total)
     return Discretisation(
         theory="mindlin",
@@ -75,10 +75,11 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         inertia=elastic if rotary_inertia else layers(thickness, flat=True),
         elastic=elastic,
         stiffness=plate.material.plane_stress,
-        extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
+        extra=((shear, np.eye(2)[:, :, None, None] * modulus), *springs),
         energies=(
             director.Section(turned, plate.material, thickness),
             director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            *root.energies(springs),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.root import ElasticRoot
     from fem.thickness import Profile
 
 
@@ -64,7 +65,7 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A flat plate, clamped where its mid-surface has the smallest x.
+    """A flat plate, held where its mid-surface has the smallest x: clamped, or by the springs of an elastic root.
 
     mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
         through the thickness.
@@ -80,6 +81,7 @@ class Plate:
     material: Material
     tip_mass: float = 0.0
     tip_at: tuple[float, float] | None = field(default=None)
+    elastic_root: ElasticRoot | None = None
 
     def __post_init__(self) -> None:
         from fem.locate import locate

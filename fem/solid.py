@@ -23,6 +23,7 @@ import numpy as np
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import CLAMPED, Fields
 from fem.levels import crowded
+from fem.root import energies, face_springs
 from fem.strains import of_layers
 from fem.thickness import of
 
@@ -49,12 +50,13 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     basis = Basis(mesh, element, quadrature=get_quadrature(mesh.elem.refdom, 5))
     x = mesh.p[0]
     root = mesh.facets_satisfying(lambda p: p[0] < x.min() + 1e-6 * np.ptp(x), boundaries_only=True)
-    clamped = basis.get_dofs(root).flatten()
+    clamped = np.empty(0, dtype=np.int64) if plate.elastic_root is not None else basis.get_dofs(root).flatten()
     tables, total = number([(basis, clamped)] * 3)
     columns, combined = carried(element)
     spaces = tuple(
         Space(basis, relative(t, columns, planform.t.shape[1]), height=1.0, combined=combined) for t in tables
     )
+    springs = face_springs(plate.elastic_root, planform, spaces, layers, total)
     dx = np.asarray(basis.dx)
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
@@ -67,8 +69,8 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
         inertia=body,
         elastic=body,
         stiffness=plate.material.elasticity,
-        extra=(),
-        energies=(of_layers(gradient, body, plate.material.elasticity),),
+        extra=springs,
+        energies=(of_layers(gradient, body, plate.material.elasticity), *energies(springs)),
         membrane=np.arange(total),
         spaces=(spaces[0], spaces[1], spaces[2]),
         mesh=planform,

@@ -66,7 +66,7 @@ def _of_a_flat_blade(scene: Scene) -> float | None:
     plate, material, rotor = scene.plate, scene.material, scene.rotor
     if plate is None or material is None or plate.length is None or plate.width is None:
         return None
-    if not isinstance(plate.thickness, float):
+    if not isinstance(plate.thickness, float) or plate.root is not None:
         return None
     shaped = SLENDER[0] <= plate.length / plate.width <= SLENDER[1] and plate.thickness <= THIN * plate.width
     if not shaped or rotor.stagger != 0.0 or scene.point_mass > 0.0 or rotor.modes > LOWEST:

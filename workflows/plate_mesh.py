@@ -43,14 +43,15 @@ def _with_a_node_in_the_middle(form: fem.Rectangle) -> fem.Rectangle:
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
-    from fem import Material, Plate
+    from fem import ElasticRoot, Material, Plate
 
     given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
     if given is None or material is None:
         raise ValueError("the scene has no plate")
     tip = place(source, mesh) if mass else None
     substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip)
+    springs = None if given.root is None else ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
+    return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
 
 
 def in_words(source: SceneFile, form: Planform, size: int) -> str:

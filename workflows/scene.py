@@ -26,12 +26,14 @@ from workflows.scene_fields import (
     Lengths,
     LengthUnit,
     Line,
+    LineStiffness,
     LoadPair,
     Mass,
     NotNegative,
     Number,
     Positive,
     Pressure,
+    RotationalStiffness,
     Speeds,
     Switch,
     name_of,
@@ -67,6 +69,17 @@ class Thickness(Table):
         return self
 
 
+class Root(Table):
+    """An elastic root: springs all along the root edge in place of the clamp. Without both the plate would be loose."""
+
+    stiffness: Annotated[LineStiffness, Positive] = Field(
+        description="against displacement in every direction, per length of the root"
+    )
+    rotational_stiffness: Annotated[RotationalStiffness, Positive] = Field(
+        description="against rotation of the root's section, per length of the root"
+    )
+
+
 _VARYING = "[varying]"
 """Marks a thickness that is a table among the errors that pydantic finds; no key of a scene has brackets."""
 
@@ -76,7 +89,7 @@ def _kind_of_thickness(value: Any) -> str:
 
 
 class Plate(Table):
-    """The plate, clamped at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
+    """The plate, held at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
 
     length: Annotated[Length, Positive] | None = Field(
         None, description="along the radius, from the clamped root at x = 0"
@@ -95,6 +108,8 @@ class Plate(Table):
     tip_mass_at: LengthPair | None = Field(
         None, description="place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"
     )
+
+    root: Root | None = Field(None, description="springs that hold the root; left out: it is clamped")
 
     @model_validator(mode="after")
     def _planform(self) -> Self:

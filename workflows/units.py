@@ -54,6 +54,8 @@ ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
 ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
 FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
 PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+LINE_STIFFNESS = Kind("a stiffness per length", "5e9 N/m/m", "N/m/m", 1e-9, 1e30)
+ROTATIONAL_STIFFNESS = Kind("a rotational stiffness per length", "2e5 N*m/rad/m", "N*m/rad/m", 1e-9, 1e30)
 DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
 ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
 

@@ -195,3 +195,47 @@ def test_loading_a_file(tmp_path: Path) -> None:
     plate = load(tmp_path / "s.toml").scene.plate
     assert plate is not None
     assert thicknesses.at(plate, (0.1, 0.0)) == pytest.approx(3e-3)
+
+
+ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
+
+
+def test_a_root_on_springs() -> None:
+    """Softer than the clamp, as `fem` has it; stiff springs are the clamp."""
+    from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, solve_modes
+
+    even = changed(TAPER, plate__thickness="4 mm", rotor__speeds=["0 rpm"])
+    clamped, soft = frequencies(even), frequencies(changed(even, plate__root=ROOT))
+    stiff = frequencies(changed(even, plate__root={"stiffness": 1e15, "rotational_stiffness": 1e11}))
+    assert stiff == pytest.approx(clamped, rel=1e-3)
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), 4e-3, Material(200e9, 0.3, 7850.0), elastic_root=ElasticRoot(5e8, 5e3))
+    own = solve_modes(assemble(plate, Rotor(), Effects()), 0.0, 3).frequencies_hz
+    assert soft == pytest.approx(own.tolist(), rel=1e-2)
+    assert soft[0] < 0.8 * clamped[0]
+
+
+def test_a_resolved_root_is_the_same_root() -> None:
+    scene = parse(changed(TAPER, plate__root=ROOT))
+    again = parse(tomllib.loads(resolved.as_toml(scene, effects.resolve(scene), effects.theory(scene))))
+    assert again.plate is not None
+    assert again.plate.root is not None
+    assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)
+
+
+WRONG_ROOTS = [
+    ({"stiffness": "5e8 N/m/m"}, "root.rotational_stiffness", "missing"),
+    (ROOT | {"stiffness": 0}, "root.stiffness", "expected a value above 0"),
+    (ROOT | {"rotational_stiffness": "0 N*m/rad/m"}, "root.rotational_stiffness", "expected a value above 0"),
+    (ROOT | {"stiffness": float("inf")}, "root.stiffness", "must be finite"),
+    (ROOT | {"stiffness": "5 N/m"}, "root.stiffness", "expected a stiffness per length such as '5e9 N/m/m'"),
+    (ROOT | {"rotational_stiffness": "5 N"}, "root.rotational_stiffness", "a rotational stiffness per length such as"),
+    (ROOT | {"stifness": 1}, "root.stifness", "did you mean 'stiffness'"),
+    (1.0, "root", "expected a table"),
+]
+
+
+@pytest.mark.parametrize(("root", "key", "words"), WRONG_ROOTS)
+def test_what_is_no_root(root: object, key: str, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        parse(changed(TAPER, plate__root=root))
+    assert f"[plate] {key}" in str(error.value)
