@@ -62,8 +62,8 @@ def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Arr
     """Load vector (dofs,) of density * P X at 1 rad/s."""
     total = np.zeros((model.displacement.size, *model.points.shape[1:]))
     for layer in model.inertia:
-        from_axis = model.points.copy()
-        from_axis[0] += rotor.hub_radius - root(model.mesh)
+        from_axis = model.points + (rotor.hub_radius * rotor.outwards)[:, None, None]
+        from_axis[0] -= root(model.mesh)
         from_axis[2] += layer.z
         force = layer.weight * density * layer.displacement.T @ rotor.projector
         total += np.einsum("fk,kcp->fcp", force, from_axis)

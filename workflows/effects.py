@@ -143,6 +143,8 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
         return False, "nothing spins"
     if abs(math.sin(scene.rotor.stagger)) > 1e-9:
         return True, "the plate is staggered: its bending moves across the spin axis"
+    if abs(math.sin(scene.rotor.precone)) > 1e-9:
+        return True, "the plate is coned: its bending moves across the spin axis"
     return (
         True,
         "in-plane modes and, a little, the turning cross-sections of bending move across the spin axis",

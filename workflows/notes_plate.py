@@ -15,9 +15,9 @@ def root_stress(results: Results) -> str | None:
     if plate is None or material is None or plate.length is None or plate.width is None:
         return None
     fastest, (volume, moment) = max(rotor.speeds), thicknesses.volume(plate)
-    section = thicknesses.section(plate)
-    stress = material.density * fastest**2 * (rotor.hub_radius * volume + moment) / section
-    hangs = max(point.radius for point in results.speeds)
+    section, level = thicknesses.section(plate), math.cos(rotor.precone)
+    stress = material.density * fastest**2 * level * (rotor.hub_radius * volume + level * moment) / section
+    hangs = level * max(point.radius for point in results.speeds)
     stress += results.scene.point_mass * fastest**2 * hangs / section
     if stress < 1e7:
         return None

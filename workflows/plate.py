@@ -117,7 +117,7 @@ def discretise(
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
+    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
     model, layers = theory.name, 0.0
     if theory.name == "solid":
         model, layers = solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)

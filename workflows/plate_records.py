@@ -35,7 +35,7 @@ def points(
 ) -> tuple[SpeedPoint, ...]:
     """Modes and reduced parameters at the speeds of these numbers in the sweep."""
     rotor, operators = source.scene.rotor, discrete.choice.operators
-    radius = operators.radius(plate_mesh.place(source, operators.plate.mesh)[0])
+    radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
     families = diagram.families
     found = []
     for number in numbers:

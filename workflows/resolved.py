@@ -86,7 +86,11 @@ def radii(source: SceneFile, form: Planform | None) -> tuple[float | None, float
     from workflows.plate_mesh import root_and_place
 
     root, (x, y) = root_and_place(source, _mesh(form))
-    return hub, hub + (x - root), f" (x = {_mm(x)}, y = {_mm(y)})"
+    rotor = source.scene.rotor
+    from fem import Rotor
+
+    outwards = Rotor(hub, rotor.stagger, rotor.precone).outwards
+    return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
 
 
 def as_toml(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:

@@ -171,6 +171,9 @@ class Rotor(Table):
         None, description="from the axis to the damper; only with [structure]"
     )
     stagger: Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
+    precone: Angle = Field(
+        0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
+    )
     gravity: Annotated[Acceleration, Positive] = Field(
         units.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
     )

@@ -131,6 +131,8 @@ def rotor(rotor: Rotor) -> None:
     """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
     if abs(rotor.stagger) > math.pi * (1 + _ROUNDING):
         raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
+    if abs(rotor.precone) > math.pi / 2 * (1 + _ROUNDING):
+        raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
 
 
 def damper(damper: Damper) -> None:
@@ -182,6 +184,12 @@ def together(scene: Scene) -> None:
     if (scene.damper is None) != (scene.release is None):
         missing, present = ("release", "damper") if scene.release is None else ("damper", "release")
         raise fault(missing, f"the table is missing: [{present}] needs it")
+    if scene.damper is not None and scene.rotor.precone:
+        raise fault(
+            "rotor.precone",
+            "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the plate"
+            " alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+        )
     if scene.plate is not None:
         _on_the_plate(scene.plate, scene.damper)
         _release_of(scene.plate, scene.release)
@@ -197,7 +205,7 @@ def _structure_only(scene: Scene) -> None:
         raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
     if scene.rotor.radius is None:
         raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-    for key in ("hub_radius", "stagger"):
+    for key in ("hub_radius", "stagger", "precone"):
         if getattr(scene.rotor, key):
             raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")
     for key in ("rotor.modes", "accuracy.frequency"):

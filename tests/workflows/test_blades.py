@@ -239,3 +239,65 @@ def test_what_is_no_root(root: object, key: str, words: str) -> None:
     with pytest.raises(BadInput, match=words) as error:
         parse(changed(TAPER, plate__root=root))
     assert f"[plate] {key}" in str(error.value)
+
+
+def test_a_cone_calls_for_large_deflection() -> None:
+    """The load has a part across the plate, which bends it: at stagger 0 too; flat in the plane it does not."""
+    exact = changed(TAPER, accuracy={"frequency": 1e-3})
+    flat, coned = (parse(changed(exact, rotor__precone=angle)) for angle in ("0 deg", "4 deg"))
+    decided = [effects.resolve(scene)["large_deflection"] for scene in (flat, coned)]
+    assert [effect.on for effect in decided] == [False, True]
+
+
+def test_a_cone_is_solved_as_fem_has_it() -> None:
+    from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, solve_modes
+
+    rotor = {"speeds": ["3000 rpm"], "modes": 3, "precone": "4 deg", "hub_radius": "5 cm", "stagger": "20 deg"}
+    found = frequencies(changed(TAPER, plate__thickness="4 mm", rotor=rotor))
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), 4e-3, Material(200e9, 0.3, 7850.0))
+    turning = Rotor(0.05, np.radians(20.0), np.radians(4.0))
+    own = solve_modes(assemble(plate, turning, Effects(large_deflection=True)), 100.0 * np.pi, 3).frequencies_hz
+    assert found == pytest.approx(own.tolist(), rel=1e-2)
+
+
+def test_check_says_the_radii_of_a_cone(tmp_path: Path) -> None:
+    rotor = {"speeds": ["3000 rpm"], "precone": "60 deg", "hub_radius": "5 cm"}
+    heading = resolved.heading(SceneFile(parse(changed(TAPER, rotor=rotor)), "scene", tmp_path))
+    assert "# Radii from the axis: 50 mm at the clamped root, 150 mm at the tip (x = 200 mm, y = 0 mm)" in heading
+
+
+WRONG_CONES = [
+    ("91 deg", "expected an angle within ±90 deg"),
+    (5, "expected an angle within ±90 deg"),
+    ("1 m", "expected an angle such as '45 deg'"),
+]
+
+
+@pytest.mark.parametrize(("angle", "words"), WRONG_CONES)
+def test_what_is_no_cone(angle: object, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        parse(changed(TAPER, rotor__precone=angle))
+    assert "[rotor] precone" in str(error.value)
+
+
+def test_a_damper_takes_no_cone() -> None:
+    coned = changed(TAPER, rotor__precone="4 deg", damper=BALL, release={"ratio": 0.3})
+    with pytest.raises(BadInput, match="the load then slopes along the cavity's floor"):
+        parse(coned)
+    parse(changed(coned, rotor__precone="0 deg"))
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("plate__pretwist", "a plate is flat: give [rotor] stagger the angle of the section that counts"),
+        ("rotor__twist", "a plate is flat: give [rotor] stagger"),
+        ("plate__camber", "a plate is flat: leave out a camber up to a tenth of the thickness"),
+    ],
+)
+def test_what_a_plate_has_not_is_refused_with_advice(key: str, words: str) -> None:
+    with pytest.raises(BadInput) as error:
+        parse(changed(TAPER, **{key: "20 deg"}))
+    table, name = key.split("__")
+    assert f"[{table}] {name} = '20 deg': unknown key: {words}" in str(error.value)
+    assert len(str(error.value)) < 300
