@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fem.plate import Material, Plate
     from fem.reduction import NoFlapMode, Reduced, reduce_at
     from fem.reduction_sweep import reduce_over
+    from fem.root import ElasticRoot
     from fem.rotor import Effects, Rotor
     from fem.solver import NotConverged, SingularMatrix
     from fem.statics import NoEquilibrium, equilibrium
@@ -40,6 +41,7 @@ _HOMES = {
     "Choice": "fem.choice",
     "Divergence": "fem.modes",
     "Effects": "fem.rotor",
+    "ElasticRoot": "fem.root",
     "Given": "fem.levels",
     "Material": "fem.plate",
     "MeshError": "fem.planform",
@@ -78,6 +80,7 @@ __all__ = [
     "Choice",
     "Divergence",
     "Effects",
+    "ElasticRoot",
     "Given",
     "Material",
     "MeshError",

@@ -30,42 +30,53 @@ TURNS = (6, 9)
 """Where theta_x and theta_y stand among a section's fields; their derivatives follow each."""
 
 
+def _forms() -> Array:
+    x, y = np.eye(2)
+    pairs = [np.outer(x, x), np.outer(y, y), np.outer(x, y) + np.outer(y, x)]
+    even, odd = np.diag([1.0, 1.0 / 12.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
+    return np.array([np.kron(part, np.kron(pair, np.eye(3))) for part in (even, odd) for pair in pairs])
+
+
+FORMS = _forms()
+"""The strains (Voigt; membrane, then bending times the thickness h) as forms (6, 12, 12): half their products with
+r,x r,y h d,x h d,y."""
+
 FLAT = np.array([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, *[0.0] * 6])
-"""r,x r,y d,x d,y at rest."""
+"""r,x r,y h d,x h d,y at rest, h the thickness."""
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
     """Membrane and bending energy over the fields u,x u,y v,x v,y w,x w,y and theta_x, its derivatives, theta_y, its.
 
-    material: in plane stress. thickness in m.
+    material: in plane stress. thickness in m, one or (ncell, npoint).
     """
 
     fields: Fields
     material: Material
-    thickness: float
+    thickness: float | Array
 
     def at(self, state: Array) -> SectionStress:
         """The energy at a state (n,); not a number where a director would turn beyond 90 degrees."""
-        values = _pointwise(self.fields.evaluate(state))
-        moved, jacobian = _vectors(values)
-        forms = _forms(self.thickness)
-        rest, added = forms @ FLAT, np.tensordot(moved, forms, (1, 2))
+        known = self.fields.evaluate(state)
+        values, thickness = _pointwise(known), np.broadcast_to(self.thickness, known.shape[1:]).reshape(-1, 1)
+        moved, jacobian = _vectors(values, thickness)
+        rest, added = FORMS @ FLAT, np.tensordot(moved, FORMS, (1, 2))
         # not half of r,a . r,b - delta_ab, of which rounding would leave nothing where strains are small
         strain = ((rest + 0.5 * added) @ moved[:, :, None])[:, :, 0]
-        return SectionStress(self, values, jacobian, rest + added, *self._law(strain))
+        return SectionStress(self, thickness, values, jacobian, rest + added, *self._law(strain, thickness))
 
-    def _law(self, strain: Array) -> tuple[Array, Array]:
+    def _law(self, strain: Array, h: Array) -> tuple[Array, Array]:
         """Stress (npoint, 6) and modulus (npoint, 6, 6) at strains (npoint, 6), of membrane and bending."""
-        h, nu, plane = self.thickness, self.material.poissons_ratio, self.material.plane_stress
+        nu, plane = self.material.poissons_ratio, self.material.plane_stress
         thinner = -2.0 * nu / (1.0 - nu) * np.array([1.0, 1.0, 0.0])
         square = 1.0 + strain[:, :3] @ thinner
-        moment = h**3 / 12.0 * strain[:, 3:] @ plane
+        moment = h / 12.0 * (strain[:, 3:] @ plane)
         energy = 0.5 * (strain[:, 3:] * moment).sum(axis=1)
-        stress = np.hstack([h * strain[:, :3] @ plane + energy[:, None] * thinner, square[:, None] * moment])
+        stress = np.hstack([h * (strain[:, :3] @ plane) + energy[:, None] * thinner, square[:, None] * moment])
         modulus = np.empty((len(strain), 6, 6))
-        modulus[:, :3, :3] = h * plane
-        modulus[:, 3:, 3:] = h**3 / 12.0 * square[:, None, None] * plane
+        modulus[:, :3, :3] = h[:, :, None] * plane
+        modulus[:, 3:, 3:] = (h[:, 0] / 12.0 * square)[:, None, None] * plane
         modulus[:, :3, 3:] = thinner[:, None] * moment[:, None, :]
         modulus[:, 3:, :3] = modulus[:, :3, 3:].transpose(0, 2, 1)
         return stress, modulus
@@ -75,11 +86,13 @@ class Section:
 class SectionStress:
     """A section's energy at a state, by point.
 
-    values: of the fields (npoint, 12). jacobian: of r,x r,y d,x d,y by the fields, (npoint, 12, 12). turned: of the
-    strains by r,x r,y d,x d,y, (npoint, 6, 12). stress: (npoint, 6), and its derivative by the strain (npoint, 6, 6).
+    thickness: (npoint, 1) in m. values: of the fields (npoint, 12). jacobian: of r,x r,y h d,x h d,y by the fields,
+    (npoint, 12, 12). turned: of the strains by these, (npoint, 6, 12). stress: (npoint, 6), and its derivative by the
+    strain (npoint, 6, 6).
     """
 
     energy: Section
+    thickness: Array
     values: Array
     jacobian: Array
     turned: Array
@@ -93,10 +106,9 @@ class SectionStress:
 
     def terms(self) -> Terms:
         """Fields and coefficients of the tangent stiffness."""
-        forms = _forms(self.energy.thickness)
-        felt = (self.stress[:, None, :] @ self.turned)[:, 0]
+        felt = (self.stress[:, None, :] @ self.turned)[:, 0] * self.thickness
         inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
-        inner += np.tensordot(self.stress, forms, 1)
+        inner += np.tensordot(self.stress, FORMS, 1)
         total = self.jacobian.transpose(0, 2, 1) @ inner @ self.jacobian
         for b, height in enumerate((felt[:, 8], felt[:, 11])):
             first, second = np.meshgrid(*[_lifting(b)] * 2, indexing="ij")
@@ -104,8 +116,8 @@ class SectionStress:
         return ((self.energy.fields, _fieldwise(total, self.energy.fields)),)
 
 
-def _vectors(values: Array) -> tuple[Array, Array]:
-    """Return by how much r,x r,y d,x d,y differ from `FLAT` (npoint, 12), and their derivatives by the fields."""
+def _vectors(values: Array, thickness: Array) -> tuple[Array, Array]:
+    """Return by how much r,x r,y h d,x h d,y differ from `FLAT` (npoint, 12), and their derivatives by the fields."""
     vectors, jacobian = np.zeros((2, len(values), 12, 12))
     vectors = vectors[:, :, 0]
     for b in range(2):
@@ -116,6 +128,8 @@ def _vectors(values: Array) -> tuple[Array, Array]:
     vectors[:] = (jacobian @ values[:, :, None])[:, :, 0]
     for b in range(2):
         vectors[:, 8 + 3 * b], jacobian[:, 8 + 3 * b, _lifting(b)], _ = _lift(values[:, _lifting(b)])
+    vectors[:, 6:] *= thickness
+    jacobian[:, 6:] *= thickness[:, :, None]
     return vectors, jacobian
 
 
@@ -139,14 +153,6 @@ def _lift(values: Array) -> tuple[Array, Array, Array]:
     both = -(cross + cross.transpose(0, 2, 1) + along * unit) / height**3 - 3.0 * along * outer / height**5
     second = np.concatenate([np.concatenate([both, mixed], 2), np.concatenate([mixed, np.zeros_like(both)], 2)], 1)
     return lift[:, 0], gradient, second
-
-
-def _forms(thickness: float) -> Array:
-    """The strains (Voigt; membrane, then bending) as forms (6, 12, 12): half their products with r,x r,y d,x d,y."""
-    x, y = np.eye(2)
-    pairs = [np.outer(x, x), np.outer(y, y), np.outer(x, y) + np.outer(y, x)]
-    even, odd = np.diag([1.0, thickness**2 / 12.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
-    return np.array([np.kron(part, np.kron(pair, np.eye(3))) for part in (even, odd) for pair in pairs])
 
 
 def _pointwise(values: Array) -> Array:

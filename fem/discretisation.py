@@ -26,13 +26,14 @@ if TYPE_CHECKING:
 class Layer:
     """One point of the integration through the thickness.
 
-    z and weight in m (for solids 0 and 1). displacement: T, (3, nfield). gradient: D, (3, d, ngradient),
+    z and weight in m (for solids 0 and 1); where the thickness varies z is (ncell, npoint) and the weight a part of
+    it, see `fem.sections`. displacement: T, (3, nfield). gradient: D, (3, d, ngradient),
     with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains. quadratic: Q, (m, d,
     ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself for solids;
     in plates the terms of grad u times grad theta are left out, as von Karman does (`fem.director` has them).
     """
 
-    z: float
+    z: float | Array
     weight: float
     displacement: Array
     gradient: Array
@@ -108,7 +109,7 @@ class Discretisation:
     points: (3, ncell, npoint) in m, z = 0 for plates.
     displacement, gradient: the fields f and g. inertia, elastic: layers that carry mass and stiffness.
     stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
-    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear.
+    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear, springs at the root.
     energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
     membrane: numbers of the unknowns that a linear prestress may move.
     spaces: the spaces of u, v and w, for values at points. mesh: the planform they live on.

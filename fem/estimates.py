@@ -196,7 +196,7 @@ class Estimates:
 
     def _fallen(self, apart: Array, order: float | Array, coarse: int, fine: int) -> Array:
         """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves."""
-        slenderness = self._operators[fine].plate.thickness / min(self._planform.sides)
+        slenderness = self._operators[fine].plate.thickest / min(self._planform.sides)
         layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), slenderness)
         return np.asarray(np.maximum(apart / ((fine / coarse) ** order - 1.0), layer))
 
@@ -220,4 +220,4 @@ class Estimates:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""
         if self.theory.startswith("kirchhoff"):
             return 0.0
-        return unseen(self._planform.edge(size), self._operators[size].plate.thickness)
+        return unseen(self._planform.edge(size), self._operators[size].plate.mean_thickness)

@@ -62,7 +62,9 @@ def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Arr
     """Load vector (dofs,) of density * P X at 1 rad/s."""
     total = np.zeros((model.displacement.size, *model.points.shape[1:]))
     for layer in model.inertia:
-        from_axis = model.points + np.array([rotor.hub_radius - root(model.mesh), 0.0, layer.z])[:, None, None]
+        from_axis = model.points + (rotor.hub_radius * rotor.outwards)[:, None, None]
+        from_axis[0] -= root(model.mesh)
+        from_axis[2] += layer.z
         force = layer.weight * density * layer.displacement.T @ rotor.projector
         total += np.einsum("fk,kcp->fcp", force, from_axis)
     return model.displacement.load(total)

@@ -14,9 +14,11 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Space, number
 from fem.fields import Fields
-from fem.mindlin import plate_layers
-from fem.planform import root_facets
+from fem.planform import clamped, root_facets
+from fem.root import energies, springs
+from fem.sections import layers, stretched, weighed
 from fem.strains import of_layers
+from fem.thickness import of
 from fem.together import together
 
 if TYPE_CHECKING:
@@ -46,28 +48,34 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     quadrature = get_quadrature(mesh.elem.refdom, ORDER[element])
     membrane = Basis(mesh, ElementQuad2() if element == "bfs" else ElementTriP2(), quadrature=quadrature)
     size = float(np.sqrt(membrane.dx.sum(axis=1).mean()))
-    bending, clamped, bare = _bending(mesh, element, quadrature, size)
-    root = membrane.get_dofs(root_facets(mesh)).flatten()
-    tables, total = number([(membrane, root), (membrane, root), (bending, clamped)])
+    bending, held, bare = _bending(mesh, element, quadrature, size)
+    if plate.elastic_root is not None:
+        held = held[:0]
+    root = clamped(membrane, plate)
+    tables, total = number([(membrane, root), (membrane, root), (bending, held)])
     u, v = (Space(membrane, t) for t in tables[:2])
     w = replace(bare, dofs=tables[2])
 
-    dx = np.asarray(membrane.dx)
-    slopes = ((0,), (1,))
-    elastic = plate_layers(plate.thickness)
     planar = np.asarray(membrane.global_coordinates())
+    thickness = of(plate.thickness, planar)
+    dx, elastic = weighed(np.asarray(membrane.dx), thickness), layers(thickness)
+    slopes = ((0,), (1,))
+    fields = ((u, ()), (v, ()), (w, ()), (w, (0,)), (w, (1,)))
+    held_by = springs(plate.elastic_root, mesh, fields, total, conforming=element != "morley")
     planes = [s.block(slopes) for s in (u, v)]
-    gradient = Fields((*planes, w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)))), dx, total)
+    bent = stretched(w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1))), thickness, start=2)
+    gradient = Fields((*planes, bent), dx, total)
+    moved = (u.block(((),)), v.block(((),)), stretched(w.block(((), *slopes)), thickness, start=1))
     return Discretisation(
         theory=f"kirchhoff/{element}",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
-        displacement=Fields((u.block(((),)), v.block(((),)), w.block(((), *slopes))), dx, total),
+        displacement=Fields(moved, dx, total),
         gradient=gradient,
-        inertia=elastic if rotary_inertia else plate_layers(plate.thickness, flat=True),
+        inertia=elastic if rotary_inertia else layers(thickness, flat=True),
         elastic=elastic,
         stiffness=plate.material.plane_stress,
-        extra=(),
-        energies=(of_layers(gradient, elastic, plate.material.plane_stress),),
+        extra=held_by,
+        energies=(of_layers(gradient, elastic, plate.material.plane_stress), *energies(held_by)),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),
         mesh=mesh,

@@ -18,6 +18,8 @@ from fem.planform import check_sides
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.thickness import Nodal
+
 GRADING = 2
 """Power of the distance from an edge with which cells shrink."""
 
@@ -96,10 +98,14 @@ class Rectangle:
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A mesh made elsewhere; a size is how many parts each of its edges is split into, up to MOST_CELLS cells."""
+    """A mesh made elsewhere; a size is how many parts each of its edges is split into, up to MOST_CELLS cells.
+
+    thickness: of the plate, where it came with the mesh.
+    """
 
     given: Any
     orders: tuple[float, float] = (1.0, 3.0)
+    thickness: Nodal | None = None
 
     @property
     def sizes(self) -> tuple[int, ...]:

@@ -25,21 +25,49 @@ FLATNESS = 1e-6
 """Largest departure from a plane of constant z, relative to the size of the mesh."""
 
 
+class FieldError(ValueError):
+    """Point data of a mesh file that is not what is asked for; the message says why."""
+
+
 def read_mesh(path: str | Path) -> Any:
-    """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across.
+    """Read the mesh of a file; see `read_field`, of which this is the first part."""
+    return read_field(path, None)[0]
+
+
+def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.float64] | None]:
+    """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across, and a field on it.
+
+    field: name of point data with one number a point; these (npoint,) come with the mesh.
 
     Coordinates are kept. The plate is clamped at its smallest x, wherever that is: there a rotor's hub_radius ends.
 
     Raises `MeshError` with the file's name for a file that cannot be read, that holds no surface, or whose
-    surface is not flat, not upright, not in one piece or without a straight root edge.
+    surface is not flat, not upright, not in one piece or without a straight root edge; FieldError for a field that is
+    not there, or has not one finite number a point.
     """
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
-        return _surface(_read(path))
+        raw = _read(path)
+        mesh, points = _surface(raw)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
+    return mesh, None if field is None else _values(raw, field, points)
+
+
+def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Values of point data at some of the file's points."""
+    if field not in raw.point_data:
+        known = ", ".join(sorted(raw.point_data)) or "none"
+        raise FieldError(f"the mesh file holds no point data {field!r}: it holds {known}")
+    values = np.asarray(raw.point_data[field])
+    if values.size != len(raw.points) or values.dtype.kind not in "fiu":
+        raise FieldError(f"point data {field!r} is of shape {values.shape}: expected one number for each point")
+    found = values.reshape(-1).astype(float)[points]
+    if not np.isfinite(found).all():
+        raise FieldError(f"point data {field!r} has values that are not finite")
+    return found
 
 
 def _read(path: Path) -> Any:
@@ -59,7 +87,8 @@ def _read(path: Path) -> Any:
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
-def _surface(raw: Any) -> Any:
+def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
+    """The mesh, and which of the file's points it has."""
     from skfem import MeshQuad, MeshTri
 
     kinds = {block.type for block in raw.cells}
@@ -85,7 +114,7 @@ def _surface(raw: Any) -> Any:
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
     mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
     check_mesh(mesh)
-    return mesh
+    return mesh, used
 
 
 def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import director, director_shear, tying
-from fem.discretisation import Discretisation, Layer, Space, number
+from fem import director, director_shear, root, tying
+from fem.discretisation import Discretisation, Space, number
 from fem.fields import Block, Fields
-from fem.planform import root_facets
+from fem.planform import clamped
+from fem.sections import layers, stretched, weighed
+from fem.thickness import of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,53 +48,43 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
     quadrature = get_quadrature(mesh.elem.refdom, 5)
     basis = Basis(mesh, element, quadrature=quadrature)
     rotation = basis if quads else Basis(mesh, ElementTriP2B(), quadrature=quadrature)
-    root = root_facets(mesh)
     bases = [basis, basis, basis, rotation, rotation]
-    tables, total = number([(b, b.get_dofs(root).flatten()) for b in bases])
+    tables, total = number([(b, clamped(b, plate)) for b in bases])
     spaces = u, v, w, tx, ty = tuple(Space(b, t) for b, t in zip(bases, tables, strict=True))
 
     dx = np.asarray(basis.dx)
     value, gradient = ((),), ((0,), (1,))
     places, reduction = _reduction(basis)
-    shear = Fields((_shear(w, tx, ty, places, reduction),), dx, total)
-    floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / plate.thickness**2
-    modulus = SHEAR_CORRECTION * plate.material.shear_modulus * plate.thickness / floor
-    elastic = plate_layers(plate.thickness)
-    turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
-    samples = _samples(spaces, places, total)
     planar = np.asarray(basis.global_coordinates())
+    thickness = of(plate.thickness, planar)
+    shear = Fields((_shear(w, tx, ty, places, reduction),), dx, total)
+    floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / thickness**2
+    modulus = SHEAR_CORRECTION * plate.material.shear_modulus * thickness / floor
+    elastic, whole = layers(thickness), weighed(dx, thickness)
+    moved, strained = ([s.block(d) for s in spaces] for d in (value, gradient))
+    for blocks in (moved, strained):
+        blocks[3:] = [stretched(block, thickness) for block in blocks[3:]]
+    turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
+    springs = root.springs(plate.elastic_root, mesh, tuple((space, ()) for space in spaces), total)
+    samples = _samples(spaces, places, total)
     return Discretisation(
         theory="mindlin",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
-        displacement=Fields(tuple(s.block(value) for s in (u, v, w, tx, ty)), dx, total),
-        gradient=Fields(tuple(s.block(gradient) for s in (u, v, w, tx, ty)), dx, total),
-        inertia=elastic if rotary_inertia else plate_layers(plate.thickness, flat=True),
+        displacement=Fields(tuple(moved), whole, total),
+        gradient=Fields(tuple(strained), whole, total),
+        inertia=elastic if rotary_inertia else layers(thickness, flat=True),
         elastic=elastic,
         stiffness=plate.material.plane_stress,
-        extra=((shear, np.eye(2)[:, :, None, None] * modulus),),
+        extra=((shear, np.eye(2)[:, :, None, None] * modulus), *springs),
         energies=(
-            director.Section(turned, plate.material, plate.thickness),
+            director.Section(turned, plate.material, thickness),
             director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            *root.energies(springs),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
         spaces=(u, v, w),
         mesh=mesh,
     )
-
-
-def plate_layers(thickness: float, flat: bool = False) -> tuple[Layer, ...]:
-    """Two Gauss points through the thickness, exact for quadratics in z; flat: the mid-surface alone."""
-    z = 0.0 if flat else 0.5 * thickness / np.sqrt(3.0)
-    return (_layer(0.0, thickness),) if flat else (_layer(-z, 0.5 * thickness), _layer(z, 0.5 * thickness))
-
-
-def _layer(z: float, weight: float) -> Layer:
-    displacement = np.zeros((3, 5))
-    displacement[:, :3] = np.eye(3)
-    displacement[0, 3] = displacement[1, 4] = -z
-    products = np.diag([1.0, 1.0, 1.0, -z, -z])
-    gradient, quadratic = (np.einsum("kf,ab->kafb", m, np.eye(2)).reshape(-1, 2, 10) for m in (displacement, products))
-    return Layer(z, weight, displacement, gradient, quadratic)
 
 
 def _reduction(basis: Any) -> tuple[Array, Array]:

@@ -63,9 +63,18 @@ class Operators:
         total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
         return total if self.softening is None else sparse(total - self.softening)
 
-    def radius(self, x: float) -> float:
-        """How far outside the spin axis (m) a place at x (m) in the mesh's coordinates lies."""
-        return self.rotor.hub_radius + (x - root(self.plate.mesh))
+    def from_axis(self, at: tuple[float, float]) -> Array:
+        """A place (x, y) in m in the mesh's coordinates, (3,) in m from a point of the spin axis."""
+        along = np.array([at[0] - root(self.plate.mesh), at[1], 0.0])
+        return np.asarray(self.rotor.hub_radius * self.rotor.outwards + along)
+
+    def radius(self, x: float, y: float = 0.0) -> float:
+        """How far outside the spin axis (m) a place (x, y) in m lies, along the radius of the root's middle."""
+        return float(self.rotor.outwards @ self.from_axis((x, y)))
+
+    def pull(self, at: tuple[float, float]) -> float:
+        """The centrifugal load (m) along the plate's x at a place (x, y) in m, per mass and Omega²."""
+        return float(self.rotor.projector[0] @ self.from_axis(at))
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), its prestress linear in Omega²; `fem.statics.tangent` has that of a large deflection."""
@@ -121,8 +130,7 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")
     model, rotor = operators.model, operators.rotor
     rows = point_rows(model, at)
-    place = np.array([operators.radius(at[0]), at[1], 0.0])
-    load = mass * (rows.T @ (rotor.projector @ place))
+    load = mass * (rows.T @ (rotor.projector @ operators.from_axis(at)))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
     }

@@ -9,6 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.plate import Plate
+
 
 MERGED = 1e-9
 """Distance relative to the plate's size within which points are one."""
@@ -45,6 +47,13 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
     at_root = x < x.min() + 1e-6 * np.ptp(x)
     boundary = np.asarray(mesh.boundary_facets())
     return np.asarray(boundary[at_root[mesh.facets[:, boundary]].all(axis=0)])
+
+
+def clamped(basis: Any, plate: Plate) -> NDArray[np.int64]:
+    """Unknowns of a scalar basis that the plate's root holds."""
+    if plate.elastic_root is not None:
+        return np.empty(0, dtype=np.int64)
+    return np.asarray(basis.get_dofs(root_facets(basis.mesh)).flatten())
 
 
 def check_mesh(mesh: Any) -> None:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from fem.root import ElasticRoot
+    from fem.thickness import Profile
 
 
 def _positive(name: str, value: float, unit: str) -> None:
@@ -61,21 +65,23 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A flat plate of constant thickness, clamped where its mid-surface has the smallest x.
+    """A flat plate, held where its mid-surface has the smallest x: clamped, or by the springs of an elastic root.
 
     mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
         through the thickness.
-    thickness in m. tip_mass: a point mass in kg at tip_at = (x, y) in m on the mid-surface.
+    thickness in m, or one that varies (`fem.thickness`). tip_mass: a point mass in kg at tip_at = (x, y) in m on the
+        mid-surface.
 
-    Raises ValueError for a non-positive thickness, a negative mass, a mass without a place or a place off the
+    Raises ValueError for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the
     plate, TypeError for a material that is none, and `MeshError` for a mesh that no plate can be made of.
     """
 
     mesh: Any
-    thickness: float
+    thickness: float | Profile
     material: Material
     tip_mass: float = 0.0
     tip_at: tuple[float, float] | None = field(default=None)
+    elastic_root: ElasticRoot | None = None
 
     def __post_init__(self) -> None:
         from fem.locate import locate
@@ -83,7 +89,8 @@ class Plate:
 
         if not isinstance(self.material, Material):
             raise TypeError(f"material must be a fem.Material, got {self.material!r}")
-        _positive("thickness", self.thickness, "m")
+        if isinstance(self.thickness, float | int):
+            _positive("thickness", self.thickness, "m")
         if not (isfinite(self.tip_mass) and self.tip_mass >= 0.0):
             raise ValueError(f"tip_mass must be zero or more kg, got {self.tip_mass!r}")
         if self.tip_mass > 0.0 and self.tip_at is None:
@@ -91,9 +98,35 @@ class Plate:
         check_mesh(self.mesh)
         if self.tip_at is not None:
             locate(self.mesh, self.tip_at)
+        _ = self._spread
 
     @property
     def sides(self) -> tuple[float, float]:
         """Extent of the mid-surface along x and across, in m."""
         x, y = self.mesh.p
         return float(x.max() - x.min()), float(y.max() - y.min())
+
+    @property
+    def thinnest(self) -> float:
+        """Least thickness in m."""
+        return self._spread[0]
+
+    @property
+    def mean_thickness(self) -> float:
+        """Mean thickness over the planform, in m."""
+        return self._spread[1]
+
+    @property
+    def thickest(self) -> float:
+        """Greatest thickness in m."""
+        return self._spread[2]
+
+    def thickness_at(self, place: tuple[float, float]) -> float:
+        """Thickness in m at a place (x, y) in m."""
+        return self.thickness if isinstance(self.thickness, float | int) else self.thickness.near(place)
+
+    @cached_property
+    def _spread(self) -> tuple[float, float, float]:
+        from fem.thickness import spread
+
+        return spread(self.thickness, self.mesh)

@@ -40,9 +40,9 @@ class Reduced:
     """Reduced parameters at a place on the plate, SI units.
 
     f1_hz, M1, K1 with the ball stuck; f2_hz, M2, K2 without. ball_mass: m_p. mode_index: which of the
-    plate's modes, from 0. slope: phi_x per unit of w at the place, 1/m. floor_tilt: Omega² r phi_x / omega_1²,
-    how much of the inertia drive a cavity floor that tilts with the plate would cancel; the reduced model
-    leaves it out.
+    plate's modes, from 0. slope: phi_x per unit of w at the place, 1/m. floor_tilt: Omega² r phi_x / omega_1², where
+    Omega² r is the load along x: how much of the inertia drive a cavity floor that tilts with the plate would cancel;
+    the reduced model leaves it out. With precone the load slopes along the floor as well, which is left out too.
     """
 
     f1_hz: float
@@ -142,7 +142,7 @@ def reduced(
         ball_mass=ball_mass,
         mode_index=index,
         slope=mode.slope,
-        floor_tilt=omega**2 * operators.radius(at[0]) * mode.slope / stuck,
+        floor_tilt=omega**2 * operators.pull(at) * mode.slope / stuck,
     )
 
 

@@ -16,14 +16,23 @@ class Rotor:
 
     The root turns at the radius hub_radius wherever the mesh draws it; what lies a further out turns at hub_radius + a.
     Where hub_radius is negative the plate is clamped beyond the axis and points at it.
-    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it. Raises ValueError for values that
-    are not finite.
+    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
+
+    precone (rad): the angle between the plate's length, its x, and the plane of rotation, positive towards the axis's
+    end. The plate is laid in the plane of rotation, x outwards and z along the axis; turned about its x by the stagger;
+    then raised about the root by the precone, in the plane through axis and x. The axis then is
+    (sin precone, cos precone sin stagger, cos precone cos stagger) in the plate's coordinates, and the root's radius
+    goes along (cos precone, -sin precone sin stagger, -sin precone cos stagger). What lies a further out along x turns
+    at hub_radius + a cos precone. Raises ValueError for values that are not finite.
     """
 
     hub_radius: float = 0.0
     stagger: float = 0.0
+    precone: float = 0.0
 
     def __post_init__(self) -> None:
+        if not isfinite(self.precone):
+            raise ValueError(f"precone must be a finite angle in rad, got {self.precone!r}")
         if not isfinite(self.hub_radius):
             raise ValueError(f"hub_radius must be a finite number of m, got {self.hub_radius!r}")
         if not isfinite(self.stagger):
@@ -34,9 +43,17 @@ class Rotor:
         """Unit vector n of the spin axis, (3,)."""
         import numpy as np
 
-        # At a right angle cos is 6e-17, not 0: such dust would couple what is not coupled.
-        n = np.array([0.0, sin(self.stagger), cos(self.stagger)])
-        return np.where(np.abs(n) < 1e-15, 0.0, n)
+        c = cos(self.precone)
+        n = np.array([sin(self.precone), c * sin(self.stagger), c * cos(self.stagger)])
+        return _without_dust(n)
+
+    @property
+    def outwards(self) -> NDArray[Any]:
+        """Unit vector (3,) from the axis to the root, perpendicular to the axis."""
+        import numpy as np
+
+        s = sin(self.precone)
+        return _without_dust(np.array([cos(self.precone), -s * sin(self.stagger), -s * cos(self.stagger)]))
 
     @property
     def projector(self) -> NDArray[Any]:
@@ -52,6 +69,13 @@ class Rotor:
 
         x, y, z = self.axis
         return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _without_dust(n: NDArray[Any]) -> NDArray[Any]:
+    """At a right angle cos is 6e-17, not 0: such dust would couple what is not coupled."""
+    import numpy as np
+
+    return np.where(np.abs(n) < 1e-15, 0.0, n)
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any]) -> Arr
     if plate.tip_mass == 0.0 or plate.tip_at is None:
         return np.zeros(eigenvalues.size)
     motion = np.abs(point_rows(operators.model, plate.tip_at) @ shapes) ** 2
-    material, h = plate.material, plate.thickness
+    material, h = plate.material, plate.thickness_at(plate.tip_at)
     growth = (motion[0] + motion[1]) * 2.0 / (np.pi * material.youngs_modulus * h)
     if not operators.model.theory.startswith("kirchhoff"):
         growth += motion[2] / (np.pi * SHEAR_CORRECTION * material.shear_modulus * h)

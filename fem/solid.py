@@ -23,12 +23,15 @@ import numpy as np
 from fem.discretisation import Discretisation, Layer, Space, number
 from fem.fields import CLAMPED, Fields
 from fem.levels import crowded
+from fem.root import energies, face_springs
 from fem.strains import of_layers
+from fem.thickness import of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.plate import Plate
+    from fem.thickness import Profile
 
     Array = NDArray[np.float64]
 
@@ -47,12 +50,13 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     basis = Basis(mesh, element, quadrature=get_quadrature(mesh.elem.refdom, 5))
     x = mesh.p[0]
     root = mesh.facets_satisfying(lambda p: p[0] < x.min() + 1e-6 * np.ptp(x), boundaries_only=True)
-    clamped = basis.get_dofs(root).flatten()
+    clamped = np.empty(0, dtype=np.int64) if plate.elastic_root is not None else basis.get_dofs(root).flatten()
     tables, total = number([(basis, clamped)] * 3)
     columns, combined = carried(element)
     spaces = tuple(
         Space(basis, relative(t, columns, planform.t.shape[1]), height=1.0, combined=combined) for t in tables
     )
+    springs = face_springs(plate.elastic_root, planform, spaces, layers, total)
     dx = np.asarray(basis.dx)
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
@@ -65,8 +69,8 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
         inertia=body,
         elastic=body,
         stiffness=plate.material.elasticity,
-        extra=(),
-        energies=(of_layers(gradient, body, plate.material.elasticity),),
+        extra=springs,
+        energies=(of_layers(gradient, body, plate.material.elasticity), *energies(springs)),
         membrane=np.arange(total),
         spaces=(spaces[0], spaces[1], spaces[2]),
         mesh=planform,
@@ -111,8 +115,24 @@ def quadrilaterals(mesh: Any) -> Any:
     return MeshQuad(np.hstack([mesh.p, middles, centres]), cells)
 
 
-def extrude(mesh: Any, thickness: float, layers: int) -> Any:
-    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface."""
+def extrude(mesh: Any, thickness: float | Profile, layers: int) -> Any:
+    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface.
+
+    Where the thickness varies they have 27 nodes each, which follow it.
+    """
+    from skfem import MeshHex2
+
+    if isinstance(thickness, float | int):
+        return _bricks(mesh, thickness, layers)
+    bricks = MeshHex2.from_mesh(_bricks(mesh, 1.0, layers))
+    numbers, points = bricks.dofs.element_dofs, bricks.doflocs.copy()
+    height = np.empty(points.shape[1])
+    height[numbers] = np.asarray(of(thickness, points[:2, numbers.T])).T
+    points[2] *= height
+    return MeshHex2(points, bricks.t)
+
+
+def _bricks(mesh: Any, thickness: float, layers: int) -> Any:
     from skfem import MeshHex
 
     n = mesh.p.shape[1]

@@ -57,7 +57,7 @@ def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discre
     if not isinstance(theory, str):
         raise TypeError(f"theory must be the name of one, got {theory!r}")
     if theory == "auto":
-        theory = choose_theory(*plate.sides, plate.thickness).name
+        theory = choose_theory(*plate.sides, plate.thickest).name
     name, _, element = theory.partition("/")
     if name == "kirchhoff" and element in ("", *kirchhoff.ELEMENTS):
         return kirchhoff.discretise(plate, rotary_inertia, element or None)

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.fields import gram
 from fem.solver import factorise
+from fem.thickness import of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,7 +40,12 @@ def transfer(state: Array, known: Operators, asked: Operators) -> Array | None:
     except Exception:  # scikit-fem's search tolerates next to no rounding, and raises what it likes
         return None
     values = np.concatenate(pieces, axis=1).reshape(len(FIELDS), *model.points.shape[1:])
-    weigh = np.array([1.0, 1.0, 1.0, asked.plate.thickness**2, asked.plate.thickness**2])
+    thickness = of(asked.plate.thickness, model.points[:2])
+    weigh = np.ones(len(FIELDS))
+    if isinstance(thickness, float):
+        weigh[3:] = thickness**2
+    else:  # the model's rotations are in parts of it (`fem.sections`)
+        values[3:] *= thickness
     matrix = gram((model.displacement, np.diag(weigh)))
     return factorise(matrix).solve(model.displacement.load(weigh[:, None, None] * values))
 

@@ -15,13 +15,19 @@ _MODERATE = (
 )
 
 
+def _held(scene: Scene) -> str:
+    if scene.plate is None or scene.plate.root is None:
+        return "perfectly clamped"
+    return "held by linear springs"
+
+
 def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
     found: list[tuple[str, str]] = []
     if scene.plate is not None:
         found += [
-            ("The plate is linear elastic and perfectly clamped at the root.", "ours"),
+            (f"The plate is linear elastic and {_held(scene)} at the root.", "ours"),
             *_known(scene),
             (_prestress(results), "ours"),
         ]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from workflows import bending
+from workflows import bending, thicknesses
 from workflows.errors import BadInput
 from workflows.scene import Scene
 from workflows.wording import significant
@@ -34,11 +34,11 @@ class Theory:
     model_error: float = 0.0
 
 
-def theory(scene: Scene, sides: tuple[float, float] | None = None, large_deflection: bool = False) -> Theory | None:
-    """The plate theory of a scene; None without a plate. `sides`: extent [m] of a plate whose planform is a mesh.
+def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
+    """The plate theory of a scene; None without a plate. `form`: the planform of a plate from a mesh.
 
     Raises:
-        ValueError: the planform is a mesh, and its sides are not given.
+        ValueError: the planform is a mesh, and is not given.
     """
     from fem.theories import choose_theory, model_error
 
@@ -47,11 +47,14 @@ def theory(scene: Scene, sides: tuple[float, float] | None = None, large_deflect
         return None
     if plate.length is not None and plate.width is not None:
         sides = plate.length, plate.width
-    if sides is None:
-        raise ValueError("the sides of a plate from a mesh are needed")
+    elif form is None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    else:
+        sides = form.sides
+    thickest = thicknesses.spread(plate, form)[2]
     if plate.theory != "auto":
-        return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, plate.thickness))
-    chosen = choose_theory(*sides, plate.thickness, scene.accuracy.frequency, large_deflection)
+        return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, thickest))
+    chosen = choose_theory(*sides, thickest, scene.accuracy.frequency, large_deflection)
     return Theory(chosen.name, chosen.why, chosen.model_error)
 
 
@@ -140,6 +143,8 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
         return False, "nothing spins"
     if abs(math.sin(scene.rotor.stagger)) > 1e-9:
         return True, "the plate is staggered: its bending moves across the spin axis"
+    if abs(math.sin(scene.rotor.precone)) > 1e-9:
+        return True, "the plate is coned: its bending moves across the spin axis"
     return (
         True,
         "in-plane modes and, a little, the turning cross-sections of bending move across the spin axis",

@@ -41,7 +41,9 @@ def mesh(results: Results, sheet: Sheet) -> str:
         _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), drawing.MUTED, 0.35)
     _draw(axes, points, surface.outline, drawing.INK, 0.9)
     _draw(axes, points, surface.root, drawing.CATEGORIES[0], 3.0)
-    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label="clamped root")
+    plate = results.scene.plate
+    held = "clamped root" if plate is None or plate.root is None else "root on springs"
+    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=held)
     if results.scene.damper is not None:
         x, y = (metres * value for value in plate_mesh.damper_at(results.scene, surface.points.T[:2]))
         axes.plot(x, y, "o", ms=7, mfc="none", mec=drawing.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
@@ -49,7 +51,7 @@ def mesh(results: Results, sheet: Sheet) -> str:
     axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
-    return drawing.svg(figure, sheet, "mesh", "Mesh of the plate from above: cells, clamped root, place of the damper")
+    return drawing.svg(figure, sheet, "mesh", f"Mesh of the plate from above: cells, {held}, place of the damper")
 
 
 def cells_are_drawn(surface: Surface, sheet: Sheet = drawing.WIDE) -> bool:

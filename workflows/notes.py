@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from workflows import notes_plate, ringdowns
+from workflows import notes_plate, ringdowns, thicknesses
 from workflows.cavity import beside
 from workflows.records import Damping, Reduced, Results, SpeedPoint
 from workflows.scene_checks import OSMIUM
@@ -155,7 +155,8 @@ def _rows(results: Results) -> str | None:
     plate, damper = results.scene.plate, results.scene.damper
     if plate is None or plate.width is None or damper is None or damper.housing:
         return None
-    most = beside(damper, plate.thickness, plate.width)
+    place = damper.at or (plate.length or 0.0, 0.0)
+    most = beside(damper, thicknesses.at(plate, place), plate.width)
     if damper.count <= most:
         return None
     rows = math.ceil(damper.count / most)
@@ -184,12 +185,13 @@ def _release_stress(results: Results) -> str | None:
         return None
     lift = max(abs(damping.release[0]) for _, _, damping in rung)
     # Root curvature of a uniform cantilever in its first mode: 3.516 w/L².
-    stress = material.youngs_modulus * plate.thickness / 2 * 3.516 * lift / plate.length**2
-    if stress < 1e8 and lift < plate.thickness:
+    thickness = thicknesses.at(plate, (0.0, 0.0))
+    stress = material.youngs_modulus * thickness / 2 * 3.516 * lift / plate.length**2
+    if stress < 1e8 and lift < thickness:
         return None
     large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
     return (
-        f"A release of {significant(1e3 * lift)} mm is {significant(lift / plate.thickness, 2)} plate thicknesses and"
+        f"A release of {significant(1e3 * lift)} mm is {significant(lift / thickness, 2)} plate thicknesses and"
         f" bends the root to about {significant(stress / 1e6, 2)} MPa{large}."
     )
 

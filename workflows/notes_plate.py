@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from workflows import thicknesses
 from workflows.records import Results
 from workflows.wording import significant
 
@@ -13,10 +14,11 @@ def root_stress(results: Results) -> str | None:
     plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
     if plate is None or material is None or plate.length is None or plate.width is None:
         return None
-    fastest, tip = max(rotor.speeds), rotor.hub_radius + plate.length
-    stress = material.density * fastest**2 * (tip**2 - rotor.hub_radius**2) / 2
-    hangs = max(point.radius for point in results.speeds)
-    stress += results.scene.point_mass * fastest**2 * hangs / (plate.width * plate.thickness)
+    fastest, (volume, moment) = max(rotor.speeds), thicknesses.volume(plate)
+    section, level = thicknesses.section(plate), math.cos(rotor.precone)
+    stress = material.density * fastest**2 * level * (rotor.hub_radius * volume + level * moment) / section
+    hangs = level * max(point.radius for point in results.speeds)
+    stress += results.scene.point_mass * fastest**2 * hangs / section
     if stress < 1e7:
         return None
     return (

@@ -36,6 +36,8 @@ def row(scene: Scene, load_g: float) -> Row | None:
     plate, rotor = scene.plate, scene.rotor
     if plate is None or plate.length is None or plate.width is None or rotor.hub_radius or rotor.stagger:
         return None
+    if rotor.precone or not isinstance(plate.thickness, float):
+        return None
     measures = zip((plate.length, plate.width, plate.thickness), (0.2, 0.08, 0.01), strict=True)
     if any(abs(ours - theirs) > 1e-9 for ours, theirs in measures):
         return None

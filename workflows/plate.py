@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import effects as rules
-from workflows import needs, plate_mesh, plate_records
+from workflows import needs, plate_mesh, plate_records, thicknesses
 from workflows.effects import Effect, Theory
 from workflows.errors import BadInput, NoAnswer
 from workflows.plate_records import Discrete
@@ -131,17 +131,17 @@ def discretise(
     from fem import Choice, Effects, MeshError, PlaceError, Rotor, assemble, choose_mesh
 
     scene = source.scene
-    theory = rules.theory(scene, form.sides, effects["large_deflection"].on)
+    theory = rules.theory(scene, form, effects["large_deflection"].on)
     if theory is None or scene.plate is None:
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger)
+    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
     model, layers = _with_layers(source, form, theory)
 
     def build(size: int, effects: fem.Effects) -> fem.Operators:
         with stages("mesh"):
-            plate = plate_mesh.plate(source, form.mesh(size))
+            plate = plate_mesh.plate(source, form.mesh(size), form)
         with stages("prestress"):
             return assemble(plate, rotor, effects, model)
 
@@ -175,12 +175,12 @@ def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:
         return theory.name, 0.0
-    return solid_theory(form.sides[0], scene.plate.thickness, scene.accuracy.frequency)
+    return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
 
 
 def model(source: SceneFile, form: Planform, effects: dict[str, Effect]) -> str:
     """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    theory = rules.theory(source.scene, form.sides, effects["large_deflection"].on)
+    theory = rules.theory(source.scene, form, effects["large_deflection"].on)
     if theory is None:
         raise ValueError("the scene has no plate")
     return _with_layers(source, form, theory)[0]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from workflows import cavity
+from workflows import cavity, thicknesses
 from workflows.errors import BadInput
 from workflows.scene import Scene
 from workflows.scene_checks import disproportion
@@ -25,13 +25,13 @@ def planform(source: SceneFile) -> Planform:
     Raises:
         BadInput: the mesh file is no good.
     """
-    from fem import Given, Rectangle
+    from fem import Rectangle
 
     plate = source.scene.plate
     if plate is None:
         raise ValueError("the scene has no plate")
     if source.mesh is not None:
-        return Given(_from_file(source))
+        return _from_file(source)
     form = Rectangle(plate.length or 0.0, plate.width or 0.0)
     return _with_a_node_in_the_middle(form) if source.scene.point_mass else form
 
@@ -41,16 +41,17 @@ def _with_a_node_in_the_middle(form: fem.Rectangle) -> fem.Rectangle:
     return replace(form, sizes=tuple(size for size in form.sizes if form.cells(size)[1] % 2 == 0))
 
 
-def plate(source: SceneFile, mesh: Any) -> fem.Plate:
-    """The scene's plate on a mesh."""
-    from fem import Material, Plate
+def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
+    """The scene's plate on a mesh of its planform."""
+    from fem import ElasticRoot, Material, Plate
 
     given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
     if given is None or material is None:
         raise ValueError("the scene has no plate")
     tip = place(source, mesh) if mass else None
     substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    return Plate(mesh, given.thickness, substance, mass, tip)
+    springs = None if given.root is None else ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
+    return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
 
 
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
@@ -109,30 +110,41 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
 
 
-def _from_file(source: SceneFile) -> Any:
+def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
-    from fem import MeshError, read_mesh
+    from fem import Given, MeshError
+    from fem.meshfile import FieldError, read_field
+    from fem.thickness import Nodal
 
     plate = source.scene.plate
     if source.mesh is None or plate is None:
         raise ValueError("the scene names no mesh")
+    field = None if isinstance(plate.thickness, float) else plate.thickness.field
     try:
-        mesh = read_mesh(source.mesh)
+        mesh, values = read_field(source.mesh, field)
+    except FieldError as error:
+        raise BadInput(str(error), file=source.name, key="[plate] thickness.field", value=field) from error
     except MeshError as error:
         text = str(error).removeprefix(f"{source.mesh}: ")
         raise BadInput(text, file=source.name, key="[plate] mesh", value=plate.mesh) from error
     if plate.mesh_scale != 1.0:
         mesh = mesh.scaled(plate.mesh_scale)
-    _check_proportions(source, mesh)
-    _check_place(source, mesh)
-    return mesh
+    form = Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
+    _check_proportions(source, form)
+    _check_place(source, form)
+    return form
 
 
-def _check_proportions(source: SceneFile, mesh: Any) -> None:
+def _check_proportions(source: SceneFile, form: fem.Given) -> None:
     plate = source.scene.plate
     if plate is None:
         return
-    odd = disproportion(plate.thickness, *(float(extent) for extent in np.ptp(mesh.p, axis=1)))
+    given = plate.thickness if isinstance(plate.thickness, float) else None
+    try:
+        least, _, greatest = thicknesses.spread(plate, form)
+    except ValueError as error:
+        raise BadInput(str(error), file=source.name, key="[plate] thickness") from error
+    odd = disproportion(least, greatest, *form.sides)
     if odd is not None:
         key, problem = odd
         unit = "a mesh is in metres, unless mesh_unit says otherwise"
@@ -140,15 +152,15 @@ def _check_proportions(source: SceneFile, mesh: Any) -> None:
             f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
             file=source.name,
             key="[plate] thickness" if key == "thickness" else "[plate] mesh",
-            value=plate.thickness if key == "thickness" else plate.mesh,
+            value=given if key == "thickness" else plate.mesh,
         )
 
 
-def _check_place(source: SceneFile, mesh: Any) -> None:
+def _check_place(source: SceneFile, form: fem.Given) -> None:
     """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
     from fem.locate import PlaceError, locate
 
-    plate, damper = source.scene.plate, source.scene.damper
+    plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)
     reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
     try:
@@ -159,7 +171,8 @@ def _check_place(source: SceneFile, mesh: Any) -> None:
         raise off_the_plate(source, error) from error
     if plate is None or damper is None:
         return
-    odd = cavity.misfit(damper, plate.thickness, float(width), float(reach), room(mesh, at))
+    thickness = thicknesses.at(plate, at, form)
+    odd = cavity.misfit(damper, thickness, float(width), float(reach), room(mesh, at))
     if odd is not None:
         value = getattr(damper, odd[0])
         value = list(value) if isinstance(value, tuple) else value

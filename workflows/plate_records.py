@@ -35,7 +35,7 @@ def points(
 ) -> tuple[SpeedPoint, ...]:
     """Modes and reduced parameters at the speeds of these numbers in the sweep."""
     rotor, operators = source.scene.rotor, discrete.choice.operators
-    radius = operators.radius(plate_mesh.place(source, operators.plate.mesh)[0])
+    radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
     families = diagram.families
     found = []
     for number in numbers:
@@ -78,7 +78,18 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int],
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
     by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
-    return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, by_speed, kept)
+    cells = (kind, np.asarray(mesh.t.T))
+    return Surface(points, cells, outline, root, by_speed, kept, _thickness(operators.plate))
+
+
+def _thickness(plate: fem.Plate) -> Floats | None:
+    """The thickness [m] at the mesh's points, (n,), where it varies."""
+    if isinstance(plate.thickness, float | int):
+        return None
+    mesh = plate.mesh
+    found = np.zeros(mesh.p.shape[1])
+    found[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
+    return found
 
 
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:

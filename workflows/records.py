@@ -139,9 +139,10 @@ class Surface:
     Attributes:
         points: (n, 3) [m].
         cells: kind of cell as meshio calls it, and connectivity (m, 3 or 4).
-        outline: the points at the ends of each edge of one cell only, (edges, 2); root: of those that are clamped.
+        outline: the points at the ends of each edge of one cell only, (edges, 2); root: of those that are held.
         shapes: (speeds, modes, n, 3), mass-normalised.
         at: which of the run's speeds the first axis of `shapes` holds.
+        thickness: at the points, (n,) [m], where it varies.
     """
 
     points: Floats = field(repr=False)
@@ -150,6 +151,7 @@ class Surface:
     root: npt.NDArray[np.int64] = field(repr=False)
     shapes: Floats = field(repr=False)
     at: tuple[int, ...]
+    thickness: Floats | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)

@@ -74,6 +74,7 @@ def render(results: Results, drawings: Drawings) -> str:
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),
         mesh=Markup(drawings.mesh),
+        thick=_thick(results),
         cells_drawn=results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
         fast=any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
         bands=any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
@@ -92,6 +93,19 @@ def render(results: Results, drawings: Drawings) -> str:
         hashes=hashes(results),
         settings=_settings(resolved.scene(results.scene, results.effects, results.theory)),
     )
+
+
+def _thick(results: Results) -> str:
+    """How thick the plate is, in words: one thickness, or the least and the greatest."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None:
+        return ""
+    if isinstance(plate.thickness, float):
+        return f"{wording.significant(1e3 * plate.thickness)} mm thick"
+    if surface is None or surface.thickness is None:
+        return "its thickness varies"
+    low, high = (wording.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
+    return f"{low} to {high} mm thick"
 
 
 def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:

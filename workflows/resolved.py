@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from workflows import thicknesses
 from workflows.cavity import PICTURE
 from workflows.effects import Effect, Theory
 from workflows.errors import one_line
@@ -12,6 +13,9 @@ from workflows.materials import KNOWN
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 from workflows.wording import revolutions, significant
+
+if TYPE_CHECKING:
+    from workflows.plate_mesh import Planform
 
 
 def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
@@ -25,39 +29,68 @@ def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> di
     return data
 
 
-def document(source: SceneFile, effects: dict[str, Effect], theory: Theory | None, mesh: Any = None) -> dict[str, Any]:
-    """What `check --json` prints: the scene, why each effect is on or off, radii [m], remarks on how it is written."""
-    root, place, _ = radii(source, mesh)
+def document(
+    source: SceneFile, effects: dict[str, Effect], theory: Theory | None, form: Planform | None = None
+) -> dict[str, Any]:
+    """What `check --json` prints: the scene, why each effect is on or off, radii [m], remarks on how it is written.
+
+    A thickness [m] that varies is there too: its least, its greatest, that at the damper.
+    """
+    root, place, _ = radii(source, form)
     found: dict[str, Any] = {
         "scene": scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
         "radii": {"root": root, "damper": place},
         "remarks": list(source.remarks),
     }
+    if (known := _varying(source, form)) is not None:
+        found["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
     return found if theory is None else found | {"theory": vars(theory)}
 
 
-def heading(source: SceneFile, mesh: Any = None) -> list[str]:
+def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, float] | None:
+    """Least and greatest thickness [m] and that at the damper, where it varies."""
+    plate = source.scene.plate
+    if plate is None or isinstance(plate.thickness, float):
+        return None
+    from workflows.plate_mesh import root_and_place
+
+    least, _, greatest = thicknesses.spread(plate, form)
+    return least, greatest, thicknesses.at(plate, root_and_place(source, _mesh(form))[1], form)
+
+
+def _mesh(form: Planform | None) -> Any:
+    return None if form is None else form.mesh(form.sizes[0])
+
+
+def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
     """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
-    given, (root, place, at) = source.scene, radii(source, mesh)
+    given, (root, place, at) = source.scene, radii(source, form)
     lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
     what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
     clamped = "" if root is None else f"{_mm(root)} at the clamped root, "
     lines.append(f"Radii from the axis: {clamped}{_mm(place)} at the {what}{at}")
+    if (known := _varying(source, form)) is not None:
+        least, greatest, there = map(_mm, known)
+        lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
     if given.damper is not None and given.plate is not None:
         lines += ["", *PICTURE.splitlines()]
     return [f"# {line}".rstrip() for line in lines]
 
 
-def radii(source: SceneFile, mesh: Any) -> tuple[float | None, float, str]:
+def radii(source: SceneFile, form: Planform | None) -> tuple[float | None, float, str]:
     """Radii [m] of the clamped root, which a [structure] has not, and of the damper; and its place on the plate."""
     hub = source.scene.rotor.hub_radius
     if source.scene.plate is None:
         return None, source.scene.rotor.radius or 0.0, ""
     from workflows.plate_mesh import root_and_place
 
-    root, (x, y) = root_and_place(source, mesh)
-    return hub, hub + (x - root), f" (x = {_mm(x)}, y = {_mm(y)})"
+    root, (x, y) = root_and_place(source, _mesh(form))
+    rotor = source.scene.rotor
+    from fem import Rotor
+
+    outwards = Rotor(hub, rotor.stagger, rotor.precone).outwards
+    return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
 
 
 def as_toml(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
@@ -71,11 +104,20 @@ def as_toml(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> 
         reasons["plate", "theory"] = theory.why
     for key, value in data.items():
         if isinstance(value, dict):
-            lines += ["", f"[{key}]"]
-            lines += [_line(name, item, reasons.get((key, name))) for name, item in value.items()]
+            lines += _table(key, value, reasons)
         else:
             lines.append(_line(key, value, None))
     return "\n".join(lines)
+
+
+def _table(key: str, table: dict[str, Any], reasons: dict[tuple[str, str], str]) -> list[str]:
+    """A table with its keys, and then those in it."""
+    inner = {name: item for name, item in table.items() if isinstance(item, dict)}
+    lines = ["", f"[{key}]"]
+    lines += [_line(name, item, reasons.get((key, name))) for name, item in table.items() if name not in inner]
+    for name, item in inner.items():
+        lines += _table(f"{key}.{name}", item, reasons)
+    return lines
 
 
 def _sources(given: Scene) -> dict[tuple[str, str], str]:

@@ -155,7 +155,7 @@ def write_vtu(surface: Surface, results: Results, path: Path) -> None:
     """
     import meshio
 
-    fields = {}
+    fields = {} if surface.thickness is None else {"thickness": surface.thickness}
     for row, at in enumerate(surface.at):
         point = results.speeds[at]
         for number in range(len(point.modes)):

@@ -7,27 +7,33 @@ is checked in :mod:`workflows.scene_checks`. The JSON Schema comes from these sa
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from workflows import materials, scene_checks, units
 from workflows.scene_fields import (
     Acceleration,
     Angle,
+    Coefficients,
     Cycles,
     Density,
     Frequency,
     Length,
     LengthPair,
+    LengthRows,
+    Lengths,
     LengthUnit,
     Line,
+    LineStiffness,
     LoadPair,
     Mass,
     NotNegative,
     Number,
     Positive,
     Pressure,
+    RotationalStiffness,
     Speeds,
     Switch,
     name_of,
@@ -40,14 +46,59 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", validate_default=False)
 
 
+class Thickness(Table):
+    """A thickness that varies over the planform, symmetric about the flat mid-surface.
+
+    A table over x and y, bilinear between its places; a polynomial in x and y; or a field of the mesh file. x and y are
+    the plate's (the mesh file's, where there is one).
+    """
+
+    x: Lengths | None = Field(None, description="of a table: places along x, ascending")
+    y: Lengths | None = Field(None, description="of a table: places across, ascending; left out: the same all across")
+    values: LengthRows | None = Field(None, description="of a table: for each x a list of the thicknesses at each y")
+    polynomial: Coefficients | None = Field(
+        None, description="coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"
+    )
+    field: Line | None = Field(
+        None, description="point data of the mesh file, in the unit of its coordinates, linear between its points"
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        scene_checks.thickness(self)
+        return self
+
+
+class Root(Table):
+    """An elastic root: springs all along the root edge in place of the clamp. Without both the plate would be loose."""
+
+    stiffness: Annotated[LineStiffness, Positive] = Field(
+        description="against displacement in every direction, per length of the root"
+    )
+    rotational_stiffness: Annotated[RotationalStiffness, Positive] = Field(
+        description="against rotation of the root's section, per length of the root"
+    )
+
+
+_VARYING = "[varying]"
+"""Marks a thickness that is a table among the errors that pydantic finds; no key of a scene has brackets."""
+
+
+def _kind_of_thickness(value: Any) -> str:
+    return _VARYING if isinstance(value, Mapping | Thickness) else "[constant]"
+
+
 class Plate(Table):
-    """The plate, clamped at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
+    """The plate, held at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
 
     length: Annotated[Length, Positive] | None = Field(
         None, description="along the radius, from the clamped root at x = 0"
     )
     width: Annotated[Length, Positive] | None = Field(None, description="across, centred on y = 0")
-    thickness: Annotated[Length, Positive] = Field(description="through the plate, along z")
+    thickness: Annotated[
+        Annotated[Annotated[Length, Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
+        Discriminator(_kind_of_thickness),
+    ] = Field(description="through the plate, along z; or the table [plate.thickness], where it varies")
     mesh: Line | None = Field(None, description="mid-surface mesh file, instead of length and width")
     mesh_unit: LengthUnit | None = Field(None, description="unit of the coordinates in the mesh file; default: m")
     theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = Field(
@@ -57,6 +108,8 @@ class Plate(Table):
     tip_mass_at: LengthPair | None = Field(
         None, description="place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"
     )
+
+    root: Root | None = Field(None, description="springs that hold the root; left out: it is clamped")
 
     @model_validator(mode="after")
     def _planform(self) -> Self:
@@ -118,6 +171,9 @@ class Rotor(Table):
         None, description="from the axis to the damper; only with [structure]"
     )
     stagger: Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
+    precone: Angle = Field(
+        0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
+    )
     gravity: Annotated[Acceleration, Positive] = Field(
         units.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
     )

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from pydantic_core import PydanticCustomError
 
-from workflows import cavity
+from workflows import cavity, thicknesses
 from workflows.materials import KNOWN
 
 if TYPE_CHECKING:
-    from workflows.scene import Damper, Material, Plate, Release, Rotor, Scene
+    from workflows.scene import Damper, Material, Plate, Release, Rotor, Scene, Thickness
 
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""
@@ -45,10 +46,40 @@ def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...
     return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}
 
 
+def thickness(thickness: Thickness) -> None:
+    """One way of giving a thickness that varies, and a table whose parts fit together."""
+    given = [key for key in ("values", "polynomial", "field") if getattr(thickness, key) is not None]
+    if len(given) != 1:
+        raise fault(
+            given[-1] if given else "values",
+            f"expected one of a table (x, y, values), a polynomial and a field of the mesh file"
+            f"{': leave one out' * bool(given)}",
+        )
+    x, y, values = thickness.x, thickness.y, thickness.values
+    if values is None:
+        for key in ("x", "y"):
+            if getattr(thickness, key) is not None:
+                raise fault(key, "belongs to a table with values: leave it out")
+        return
+    if x is None:
+        raise fault("x", "missing: the places along x of the table's values")
+    for key, places in (("x", x), ("y", y or ())):
+        if any(b <= a for a, b in pairwise(places)):
+            raise fault(key, "expected places that ascend")
+    columns = 1 if y is None else len(y)
+    if len(values) != len(x) or any(len(row) != columns for row in values):
+        what = "one thickness" if y is None else f"a list of {columns} thicknesses, one for each y,"
+        raise fault("values", f"expected {what} for each of the {len(x)} places along x")
+    if min(map(min, values)) <= 0.0:
+        raise fault("values", "expected thicknesses above 0")
+
+
 def planform(plate: Plate) -> None:
     """Either length and width, or a mesh; and thin enough to be called a plate."""
     if plate.tip_mass_at is not None and not plate.tip_mass:
         raise fault("tip_mass_at", "expected a tip_mass beside it")
+    if plate.mesh is None and not isinstance(plate.thickness, float) and plate.thickness.field:
+        raise fault("thickness.field", "belongs to a mesh: name a mesh, or give a table or a polynomial")
     if plate.mesh is None and plate.mesh_unit is not None:
         raise fault("mesh_unit", "belongs to a mesh: leave this out, or name a mesh")
     if plate.mesh is not None:
@@ -62,21 +93,25 @@ def planform(plate: Plate) -> None:
         if getattr(plate, key) is None:
             raise fault(key, "missing (or name a mesh instead of length and width)")
     if plate.length is not None and plate.width is not None:
-        odd = disproportion(plate.thickness, plate.length, plate.width)
+        try:
+            least, _, greatest = thicknesses.spread(plate)
+        except ValueError as error:
+            raise fault("thickness", str(error)) from error
+        odd = disproportion(least, greatest, plate.length, plate.width)
         if odd is not None:
             raise fault(*odd)
 
 
-def disproportion(thickness: float, length: float, width: float) -> tuple[str, str] | None:
+def disproportion(least: float, greatest: float, length: float, width: float) -> tuple[str, str] | None:
     """What keeps a plate from being one, as key and problem: too thick, a film, a wire or a tape."""
     extent = max(length, width)
     if extent > _SLENDEREST * min(length, width):
         return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
-    if thickness >= length:
+    if greatest >= length:
         return "thickness", f"expected less than the length, {length:g} m"
-    if thickness > width * (1 + _ROUNDING):
+    if greatest > width * (1 + _ROUNDING):
         return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
-    if thickness < extent / _THINNEST:
+    if least < extent / _THINNEST:
         return "thickness", f"expected at least {extent / _THINNEST:.3g} m on a plate {extent:g} m large"
     return None
 
@@ -96,6 +131,8 @@ def rotor(rotor: Rotor) -> None:
     """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
     if abs(rotor.stagger) > math.pi * (1 + _ROUNDING):
         raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
+    if abs(rotor.precone) > math.pi / 2 * (1 + _ROUNDING):
+        raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
 
 
 def damper(damper: Damper) -> None:
@@ -147,6 +184,12 @@ def together(scene: Scene) -> None:
     if (scene.damper is None) != (scene.release is None):
         missing, present = ("release", "damper") if scene.release is None else ("damper", "release")
         raise fault(missing, f"the table is missing: [{present}] needs it")
+    if scene.damper is not None and scene.rotor.precone:
+        raise fault(
+            "rotor.precone",
+            "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the plate"
+            " alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+        )
     if scene.plate is not None:
         _on_the_plate(scene.plate, scene.damper)
         _release_of(scene.plate, scene.release)
@@ -162,7 +205,7 @@ def _structure_only(scene: Scene) -> None:
         raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
     if scene.rotor.radius is None:
         raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-    for key in ("hub_radius", "stagger"):
+    for key in ("hub_radius", "stagger", "precone"):
         if getattr(scene.rotor, key):
             raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")
     for key in ("rotor.modes", "accuracy.frequency"):
@@ -181,7 +224,9 @@ def _on_the_plate(plate: Plate, damper: Damper | None) -> None:
     if damper is not None and plate.tip_mass_at is not None:
         raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
     if plate.length is None or plate.width is None:
-        odd = None if damper is None else cavity.through_the_thickness(damper, plate.thickness)
+        odd = None
+        if damper is not None and isinstance(plate.thickness, float):
+            odd = cavity.through_the_thickness(damper, plate.thickness)
     else:
         key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.at)
         x, y = (plate.length, 0.0) if at is None else at
@@ -192,7 +237,7 @@ def _on_the_plate(plate: Plate, damper: Damper | None) -> None:
                 f" ±{plate.width / 2:g} m",
             )
         room = plate.width - 2 * abs(y)
-        odd = None if damper is None else cavity.misfit(damper, plate.thickness, plate.width, x, room)
+        odd = None if damper is None else cavity.misfit(damper, thicknesses.at(plate, (x, y)), plate.width, x, room)
     if odd is not None:
         raise fault(f"damper.{odd[0]}", odd[1])
 

@@ -49,6 +49,39 @@ def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(validate), WithJsonSchema(schema)
 
 
+def _row(value: object, kind: Kind, info: ValidationInfo) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise wrong(f"expected a list such as ['{kind.example}', '{kind.example}']")
+    return tuple(_si(item, kind, info) for item in value)
+
+
+def _lengths(value: object, info: ValidationInfo) -> tuple[float, ...]:
+    return _row(value, units.LENGTH, info)
+
+
+def _length_rows(value: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
+    """Rows of lengths; of a plain list each is a row of its own."""
+    if not isinstance(value, list | tuple) or not value:
+        raise wrong("expected a list of lists of lengths, one list for each x")
+    return tuple(_row(row if isinstance(row, list | tuple) else [row], units.LENGTH, info) for row in value)
+
+
+MOST_COEFFICIENTS = 12
+"""Of a polynomial, along x and along y: in powers of metres higher ones drown in rounding."""
+
+
+def _coefficients(value: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
+    """Rows i of coefficients j of x^i y^j, each a length to the power 1 - i - j."""
+    if not isinstance(value, list | tuple) or not value or not all(isinstance(r, list | tuple) and r for r in value):
+        raise wrong("expected a list of lists, of x^i y^j the coefficient j in list i: [['5 mm'], ['-0.01 mm/mm']]")
+    if max(len(value), *map(len, value)) > MOST_COEFFICIENTS:
+        raise wrong(f"expected at most {MOST_COEFFICIENTS} lists of at most {MOST_COEFFICIENTS} coefficients")
+    return tuple(
+        tuple(_si(item, units.length_power(1 - i - j), info) for j, item in enumerate(row))
+        for i, row in enumerate(value)
+    )
+
+
 FASTEST = 1e5
 """Largest rotation speed taken [rad/s]: above it no plate holds, and rounding would answer for physics."""
 
@@ -176,10 +209,36 @@ Mass = Annotated[float, *_quantity(units.MASS)]
 Angle = Annotated[float, *_quantity(units.ANGLE)]
 Frequency = Annotated[float, *_quantity(units.FREQUENCY)]
 Pressure = Annotated[float, *_quantity(units.PRESSURE)]
+LineStiffness = Annotated[float, *_quantity(units.LINE_STIFFNESS)]
+RotationalStiffness = Annotated[float, *_quantity(units.ROTATIONAL_STIFFNESS)]
 Density = Annotated[float, *_quantity(units.DENSITY)]
 LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
 Acceleration = Annotated[float, *_quantity(units.ACCELERATION)]
 LengthPair = Annotated[tuple[float, float], *_pair(units.LENGTH)]
+Lengths = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_lengths),
+    WithJsonSchema({"type": "array", "items": _json(units.LENGTH), "minItems": 1}),
+]
+_ROWS = {"type": "array", "items": _json(units.LENGTH), "minItems": 1}
+LengthRows = Annotated[
+    tuple[tuple[float, ...], ...],
+    BeforeValidator(_length_rows),
+    WithJsonSchema({"type": "array", "items": {"anyOf": [_json(units.LENGTH), _ROWS]}, "minItems": 1}),
+]
+_COEFFICIENT = {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": ["5 mm", "-0.01 mm/mm"]}
+Coefficients = Annotated[
+    tuple[tuple[float, ...], ...],
+    BeforeValidator(_coefficients),
+    WithJsonSchema(
+        {
+            "type": "array",
+            "items": {"type": "array", "items": _COEFFICIENT, "minItems": 1, "maxItems": MOST_COEFFICIENTS},
+            "minItems": 1,
+            "maxItems": MOST_COEFFICIENTS,
+        }
+    ),
+]
 LoadPair = Annotated[tuple[float, float], *_pair(units.LOAD)]
 Speeds = Annotated[tuple[float, ...], BeforeValidator(_speeds), WithJsonSchema(_SPEEDS_SCHEMA)]
 Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]

@@ -140,8 +140,8 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         raise explained(error, plain, name) from None
 
 
-def _plain(value: Any, depth: int = 4) -> Any:
-    """Values as TOML has them, as deep as a scene goes: a table, a key, a list, a value."""
+def _plain(value: Any, depth: int = 5) -> Any:
+    """Values as TOML has them, as deep as a scene goes: a table, one in it, a key, a list of lists, a value."""
     if depth and isinstance(value, Mapping):
         return {key: _plain(item, depth - 1) for key, item in value.items()}
     if depth and isinstance(value, list | tuple):

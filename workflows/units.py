@@ -54,8 +54,22 @@ ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
 ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
 FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
 PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+LINE_STIFFNESS = Kind("a stiffness per length", "5e9 N/m/m", "N/m/m", 1e-9, 1e30)
+ROTATIONAL_STIFFNESS = Kind("a rotational stiffness per length", "2e5 N*m/rad/m", "N*m/rad/m", 1e-9, 1e30)
 DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
 ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
+
+
+def length_power(power: int) -> Kind:
+    """Lengths to a power, as a polynomial's coefficients are."""
+    if power == 1:
+        return LENGTH
+    name = "a number" if power == 0 else f"a coefficient in m^{power}"
+    return Kind(
+        name, "0.02 mm/mm" if power == 0 else f"0.5 m^{power}", "m/m" if power == 0 else f"m^{power}", 1e-30, 1e30
+    )
+
+
 LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 

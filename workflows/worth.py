@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from workflows import thicknesses
 from workflows.records import Results, SpeedPoint
 
 if TYPE_CHECKING:
@@ -91,12 +92,24 @@ def root_strain(results: Results, amplitude: float) -> float | None:
     leads from one to the other.
     """
     plate, damper = results.scene.plate, results.scene.damper
-    length = span(results)
-    if plate is None or damper is None or length is None:
+    length, thickness = span(results), _root_thickness(results)
+    if plate is None or damper is None or length is None or thickness is None:
         return None
     inward = 1.0 if damper.at is None else min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
     tip = amplitude * _shape(1.0) / _shape(inward)
-    return plate.thickness / 2 * _CANTILEVER**2 * tip / length**2
+    return thickness / 2 * _CANTILEVER**2 * tip / length**2
+
+
+def _root_thickness(results: Results) -> float | None:
+    """The greatest thickness at the root [m]; None where it is a mesh's and that is not kept."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None:
+        return None
+    if isinstance(plate.thickness, float):
+        return plate.thickness
+    if surface is None or surface.thickness is None:
+        return thicknesses.at(plate, (0.0, 0.0)) if plate.length is not None else None
+    return float(surface.thickness[surface.root].max())
 
 
 def span(results: Results) -> float | None:

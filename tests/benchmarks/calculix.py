@@ -29,9 +29,16 @@ def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, 
     return _run(deck(*grid(size, cells), material, omega, hub, stagger, count, mass), count, threads, timeout)
 
 
-def frequencies_on(mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, count=6, threads=1, timeout=None):
-    """The same of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`), clamped at its smallest x."""
-    return _run(deck(*extruded(mesh, thickness, layers), material, omega, hub, stagger, count), count, threads, timeout)
+def frequencies_on(
+    mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, precone=0.0, count=6, threads=1, timeout=None
+):
+    """The same of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`), clamped at its smallest x.
+
+    thickness in m, or a function of x and y. precone in rad: the plate leaves the hub at this angle to the plane of
+    rotation, towards the axis's positive end.
+    """
+    lines = deck(*extruded(mesh, thickness, layers), material, omega, hub, stagger, count, precone=precone)
+    return _run(lines, count, threads, timeout)
 
 
 def _run(lines, count, threads, timeout):
@@ -55,7 +62,7 @@ def _run(lines, count, threads, timeout):
     return np.array([float(row[2]) for row in rows])[:count]
 
 
-def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None):
+def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None, precone=0.0):
     """Write the input deck of nodes (n, 3) and bricks (m, 20), clamped at the smallest x."""
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{k + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for k, (x, y, z) in enumerate(nodes)]
@@ -76,7 +83,8 @@ def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None):
         loads.append("BOB")
     lines += ["*BOUNDARY", "ROOT, 1, 3"]
     if omega > 0.0:
-        axis = f"{-hub:.12g}, 0, 0, 0, {np.sin(stagger):.15g}, {np.cos(stagger):.15g}"
+        outwards, axis = (_in_the_plate(vector, stagger, precone) for vector in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+        axis = ", ".join(f"{value:.15g}" for value in (*(-hub * outwards), *axis))
         lines += ["*STEP, NLGEOM, INC=200", "*STATIC", "*DLOAD"]
         lines += [f"{name}, CENTRIF, {omega**2:.15g}, {axis}" for name in loads]
         lines += ["*END STEP", "*STEP, PERTURBATION"]
@@ -84,6 +92,19 @@ def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None):
         lines += ["*STEP"]
     lines += ["*FREQUENCY", f"{count}", "*END STEP", ""]
     return "\n".join(lines)
+
+
+def _in_the_plate(vector, stagger, precone):
+    """The plate's coordinates of a vector given in the hub's: x outwards through the root, z along the axis.
+
+    The plate is first laid along the hub's axes, then turned about its own x by the stagger, so that the axis leans
+    towards its y, and then raised about the hub's y, so that its x points to the axis's end.
+    """
+    c, s = np.cos(precone), np.sin(precone)
+    raised = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+    c, s = np.cos(stagger), np.sin(stagger)
+    turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    return (raised @ turned).T @ vector
 
 
 def grid(size, cells):
@@ -114,12 +135,12 @@ def extruded(mesh, thickness, layers):
     """Nodes (n, 3) and 20-node bricks (m, 20), from 0, over a mesh of quadrilaterals."""
     corners = mesh.p.T
     middles = mesh.p[:, mesh.facets].mean(axis=1).T
-    levels = thickness * (np.arange(2 * layers + 1) / (2 * layers) - 0.5)
+    levels = np.arange(2 * layers + 1) / (2 * layers) - 0.5
     start, nodes = [], []
     for k, z in enumerate(levels):
         plane = corners if k % 2 else np.vstack([corners, middles])  # between two levels, corners alone
         start.append(sum(map(len, nodes)))
-        nodes.append(np.column_stack([plane, np.full(len(plane), z)]))
+        nodes.append(np.column_stack([plane, np.full(len(plane), z) * _height(thickness, plane)]))
     cells = mesh.t.T
     # MeshQuad numbers a cell's facets as 0-1, 1-2, 2-3, 0-3; an edge of `facets` is the same either way round.
     edges = len(corners) + mesh.t2f.T
@@ -132,3 +153,7 @@ def extruded(mesh, thickness, layers):
         below, between, above = start[k : k + 3]
         bricks.append(np.hstack([below + cells, above + cells, below + edges, above + edges, between + cells]))
     return np.vstack(nodes), np.vstack(bricks)
+
+
+def _height(thickness, plane):
+    return thickness(*plane.T) if callable(thickness) else thickness

@@ -52,7 +52,7 @@ class Problem:
         at = None if plate.tip_at is None else (plate.tip_at[0] * length, plate.tip_at[1] * length)
         mesh = type(plate.mesh)(plate.mesh.p * length, plate.mesh.t)
         scaled = Plate(mesh, plate.thickness * length, material, plate.tip_mass * mass, at)
-        rotor = Rotor(self.rotor.hub_radius * length, self.rotor.stagger)
+        rotor = Rotor(self.rotor.hub_radius * length, self.rotor.stagger, self.rotor.precone)
         return assemble(scaled, rotor, self.effects, self.theory)
 
 

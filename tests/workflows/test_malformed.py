@@ -87,6 +87,7 @@ BENT: dict[str, dict[str, str]] = {
     "plate.theory": NO_CHOICE | {"another case": '"Mindlin"', "misspelt": '"kirchhof"'},
     "plate.tip_mass": NO_QUANTITY | NEGATIVE,
     "plate.tip_mass_at": NO_PAIR | {"beside a damper's": '["20 cm", 0]'},
+    "plate.root": {"a number": "1", "text": '"springs"', "a list": "[1]", "true": "true", "a quantity": '"5e9 N/m/m"'},
     "material.name": NO_CHOICE | {"another case": '"Steel"', "what no plate is made of": '"lead"'},
     "material.youngs_modulus": NO_QUANTITY | NEGATIVE | ZERO,
     "material.poissons_ratio": NO_PLAIN | {"a half": "0.5", "minus one": "-1.0"} | ABOVE_ONE,
@@ -114,6 +115,7 @@ BENT: dict[str, dict[str, str]] = {
     "rotor.hub_radius": NO_QUANTITY | NEGATIVE,
     "rotor.radius": NO_QUANTITY | NEGATIVE | ZERO | {"with a plate": '"20 cm"'},
     "rotor.stagger": NO_QUANTITY | {"beyond half a turn": '"400 deg"', "degrees without a unit": "45", "back": "-4"},
+    "rotor.precone": NO_QUANTITY | {"beyond upright": '"91 deg"', "degrees without a unit": "5", "of a damper": "0.1"},
     "rotor.gravity": NO_QUANTITY | NEGATIVE | ZERO,
     "rotor.modes": NO_WHOLE | {"too many": "201"},
     **{f"effects.{name}": NO_SWITCH for name in Effects.model_fields},
@@ -216,6 +218,8 @@ def _bent() -> Iterator[tuple[str, Case]]:
             named = key if not table else key_name([table, key])
             if path == "plate.length" and what == "shorter than thick":
                 named = "[plate] thickness"
+            if path == "plate.thickness" and what == "a table":  # where it varies it is one
+                named = "[plate] thickness.a"
             yield f"{path} {what}", Case(_text(_with(raw, table, key, value)), named)
 
 

@@ -252,10 +252,10 @@ def test_a_mesh_file_is_read_once(
     command: list[str], spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a big mesh costs to read is paid once, and all of a run is about one state of the file."""
-    import fem
+    from fem import meshfile
 
-    reads, read = [], fem.read_mesh
-    monkeypatch.setattr("fem.read_mesh", lambda path: reads.append(path) or read(path))
+    reads, read = [], meshfile.read_field
+    monkeypatch.setattr(meshfile, "read_field", lambda *given: reads.append(given) or read(*given))
     outcome = spindamp(*command, ROOT / "meshes" / "plate_with_hole.toml")
     assert outcome.status == 0, outcome.err
     assert len(reads) == 1

@@ -22,8 +22,8 @@ def check(
     needs.check(source)
     decided = pipeline.decide(source, Stages(visible=False))
     form = decided.form
-    theory = effects.theory(source.scene, None if form is None else form.sides, decided.effects["large_deflection"].on)
-    mesh = None if form is None or source.mesh is None else form.mesh(form.sizes[0])
+    theory = effects.theory(source.scene, form, decided.effects["large_deflection"].on)
+    given = None if source.mesh is None else form
     try:
         need = pilot.need(source, form, decided.effects)
     except NoAnswer as error:
@@ -34,9 +34,9 @@ def check(
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided.effects, theory, mesh) | {"needs": taken}
+        found = resolved.document(source, decided.effects, theory, given) | {"needs": taken}
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
-    typer.echo("\n".join(resolved.heading(source, mesh)))
+    typer.echo("\n".join(resolved.heading(source, given)))
     typer.echo(resolved.as_toml(source.scene, decided.effects, theory))
     typer.echo(f"\n# {said}")

@@ -63,7 +63,7 @@ def _plate(
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(
         form=form,
-        plate=lambda mesh: plate_mesh.plate(source, mesh),
+        plate=lambda mesh: plate_mesh.plate(source, mesh, form),
         rotor=operators.rotor,
         effects=plain,
         omega=float(solver.choice.probes[-1]),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from workflows import thicknesses
 from workflows.reproduction.study import FORMULATIONS, RELEASE, Floats, Study
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def _system(study: Study, formulation: str, case: tuple[Assumption, ...]) -> Par
         plate, material = scene.plate, scene.material
         if plate is None or material is None or plate.length is None or plate.width is None:
             raise ValueError("the paper's scene has a rectangular plate")
-        whole = material.density * plate.length * plate.width * plate.thickness
+        whole = material.density * thicknesses.volume(plate)[0]
         system = replace(system, ball_mass=system.ball_mass * whole / m2)
     return system
 

@@ -1,0 +1,132 @@
+"""A root on springs: the exact beam, the clamp as their limit, and the theories among each other."""
+
+import numpy as np
+import pytest
+from fem_cases import STEEL
+from scipy.optimize import brentq
+
+from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
+from fem.fields import gram
+from fem.operators import point_rows
+from fem.solver import factorise
+from fem.thickness import Polynomial
+
+STRIP = Material(2e11, 0.0, 7850.0)
+FLAT, BENT = Effects(), Effects(large_deflection=True)
+LENGTH, WIDTH, HEIGHT = 1.0, 0.02, 0.01
+BENDING = STRIP.youngs_modulus * HEIGHT**3 / 12.0
+THEORIES = ("kirchhoff/bfs", "kirchhoff/argyris", "mindlin", "solid")
+
+
+def strip(theory, root, cells=24):
+    mesh = rectangle(LENGTH, WIDTH, 40 if theory == "solid" else cells, 1)
+    return assemble(Plate(mesh, HEIGHT, STRIP, elastic_root=root), Rotor(), FLAT, theory)
+
+
+def beam(translation, rotation, count):
+    """Roots beta of the cantilever on springs: E I w'' = c w' and E I w''' = -k w at the root, in units of E I and L.
+
+    With the rotation alone it is Chun's equation (J. Sound Vib. 1972, a beam hinged with a rotational spring).
+    """
+
+    def mismatch(b):
+        c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
+        rows = np.array(  # of cos, sin, cosh, sinh
+            [
+                [-b, -rotation, b, -rotation],
+                [translation, -(b**3), translation, b**3],
+                [-c, -s, ch, sh],
+                [s, -c, sh, ch],
+            ]
+        )
+        return np.linalg.det(rows / np.abs(rows).max(axis=1)[:, None])
+
+    steps = np.linspace(0.05, 12.0, 2000)
+    signs = np.sign([mismatch(b) for b in steps])
+    found = [brentq(mismatch, *steps[n : n + 2], xtol=1e-13) for n in np.flatnonzero(signs[1:] != signs[:-1])]
+    return np.array(found[:count])
+
+
+def test_the_equation_has_its_limits():
+    """Clamped: 1.8751, 4.6941; hinged: 0 and 3.9266; and Chun's root at c L / E I = 1, b³ (1 + ch c) = c' (...)."""
+    np.testing.assert_allclose(beam(1e12, 1e12, 2), (1.87510407, 4.69409113), rtol=1e-7)
+    np.testing.assert_allclose(beam(1e12, 1e-9, 1), 3.92660231, rtol=1e-7)
+    b = beam(1e12, 1.0, 1)[0]
+    balance = 1.0 + np.cosh(b) * np.cos(b) - b * (np.sin(b) * np.cosh(b) - np.cos(b) * np.sinh(b))
+    assert abs(balance) < 1e-8
+
+
+@pytest.mark.parametrize(("translation", "rotation"), [(1e5, 1.0), (1e5, 10.0), (30.0, 1e5), (50.0, 5.0)])
+@pytest.mark.parametrize("theory", THEORIES)
+def test_a_beam_on_springs(theory, translation, rotation):
+    """Two frequencies of bending; shear and rotary inertia, 1e-3 at most, apart."""
+    root = ElasticRoot(translation * BENDING / LENGTH**3, rotation * BENDING / LENGTH)
+    operators = strip(theory, root)
+    rates = 2.0 * np.pi * solve_modes(operators, 0.0, 8).frequencies_hz
+    unit = np.sqrt(STRIP.youngs_modulus * HEIGHT**2 / 12.0 / STRIP.density)
+    for expected in beam(translation, rotation, 2) ** 2:
+        assert np.abs(rates / unit / expected - 1.0).min() < 1e-3
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_what_a_force_at_the_tip_does(theory):
+    """w = F L³/3EI + F L²/c + F/k, and for what shears 6 F L / 5 G A; a pull P moves the root by P/k."""
+    root = ElasticRoot(3e6, 2e4)
+    operators = strip(theory, root)
+    factor, force = factorise(operators.stiffness), 1e3 * WIDTH
+    row = point_rows(operators.model, (LENGTH, 0.0))
+    bent = factor.solve(force * row[[2]].toarray().ravel())
+    expected = force / WIDTH * (LENGTH**3 / (3.0 * BENDING) + LENGTH**2 / root.rotational + 1.0 / root.stiffness)
+    assert (row @ bent)[2] == pytest.approx(expected, rel=1e-3)
+    pulled = factor.solve(force * row[[0]].toarray().ravel())
+    at_root = point_rows(operators.model, (0.0, 0.0)) @ pulled
+    assert at_root[0] == pytest.approx(force / WIDTH / root.stiffness, rel=1e-3)
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff/bfs", "kirchhoff/argyris", "kirchhoff/morley", "mindlin", "solid"])
+@pytest.mark.parametrize("thickness", [0.01, Polynomial(((0.01, 0.02), (-0.02,)))])
+def test_stiff_springs_are_a_clamp(theory, thickness):
+    """Frequencies rise to those of the clamp, and what is left falls with the inverse of the stiffness."""
+    mesh = rectangle(0.2, 0.08, 6, 3)
+    mesh = mesh.to_meshtri() if theory.endswith("morley") else mesh
+    clamped, *yielding = (
+        solve_modes(assemble(Plate(mesh, thickness, STEEL, elastic_root=root), Rotor(0.1), FLAT, theory), 500.0, 5)
+        for root in (None, ElasticRoot(1e16, 1e12), ElasticRoot(1e15, 1e11))
+    )
+    least, most = (1.0 - modes.frequencies_hz / clamped.frequencies_hz for modes in yielding)
+    assert (least > 0.0).all()
+    assert least.max() < 1e-4
+    np.testing.assert_allclose(most / least, 10.0, rtol=0.1)
+
+
+@pytest.mark.parametrize("omega", [0.0, 1000.0])
+def test_the_theories_agree(omega):
+    """A plate on springs that lower its lag by a quarter: five modes, thin-plate theory by 0.38 h/b in twist apart."""
+    mesh, root = Rectangle(0.2, 0.08).mesh(3), ElasticRoot(2e9, 3e4)
+    rates = {
+        theory: solve_modes(
+            assemble(Plate(mesh, 0.008, STEEL, elastic_root=root), Rotor(0.1), FLAT, theory), omega, 5
+        ).frequencies_hz
+        for theory in THEORIES
+    }
+    for theory, found in rates.items():
+        rtol = 4e-2 if theory.startswith("kirchhoff") else 2e-3
+        np.testing.assert_allclose(found, rates["mindlin"], rtol=rtol, err_msg=theory)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+def test_springs_at_large_deflections(theory):
+    """The stiffness is the force's derivative, and at rest that of small ones."""
+    plate = Plate(rectangle(0.2, 0.08, 3, 2), 0.004, STEEL, elastic_root=ElasticRoot(2e9, 3e4))
+    model = assemble(plate, Rotor(0.1, 0.7), BENT, theory).model
+    rng = np.random.default_rng(3)
+    state, step = 1e-4 * rng.standard_normal(model.dofs), 1e-8 * rng.standard_normal(model.dofs)
+    forces = [sum(part.at(state + sign * step).force() for part in model.energies) for sign in (1.0, -1.0)]
+    tangent = gram(*(term for part in model.energies for term in part.at(state).terms()))
+    np.testing.assert_allclose(0.5 * (forces[0] - forces[1]), tangent @ step, atol=1e-5 * np.abs(tangent @ step).max())
+
+
+def test_no_springs_hold_nothing():
+    for numbers in ((0.0, 1.0), (1.0, 0.0), (np.inf, 1.0), (1.0, np.nan)):
+        with pytest.raises(ValueError, match="must be a positive number of N"):
+            ElasticRoot(*numbers)

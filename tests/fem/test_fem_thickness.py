@@ -1,0 +1,279 @@
+"""Thickness that varies over the planform: exact tapers, the theories among each other, CalculiX."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fem_cases import STEEL, distorted
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import iv, jv, kv, yv
+
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
+from fem.director import Section
+from fem.fields import gram
+from fem.levels import Given
+from fem.operators import point_rows
+from fem.solver import factorise
+from fem.theories import discretise
+from fem.thickness import Bilinear, Nodal, Polynomial
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+import calculix_blades
+
+THEORIES = ("kirchhoff/bfs", "kirchhoff/argyris", "kirchhoff/morley", "mindlin", "solid")
+STRIP = Material(2e11, 0.0, 7850.0)
+FLAT, BENT = Effects(), Effects(large_deflection=True)
+
+
+def wedge_rates(ratio, count):
+    """Circular frequencies of a cantilever strip tapered to a part of the root's thickness, in sqrt(E I / rho A L^4).
+
+    w = s^(-1/2) Z1(2 k s^(1/2)) with Bessel functions Z and s = h / h(root) solves (s³ w'')'' = k^4 s w. With z = 2 k
+    s^(1/2), derivatives by s raise the order: (2 k²)^n z^-(n + 1) Z(n + 1) up to signs; the shear force (s³ w'')' goes
+    with z² Z2.
+    """
+
+    def mismatch(k):
+        def values(order, s):
+            return np.array([f(order, 2.0 * k * np.sqrt(s)) for f in (jv, yv, iv, kv)])
+
+        lowered, raised = np.array([-1.0, -1.0, 1.0, -1.0]), np.array([1.0, 1.0, 1.0, -1.0])
+        rows = np.array([values(1, 1.0), lowered * values(2, 1.0), values(3, ratio), raised * values(2, ratio)])
+        rows /= np.abs(rows).max(axis=1)[:, None]
+        return np.linalg.det(rows / np.abs(rows).max(axis=0))
+
+    steps = np.linspace(1.0, 14.0, 600) / (1.0 - ratio) / 2.0
+    signs = np.sign([mismatch(k) for k in steps])
+    found = [brentq(mismatch, *steps[n : n + 2], xtol=1e-13) for n in np.flatnonzero(signs[1:] != signs[:-1])]
+    return np.array(found[:count]) ** 2 * (1.0 - ratio) ** 2
+
+
+def test_the_wedge_is_that_of_the_tables():
+    """Mabie and Rogers, J. Acoust. Soc. Am. 36 (1964) 463, thickness ratios 2 and 5: first and second frequency."""
+    np.testing.assert_allclose(wedge_rates(0.5, 2), (3.8238, 18.3173), rtol=1e-5)
+    np.testing.assert_allclose(wedge_rates(0.2, 2), (4.2925, 15.7427), rtol=1e-5)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.2])
+@pytest.mark.parametrize("theory", THEORIES)
+def test_a_linear_taper(theory, ratio):
+    """Thin enough that neither shear, rotary inertia nor the slope of the faces counts much."""
+    h, cells, rtol = {"solid": (1e-2, 40, 3e-4), "kirchhoff/morley": (2e-3, 48, 1e-2)}.get(theory, (2e-3, 24, 1e-4))
+    mesh = rectangle(1.0, 0.05, cells, 1)
+    plate = Plate(mesh.to_meshtri() if theory.endswith("morley") else mesh, taper(h, ratio), STRIP)
+    unit = np.sqrt(STRIP.youngs_modulus * h**2 / 12.0 / STRIP.density)
+    rates = 2.0 * np.pi * solve_modes(assemble(plate, Rotor(), FLAT, theory), 0.0, 2).frequencies_hz / unit
+    np.testing.assert_allclose(rates, wedge_rates(ratio, 2), rtol=rtol)
+
+
+def taper(h, ratio, length=1.0):
+    return Polynomial(((h,), ((ratio - 1.0) * h / length,)))
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """The bar whose stress is the same everywhere, with a mass at its tip that goes with it."""
+
+    tip: float
+    rate: float
+
+    def at(self, points):
+        return self.tip * np.exp(self.rate * (1.0 - points[0] ** 2))
+
+    def near(self, place):
+        return float(self.at(np.array(place)))
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff/bfs", "mindlin", "solid"])
+def test_a_bar_of_constant_stress(theory):
+    """h'/h = -rho x / sigma at 1 rad/s: the strain is sigma / E everywhere, but where the tip is pulled by points."""
+    stress, width = 0.5 * STRIP.density, 0.02
+    profile = Exponential(1e-3, STRIP.density / (2.0 * stress))
+    plate = Plate(rectangle(1.0, width, 30, 2), profile, STRIP)
+    operators = assemble(plate, Rotor(), FLAT, theory)
+    pull = stress * width * profile.tip
+    edge = tip_load(operators, pull / width)
+    moved = factorise(operators.stiffness).solve(operators.load + edge)
+    strain, expected = operators.model.gradient.evaluate(moved)[0], stress / STRIP.youngs_modulus
+    np.testing.assert_allclose(strain[operators.model.points[0] < 0.8], expected, rtol=1e-4)
+
+
+def tip_load(operators, per_width):
+    """Force (n,) of a pull in N/m along the tip's edge, spread over the last cells' ends as a mass would be."""
+    y, weights = np.polynomial.legendre.leggauss(5)
+    width = np.ptp(operators.plate.mesh.p[1])
+    rows = [
+        w * 0.5 * width * point_rows(operators.model, (1.0, 0.5 * width * s))[[0]]
+        for s, w in zip(y, weights, strict=True)
+    ]
+    return per_width * sum(rows).toarray().ravel()
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff/bfs", "kirchhoff/argyris", "mindlin", "solid"])
+def test_the_stretch_of_a_tapered_bar(theory):
+    """u(L) = integral of N / (E b h), N the pull of all that lies outside, on a hub."""
+    profile, hub = Polynomial(((4e-3,), (-5e-3,), (2.5e-3,))), 0.3
+    plate = Plate(rectangle(1.0, 0.02, 20, 1), profile, STRIP)
+    operators = assemble(plate, Rotor(hub), FLAT, theory)
+
+    def height(x):
+        return profile.near((x, 0.0))
+
+    def pull(x):
+        return STRIP.density * quad(lambda s: (hub + s) * height(s), x, 1.0)[0]
+
+    expected = quad(lambda x: pull(x) / height(x) / STRIP.youngs_modulus, 0.0, 1.0)[0]
+    found = (point_rows(operators.model, (1.0, 0.0)) @ operators.prestress)[0]
+    assert found == pytest.approx(expected, rel=1e-4 if theory == "solid" else 1e-6)
+
+
+PROFILES = {
+    "polynomial": Polynomial(((0.01, -0.02), (-0.015, 0.05), (-0.03,))),
+    "table": Bilinear((0.0, 0.2), (-0.04, 0.04), ((0.012, 0.008), (0.004, 0.005))),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("theory", ["kirchhoff/bfs", "kirchhoff/argyris", "mindlin", "solid"])
+def test_mass_and_centre_and_inertia_of_sections(theory, name):
+    """To rounding, but for bricks, which follow a polynomial of third degree by quadratics: to 1e-6."""
+    profile = PROFILES[name]
+    mesh = rectangle(0.2, 0.08, 6, 3)
+    check_volume(discretise(Plate(mesh, profile, STEEL), theory), *moments(profile), 1e-12)
+
+
+def moments(profile):
+    """Integrals of h, h x, h y and h³/12 over 0.2 x 0.08 m, by Gauss."""
+    t, weights = np.polynomial.legendre.leggauss(12)
+    x, y = np.meshgrid(0.1 * (1.0 + t), 0.04 * t, indexing="ij")
+    h, area = profile.at(np.stack([x, y])), 0.1 * 0.04 * np.outer(weights, weights)
+    return tuple(float((area * value).sum()) for value in (h, h * x, h * y, h**3 / 12.0))
+
+
+def check_volume(model, volume, first_x, first_y, second, rtol):
+    x, y, z = model.points
+    layers = [(layer.weight * model.displacement.dx, z + layer.z) for layer in model.inertia]
+    found = [
+        sum((dv * value(at)).sum() for dv, at in layers)
+        for value in (
+            lambda _: 1.0,
+            lambda _: x,
+            lambda _: y,
+            lambda at: at**2,
+        )
+    ]
+    np.testing.assert_allclose(found, (volume, first_x, first_y, second), rtol=max(rtol, 1e-12), atol=1e-18)
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin", "solid"])
+@pytest.mark.parametrize("size", [1, 2, 4])
+@pytest.mark.parametrize("triangles", [False, True])
+def test_a_field_stays_the_same_function_on_finer_meshes(theory, size, triangles):
+    """Volume and first moments of a field linear in x and y on distorted cells; of any field on all meshes alike."""
+    mesh = distorted(rectangle(0.2, 0.08, 4, 2), 0.006)
+    mesh = mesh.to_meshtri() if triangles else mesh
+    plane = Polynomial(((0.01, 0.03), (-0.02,)))
+    field = Nodal(mesh, plane.at(mesh.p))
+    finer = Given(mesh).mesh(size)
+    volume, *first, _ = moments(plane)
+    model = discretise(Plate(finer, field, STEEL), theory)
+    dx, (x, y, _) = model.displacement.dx * sum(layer.weight for layer in model.inertia), model.points
+    np.testing.assert_allclose([dx.sum(), (dx * x).sum(), (dx * y).sum()], [volume, *first], rtol=1e-12)
+    rough = Nodal(mesh, 0.01 * np.random.default_rng(1).uniform(0.5, 1.0, mesh.p.shape[1]))
+    volumes = [
+        (m.displacement.dx * sum(layer.weight for layer in m.inertia)).sum()
+        for m in (discretise(Plate(on, rough, STEEL), theory) for on in (mesh, finer))
+    ]
+    tolerance = 2e-3 if theory == "kirchhoff" and not triangles else 1e-12  # two triangles have not a cell's points
+    assert volumes[0] == pytest.approx(volumes[1], rel=tolerance)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_a_profile_that_does_not_vary_is_a_constant(theory):
+    """All matrices and the large deflection's own, in every theory."""
+    mesh = rectangle(0.2, 0.08, 6, 3)
+    mesh = mesh.to_meshtri() if theory.endswith("morley") else mesh
+    rotor, omega = Rotor(0.1, 0.5), 900.0
+    profiles = (4e-3, Polynomial(((4e-3,),)), Bilinear((0.0, 0.2), (0.0,), ((4e-3,), (4e-3,))))
+    effects = BENT if theory in ("mindlin", "solid") else FLAT
+    found = [
+        solve_modes(assemble(Plate(mesh, profile, STEEL), rotor, effects, theory), omega, 5).frequencies_hz
+        for profile in profiles
+    ]
+    for other in found[1:]:
+        np.testing.assert_allclose(other, found[0], rtol=1e-8)
+
+
+@pytest.mark.parametrize("omega", [0.0, 1200.0])
+def test_the_theories_agree_on_a_thin_taper(omega):
+    """Tapered along and across, h/b about 0.01: Mindlin's and the thin plate's within what h/b makes of them."""
+    profile = Polynomial(((1.2e-3, 0.0, -0.15), (-3e-3,)))
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), profile, STEEL)
+    rates = {
+        theory: solve_modes(assemble(plate, Rotor(0.05), FLAT, theory), omega, 6).frequencies_hz
+        for theory in ("kirchhoff/bfs", "kirchhoff/argyris", "mindlin")
+    }
+    for theory, found in rates.items():
+        np.testing.assert_allclose(found, rates["mindlin"], rtol=6e-3, err_msg=theory)
+
+
+def test_the_director_of_a_taper():
+    """The force is the energy's derivative, and the stiffness the force's: by differences, at a state far away."""
+    plate = Plate(distorted(rectangle(0.2, 0.08, 3, 2), 0.01), PROFILES["polynomial"], STEEL)
+    model = discretise(plate, "mindlin")
+    section = model.energies[0]
+    assert isinstance(section, Section)
+    rng = np.random.default_rng(2)
+    state, step = 1e-2 * rng.standard_normal(model.dofs), 1e-7 * rng.standard_normal(model.dofs)
+    forces = [sum(part.at(state + sign * step).force() for part in model.energies) for sign in (1.0, -1.0)]
+    tangent = gram(*(term for part in model.energies for term in part.at(state).terms()))
+    np.testing.assert_allclose(0.5 * (forces[0] - forces[1]), tangent @ step, atol=1e-6 * np.abs(tangent @ step).max())
+
+
+@pytest.mark.parametrize("name", ["tapered", "tapered, staggered"])
+def test_blades_as_in_calculix(name):
+    """Six modes of tapered plates, at rest and at speed, in Mindlin's theory and as solids."""
+    compare(name, "mindlin", 4e-3, 5)
+
+
+@pytest.mark.parametrize("name", [name for name in calculix_blades.CASES if "precone" in name])
+def test_cones_as_in_calculix(name):
+    """Six modes of plates that leave the hub at an angle, some staggered or tapered, about the state they bend to."""
+    compare(name, "mindlin", 4e-3, 5)
+
+
+def test_a_thick_solid_blade_as_in_calculix():
+    """To 0.1 %, h/b up to 0.2 and h/L up to 0.08."""
+    compare("tapered, thick", "solid", 1e-3, 4)
+
+
+def compare(name, theory, rtol, size):
+    case = calculix_blades.CASES[name]
+    frequencies, differences = calculix_blades.stored()[name]
+    plate = Plate(Rectangle(0.2, 0.08).mesh(size), case.thickness, Material(*case.material))
+    rotor = Rotor(case.hub, np.radians(case.stagger), np.radians(case.precone))
+    operators = assemble(plate, rotor, BENT, theory)
+    for omega, expected, difference in zip((0.0, case.omega), frequencies, differences, strict=True):
+        found = solve_modes(operators, omega, calculix_blades.COUNT).frequencies_hz
+        np.testing.assert_array_less(np.abs(found / expected - 1.0), rtol + difference.max())
+
+
+def test_what_is_not_a_thickness():
+    mesh = rectangle(0.2, 0.08, 4, 2)
+    with pytest.raises(ValueError, match=r"above 0 all over the plate, but it is -0.001 m at \(0.2, "):
+        Plate(mesh, Polynomial(((3e-3,), (-2e-2,))), STEEL)
+    with pytest.raises(ValueError, match=r"x from 0 to 0.1 m, and the plate from 0 to 0.2 m"):
+        Plate(mesh, Bilinear((0.0, 0.1), (0.0,), ((4e-3,), (4e-3,))), STEEL)
+    with pytest.raises(ValueError, match="x must ascend"):
+        Bilinear((0.2, 0.1), (0.0,), ((4e-3,), (4e-3,)))
+    with pytest.raises(ValueError, match="2 rows, one for each x, of 1 numbers"):
+        Bilinear((0.0, 0.1), (0.0,), ((4e-3,),))
+    with pytest.raises(ValueError, match="expected 15 values, one a point"):
+        Nodal(mesh, np.ones(3))
+    with pytest.raises(ValueError, match="do not lie in those"):
+        Plate(rectangle(0.2, 0.08, 2, 4), Nodal(mesh, np.ones(15)), STEEL)
+    with pytest.raises(ValueError, match="but it is nan m"):
+        Plate(mesh, Nodal(mesh, np.full(15, np.nan)), STEEL)

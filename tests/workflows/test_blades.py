@@ -1,0 +1,303 @@
+"""Scenes of real blades: a thickness that varies."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import Scene, changed
+from workflows import effects, plate_mesh, resolved, thicknesses
+from workflows.errors import BadInput
+from workflows.scene_file import SceneFile, load, parse
+
+TAPER: Scene = {
+    "title": "taper",
+    "plate": {
+        "length": "20 cm",
+        "width": "8 cm",
+        "thickness": {"x": ["0 cm", "20 cm"], "values": ["4 mm", "2 mm"]},
+    },
+    "material": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
+    "rotor": {"speeds": ["3000 rpm"], "modes": 3},
+    "accuracy": {"frequency": 1e-2},
+}
+POLYNOMIAL = {"polynomial": [["4 mm"], ["-10 um/mm"]]}
+BALL = {
+    "mass": "1 g",
+    "radius": "0.5 mm",
+    "cavity": ["1.5 mm", "1.4 mm"],
+    "restitution": 0.5,
+    "friction": 0.3,
+    "rolling_friction": "0.1 mm",
+}
+
+
+def frequencies(scene: Scene) -> list[float]:
+    return [mode.frequency_hz for mode in workflows.run(scene).speeds[0].modes]
+
+
+def written(path: Path, field: dict[str, np.ndarray] | None = None, unit: float = 1.0) -> Path:
+    """0.2 x 0.08 m as 6 x 3 quadrilaterals, with point data."""
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, 0.2, 7), np.linspace(-0.04, 0.04, 4), indexing="ij"))
+    cells = [[4 * i + j, 4 * i + j + 4, 4 * i + j + 5, 4 * i + j + 1] for i in range(6) for j in range(3)]
+    points = np.column_stack([x, y, 0 * x]) / unit
+    data = {"h": (4e-3 - 0.01 * x) / unit} if field is None else field
+    meshio.Mesh(points, [("quad", np.array(cells))], point_data=data).write(path)
+    return path
+
+
+def of_mesh(path: Path, **thickness: object) -> Scene:
+    return changed(
+        TAPER,
+        plate__length=None,
+        plate__width=None,
+        plate__mesh=str(path),
+        plate__thickness=thickness or {"field": "h"},
+    )
+
+
+def test_a_table_a_polynomial_and_a_field_of_the_same_taper(tmp_path: Path) -> None:
+    """One thickness in three spellings, the field in millimetres too: the same frequencies within their accuracy."""
+    table = frequencies(TAPER)
+    assert frequencies(changed(TAPER, plate__thickness=POLYNOMIAL)) == pytest.approx(table, rel=1e-9)
+    assert frequencies(of_mesh(written(tmp_path / "blade.vtu"))) == pytest.approx(table, rel=1e-2)
+    in_mm = changed(of_mesh(written(tmp_path / "mm.vtu", unit=1e-3)), plate__mesh_unit="mm")
+    in_m = of_mesh(written(tmp_path / "m.vtu"))
+    assert frequencies(in_mm) == pytest.approx(frequencies(in_m), rel=1e-9)
+    even = frequencies(changed(TAPER, plate__thickness="4 mm"))
+    assert table[0] > 1.05 * even[0]  # a wedge of 2:1 is 3.824 to 3.516
+
+
+def test_a_resolved_scene_is_the_same_scene() -> None:
+    for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL)):
+        scene = parse(given)
+        decided = effects.resolve(scene)
+        again = parse(tomllib.loads(resolved.as_toml(scene, decided, effects.theory(scene))))
+        assert again.plate is not None
+        assert scene.plate is not None
+        assert again.plate.thickness == scene.plate.thickness
+
+
+def test_check_says_the_thickness(tmp_path: Path) -> None:
+    source = SceneFile(parse(changed(TAPER, damper=BALL, release={"ratio": 0.3})), "scene", tmp_path)
+    assert "# Thickness: 2 mm to 4 mm, 2 mm at the damper" in resolved.heading(source)
+    found = resolved.document(source, effects.resolve(source.scene), None)
+    assert found["thickness"] == pytest.approx({"least": 2e-3, "greatest": 4e-3, "damper": 2e-3})
+    json.dumps(found, allow_nan=False)
+
+
+def test_the_theory_goes_by_the_greatest_thickness() -> None:
+    """Thin at the tip, stout at the root."""
+    thin = {"x": [0, 0.2], "values": ["0.1 mm", "0.05 mm"]}
+    stout = {"x": [0, 0.2], "values": ["30 mm", "0.1 mm"]}
+    found = [effects.theory(parse(changed(TAPER, plate__thickness=t))) for t in (thin, stout)]
+    assert [theory.name for theory in found if theory] == ["kirchhoff", "solid"]
+
+
+def test_the_pull_at_the_root(tmp_path: Path) -> None:
+    """rho Omega² of the moment of what hangs there over the section: b (h0 L²/2 - s L³/3) and b h0."""
+    plate = parse(TAPER).plate
+    assert plate is not None
+    assert thicknesses.volume(plate) == pytest.approx((0.08 * 0.2 * 3e-3, 0.08 * (4e-3 * 0.02 - 0.01 * 0.008 / 3)))
+    assert thicknesses.section(plate) == pytest.approx(0.08 * 4e-3)
+
+
+def test_the_cavity_fits_where_it_is(tmp_path: Path) -> None:
+    """2.8 mm go into the middle, 3 mm thick, and not into the tip; field and table alike."""
+    narrow = BALL | {"cavity": ["2.8 mm", "2.4 mm"]}
+    for scene in (TAPER, of_mesh(written(tmp_path / "blade.vtu"))):
+        inside = changed(scene, damper=narrow | {"at": ["10 cm", "0 cm"]}, release={"ratio": 0.3})
+        plate_mesh.planform(SceneFile(parse(inside), "scene", tmp_path))
+        with pytest.raises(BadInput, match="through the plate's thickness: expected less than 2 mm"):
+            plate_mesh.planform(SceneFile(parse(changed(inside, damper=narrow)), "scene", tmp_path))
+
+
+def test_the_thickness_is_exported(tmp_path: Path) -> None:
+    workflows.save(workflows.run(TAPER), tmp_path / "out")
+    mesh = meshio.read(tmp_path / "out" / "modes.vtu")
+    assert mesh.point_data["thickness"] == pytest.approx(4e-3 - 0.01 * mesh.points[:, 0])
+    assert "2 to 4 mm thick" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+
+WRONG = [
+    (
+        {"polynomial": [["4 mm"], ["-30 um/mm"]]},
+        "thickness",
+        r"above 0 all over the plate, but it is -0.002 m at \(0.2",
+    ),
+    ({"polynomial": [["4 mm"], ["-30 um"]]}, "thickness.polynomial", "expected a number such as '0.02 mm/mm'"),
+    ({"polynomial": ["4 mm"]}, "thickness.polynomial", "expected a list of lists"),
+    ({"polynomial": [["4 mm"]] * 13}, "thickness.polynomial", "at most 12 lists of at most 12"),
+    (
+        {"x": ["0 cm", "10 cm"], "values": ["4 mm", "2 mm"]},
+        "thickness",
+        "x from 0 to 0.1 m, and the plate from 0 to 0.2",
+    ),
+    ({"x": ["9 cm", "0 cm"], "values": ["4 mm", "2 mm"]}, "thickness.x", "expected places that ascend"),
+    (
+        {"x": ["0 cm", "20 cm"], "values": ["4 mm"]},
+        "thickness.values",
+        "one thickness for each of the 2 places along x",
+    ),
+    ({"x": ["0 cm", "20 cm"], "values": ["4 mm", "-2 mm"]}, "thickness.values", "expected thicknesses above 0"),
+    ({"x": ["0 cm", "20 cm"], "values": ["4 mm", float("nan")]}, "thickness.values", "must be finite"),
+    ({"x": [0, 0.2], "y": [-0.04, 0.04], "values": [4e-3, 2e-3]}, "thickness.values", "a list of 2 thicknesses"),
+    ({"values": ["4 mm", "2 mm"]}, "thickness.x", "missing"),
+    ({"x": [0, 0.2], "field": "h"}, "thickness.x", "belongs to a table"),
+    ({"field": "h"}, "thickness.field", "belongs to a mesh"),
+    ({}, "thickness.values", "expected one of a table"),
+    ({"feild": "h"}, "thickness.feild", "did you mean 'field'"),
+    ({"polynomial": [["30 cm"]]}, "thickness", "expected less than the length"),
+    ({"polynomial": [["1 nm"]]}, "thickness", "expected at least 2e-05 m"),
+]
+
+
+@pytest.mark.parametrize(("thickness", "key", "words"), WRONG)
+def test_what_is_no_thickness(thickness: dict[str, object], key: str, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        parse(changed(TAPER, plate__thickness=thickness))
+    assert f"[plate] {key}" in str(error.value)
+
+
+FIELDS = [
+    ({"g": np.ones(28)}, "holds no point data 'h': it holds g"),
+    ({}, "holds no point data 'h': it holds none"),
+    ({"h": np.ones((28, 3))}, r"of shape \(28, 3\): expected one number for each point"),
+    ({"h": np.full(28, np.nan)}, "values that are not finite"),
+    ({"h": np.linspace(-1e-3, 5e-3, 28)}, "above 0 all over the plate, but it is -0.001 m at"),
+]
+
+
+@pytest.mark.parametrize(("data", "words"), FIELDS)
+def test_what_is_no_field(tmp_path: Path, data: dict[str, np.ndarray], words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        workflows.run(of_mesh(written(tmp_path / "blade.vtu", data)))
+    assert "[plate] thickness" in str(error.value)
+
+
+def test_a_table_that_does_not_cover_a_mesh(tmp_path: Path) -> None:
+    short = of_mesh(written(tmp_path / "blade.vtu"), x=["0 cm", "10 cm"], values=["4 mm", "2 mm"])
+    with pytest.raises(BadInput, match="the table of the thickness has x from 0 to 0"):
+        workflows.run(short)
+
+
+def test_loading_a_file(tmp_path: Path) -> None:
+    """As TOML has it."""
+    text = '[plate]\nlength = "20 cm"\nwidth = "8 cm"\n[plate.thickness]\npolynomial = [["4 mm"], ["-10 um/mm"]]\n'
+    text += '[material]\nname = "steel"\n[rotor]\nspeeds = ["3000 rpm"]\n'
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
+    plate = load(tmp_path / "s.toml").scene.plate
+    assert plate is not None
+    assert thicknesses.at(plate, (0.1, 0.0)) == pytest.approx(3e-3)
+
+
+ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
+
+
+def test_a_root_on_springs() -> None:
+    """Softer than the clamp, as `fem` has it; stiff springs are the clamp."""
+    from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, solve_modes
+
+    even = changed(TAPER, plate__thickness="4 mm", rotor__speeds=["0 rpm"])
+    clamped, soft = frequencies(even), frequencies(changed(even, plate__root=ROOT))
+    stiff = frequencies(changed(even, plate__root={"stiffness": 1e15, "rotational_stiffness": 1e11}))
+    assert stiff == pytest.approx(clamped, rel=1e-3)
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), 4e-3, Material(200e9, 0.3, 7850.0), elastic_root=ElasticRoot(5e8, 5e3))
+    own = solve_modes(assemble(plate, Rotor(), Effects()), 0.0, 3).frequencies_hz
+    assert soft == pytest.approx(own.tolist(), rel=1e-2)
+    assert soft[0] < 0.8 * clamped[0]
+
+
+def test_a_resolved_root_is_the_same_root() -> None:
+    scene = parse(changed(TAPER, plate__root=ROOT))
+    again = parse(tomllib.loads(resolved.as_toml(scene, effects.resolve(scene), effects.theory(scene))))
+    assert again.plate is not None
+    assert again.plate.root is not None
+    assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)
+
+
+WRONG_ROOTS = [
+    ({"stiffness": "5e8 N/m/m"}, "root.rotational_stiffness", "missing"),
+    (ROOT | {"stiffness": 0}, "root.stiffness", "expected a value above 0"),
+    (ROOT | {"rotational_stiffness": "0 N*m/rad/m"}, "root.rotational_stiffness", "expected a value above 0"),
+    (ROOT | {"stiffness": float("inf")}, "root.stiffness", "must be finite"),
+    (ROOT | {"stiffness": "5 N/m"}, "root.stiffness", "expected a stiffness per length such as '5e9 N/m/m'"),
+    (ROOT | {"rotational_stiffness": "5 N"}, "root.rotational_stiffness", "a rotational stiffness per length such as"),
+    (ROOT | {"stifness": 1}, "root.stifness", "did you mean 'stiffness'"),
+    (1.0, "root", "expected a table"),
+]
+
+
+@pytest.mark.parametrize(("root", "key", "words"), WRONG_ROOTS)
+def test_what_is_no_root(root: object, key: str, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        parse(changed(TAPER, plate__root=root))
+    assert f"[plate] {key}" in str(error.value)
+
+
+def test_a_cone_calls_for_large_deflection() -> None:
+    """The load has a part across the plate, which bends it: at stagger 0 too; flat in the plane it does not."""
+    exact = changed(TAPER, accuracy={"frequency": 1e-3})
+    flat, coned = (parse(changed(exact, rotor__precone=angle)) for angle in ("0 deg", "4 deg"))
+    decided = [effects.resolve(scene)["large_deflection"] for scene in (flat, coned)]
+    assert [effect.on for effect in decided] == [False, True]
+
+
+def test_a_cone_is_solved_as_fem_has_it() -> None:
+    from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, solve_modes
+
+    rotor = {"speeds": ["3000 rpm"], "modes": 3, "precone": "4 deg", "hub_radius": "5 cm", "stagger": "20 deg"}
+    found = frequencies(changed(TAPER, plate__thickness="4 mm", rotor=rotor))
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), 4e-3, Material(200e9, 0.3, 7850.0))
+    turning = Rotor(0.05, np.radians(20.0), np.radians(4.0))
+    own = solve_modes(assemble(plate, turning, Effects(large_deflection=True)), 100.0 * np.pi, 3).frequencies_hz
+    assert found == pytest.approx(own.tolist(), rel=1e-2)
+
+
+def test_check_says_the_radii_of_a_cone(tmp_path: Path) -> None:
+    rotor = {"speeds": ["3000 rpm"], "precone": "60 deg", "hub_radius": "5 cm"}
+    heading = resolved.heading(SceneFile(parse(changed(TAPER, rotor=rotor)), "scene", tmp_path))
+    assert "# Radii from the axis: 50 mm at the clamped root, 150 mm at the tip (x = 200 mm, y = 0 mm)" in heading
+
+
+WRONG_CONES = [
+    ("91 deg", "expected an angle within ±90 deg"),
+    (5, "expected an angle within ±90 deg"),
+    ("1 m", "expected an angle such as '45 deg'"),
+]
+
+
+@pytest.mark.parametrize(("angle", "words"), WRONG_CONES)
+def test_what_is_no_cone(angle: object, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as error:
+        parse(changed(TAPER, rotor__precone=angle))
+    assert "[rotor] precone" in str(error.value)
+
+
+def test_a_damper_takes_no_cone() -> None:
+    coned = changed(TAPER, rotor__precone="4 deg", damper=BALL, release={"ratio": 0.3})
+    with pytest.raises(BadInput, match="the load then slopes along the cavity's floor"):
+        parse(coned)
+    parse(changed(coned, rotor__precone="0 deg"))
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("plate__pretwist", "a plate is flat: give [rotor] stagger the angle of the section that counts"),
+        ("rotor__twist", "a plate is flat: give [rotor] stagger"),
+        ("plate__camber", "a plate is flat: leave out a camber up to a tenth of the thickness"),
+    ],
+)
+def test_what_a_plate_has_not_is_refused_with_advice(key: str, words: str) -> None:
+    with pytest.raises(BadInput) as error:
+        parse(changed(TAPER, **{key: "20 deg"}))
+    table, name = key.split("__")
+    assert f"[{table}] {name} = '20 deg': unknown key: {words}" in str(error.value)
+    assert len(str(error.value)) < 300
