@@ -102,7 +102,7 @@ def choose_mesh(
     search = Estimates(planform, build, probes, count, EXACT * tolerance)
     if len(planform.sizes) == 1 or _alone(planform, search, most):
         return _unknown(search, planform.sizes[0], tolerance)
-    coarse, fine = _first_pair(planform, count)
+    coarse, fine = first_pair(planform, count)
     while True:
         before, errors = search.errors(coarse, fine)
         safe = tolerance * _trust(search)
@@ -163,7 +163,7 @@ def _most(theory: str) -> int:
     return MOST_UNKNOWNS[theory.partition("/")[0]]
 
 
-def _first_pair(planform: Planform, count: int) -> tuple[int, int]:
+def first_pair(planform: Planform, count: int) -> tuple[int, int]:
     """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
     sizes = planform.sizes
     fine = next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])

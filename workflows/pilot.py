@@ -2,8 +2,8 @@
 
 The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on
 this machine: work grows as the power 1.3 of the unknowns, between that of the matrices (1) and that of a planar mesh's
-factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. A mesh from a file that is large itself is
-not solved for this; what it takes is reckoned from what others took, and from how fast this machine is.
+factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. Where the first meshes are
+large, solids and many cells from a file, they are not solved for this; what they take is reckoned from what others took, and from how fast this machine is.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
     from workflows.plate_records import Discrete
 
-_UNKNOWNS, _LARGE = 10_000, 2.0
-"""Up to which meshes are tried here, and how many times as many a file's own may have to be."""
+_UNKNOWNS = 4000
+"""Up to which meshes are tried here."""
 
 _SPEEDS, _CYCLES = 3, 1000
 """Up to which there are speeds and cycles here."""
@@ -123,8 +123,9 @@ def _plate(
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
     pace = _pace()  # also loads what solves plates
     model = plate.model(source, form, effects)
-    if needs.unknowns(model, form.mesh(form.sizes[0])) > _LARGE * _UNKNOWNS:
-        return (), *_unsolved(source, form, effects, model, pace)
+    first = _first(source, form, model)
+    if first > _UNKNOWNS:
+        return (), *_unsolved(source, effects, model, first, pace)
     with plate.answering(source):
         began = perf_counter()
         discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
@@ -144,18 +145,22 @@ def _plate(
     return plate_records.points(small, discrete, diagram, numbers, reduced), memory, seconds
 
 
-def _unsolved(
-    source: SceneFile, form: Planform, effects: dict[str, Effect], model: str, pace: float
-) -> tuple[float, float]:
-    """Bytes and seconds of a plate whose coarsest mesh is large: it is taken for the one that the search ends with."""
-    from fem.choice import has_pair
+def _first(source: SceneFile, form: Planform, model: str) -> float:
+    """Unknowns of the finer of the two meshes that a search begins with, or of the only one."""
+    from fem.choice import first_pair, has_pair
 
+    coarsest = needs.unknowns(model, form.mesh(form.sizes[0]))
+    if not has_pair(form, coarsest, model):
+        return coarsest
+    return needs.unknowns(model, form.mesh(first_pair(form, source.scene.rotor.modes)[1]))
+
+
+def _unsolved(
+    source: SceneFile, effects: dict[str, Effect], model: str, unknowns: float, pace: float
+) -> tuple[float, float]:
+    """Bytes and seconds of a plate whose first meshes are large: the search is taken to end with the finer of them."""
     scene, large = source.scene, effects["large_deflection"].on
-    fit = needs.most_unknowns(source, form, model, large)
     name = model.partition("/")[0]
-    unknowns = needs.unknowns(model, form.mesh(form.sizes[0]))
-    if has_pair(form, unknowns, model, fit):
-        unknowns *= (form.sizes[1] / form.sizes[0]) ** 2
     once = pace * _PRICE.get(model, _PRICE[name]) * unknowns ** _GROWTH[name] * max(scene.rotor.modes / 6, 1.0)
     each = once * (_DEFLECTED if large else 1.0)
     alone = large or scene.rotor.modes > plate.MODES_FOLLOWED or effects["coriolis"].on

@@ -155,9 +155,10 @@ def test_a_plate_grows_no_further_than_the_memory(
     decided = pipeline.decide(source, quiet)
     model = plate.model(source, decided.form, decided.effects)
     others = sum(part.memory for part in needs.parts(source) if part.key == "[rotor] speeds")
-    monkeypatch.setattr(needs, "available", lambda: needs.BASE + others + needs.of_a_plate(model, 6000, 6) + 1)
+    most = 20_000 if theory == "solid" else 6000
+    monkeypatch.setattr(needs, "available", lambda: needs.BASE + others + needs.of_a_plate(model, most, 6) + 1)
     choice = plate.discretise(source, decided.form, decided.effects, quiet).choice
-    assert 1000 < choice.operators.mass.shape[0] <= 6000
+    assert 1000 < choice.operators.mass.shape[0] <= most
     assert not choice.met
 
 
@@ -199,21 +200,22 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
 
 
 MEASURED = """
-import resource, sys
+import pathlib, sys
 from workflows import cli
 status = cli.main(sys.argv[1:])
-print(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
 sys.exit(status)
 """
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
 @pytest.mark.parametrize(
     "changes",
     [
         {},
-        {"plate__theory": "mindlin", "accuracy": {"frequency": 1e-5}},
-        {"plate__theory": "solid", "rotor__modes": 12},
-        {"plate__theory": "mindlin", "rotor__stagger": "45 deg", "effects": {"large_deflection": True}},
+        {"plate__theory": "mindlin", "accuracy": {"frequency": 3e-5}, "rotor__speeds": ["5000 rpm"]},
+        {"plate__theory": "solid", "rotor__speeds": ["5000 rpm"]},
+        {"plate__theory": "mindlin", "rotor__speeds": ["5000 rpm"], "effects": {"large_deflection": True}},
         {"damper__rolling_friction": 0, "release__cycles": 100_000, "rotor__speeds": ["5000 rpm"]},
     ],
     ids=["paper", "fine", "solid", "deflected", "cycles"],
