@@ -22,6 +22,13 @@ if TYPE_CHECKING:
 LATTICE = 9
 """Points along a cell's side at which a thickness is looked at for its least and greatest."""
 
+SLOPE = 0.7
+"""Plate theories understate frequencies by up to this times the square of the faces' slope.
+
+Wedges of 20 to 5 and 40 to 10 mm over 0.1 and 0.2 m, 0.08 m wide, nu = 0, against bricks: 0.4 to 0.7 in the six lowest
+modes.
+"""
+
 NEWTON = 30
 """Steps of Newton's method to a place in a quadrilateral; it takes some six."""
 
@@ -156,6 +163,17 @@ def spread(thickness: float | Profile, mesh: Any) -> tuple[float, float, float]:
     turned = np.roll(corners, -1, axis=1)
     area = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
     return float(values.min()), float(np.average(np.mean(values, axis=1), weights=area)), float(values.max())  # type: ignore[union-attr]
+
+
+def slope(thickness: float | Profile, mesh: Any) -> float:
+    """Greatest slope of a face against the mid-surface, on average over a cell of a mesh."""
+    if isinstance(thickness, float | int):
+        return 0.0
+    points = lattice(mesh)
+    place = points - points.mean(axis=2, keepdims=True)
+    moment = np.einsum("acp,bcp->cab", place, place)
+    fitted = np.linalg.solve(moment, np.einsum("acp,cp->ca", place, thickness.at(points))[:, :, None])
+    return 0.5 * float(np.linalg.norm(fitted[:, :, 0], axis=1).max())
 
 
 def lattice(mesh: Any) -> Array:

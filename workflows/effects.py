@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from workflows import bending, thicknesses
@@ -51,11 +51,13 @@ def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = 
         raise ValueError("the planform of a plate from a mesh is needed")
     else:
         sides = form.sides
-    thickest = thicknesses.spread(plate, form)[2]
+    thickest, sloping = thicknesses.spread(plate, form)[2], thicknesses.slope_error(plate, form)
     if plate.theory != "auto":
-        return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, thickest))
-    chosen = choose_theory(*sides, thickest, scene.accuracy.frequency, large_deflection)
-    return Theory(chosen.name, chosen.why, chosen.model_error)
+        found = Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, thickest))
+    else:
+        chosen = choose_theory(*sides, thickest, scene.accuracy.frequency, large_deflection)
+        found = Theory(chosen.name, chosen.why, chosen.model_error)
+    return found if found.name == "solid" else replace(found, model_error=found.model_error + sloping)
 
 
 def called_for(scene: Scene, form: Planform | None = None) -> dict[str, tuple[bool, str]]:

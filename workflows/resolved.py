@@ -68,8 +68,9 @@ def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
     given, (root, place, at) = source.scene, radii(source, form)
     lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
     what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
-    clamped = "" if root is None else f"{_mm(root)} at the clamped root, "
-    lines.append(f"Radii from the axis: {clamped}{_mm(place)} at the {what}{at}")
+    held = "root" if given.plate is not None and given.plate.root is not None else "clamped root"
+    inner = "" if root is None else f"{_mm(root)} at the {held}, "
+    lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
     if (known := _varying(source, form)) is not None:
         least, greatest, there = map(_mm, known)
         lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")

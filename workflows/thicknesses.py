@@ -74,6 +74,17 @@ def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, fl
     return float(values.min()), volume(plate)[0] / plate.length / plate.width, float(values.max())
 
 
+def slope_error(plate: Plate, form: Planform | None = None) -> float:
+    """What plate theories are off, relatively in frequency, where faces slope; `form` as in `spread`."""
+    if isinstance(plate.thickness, float):
+        return 0.0
+    from fem import Rectangle, thickness
+
+    if form is None:
+        form = Rectangle(plate.length or 0.0, plate.width or 0.0)
+    return thickness.SLOPE * thickness.slope(profile(plate, form), form.mesh(form.sizes[0])) ** 2
+
+
 def section(plate: Plate) -> float:
     """Area [m²] of a rectangle's section at the root."""
     return float((_across(plate, [0.0])[1]).sum())

@@ -89,7 +89,8 @@ def root_strain(results: Results, amplitude: float) -> float | None:
     """Bending strain at the root for an amplitude at the cavity [-], as in a uniform cantilever's first mode at rest.
 
     The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
-    leads from one to the other.
+    leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
+    to half of its thickness.
     """
     plate, damper = results.scene.plate, results.scene.damper
     length, thickness = span(results), _root_thickness(results)

@@ -20,7 +20,7 @@ MESHES = {
 @pytest.fixture
 def free_plate(monkeypatch):
     """Discretise a plate that nothing clamps."""
-    monkeypatch.setattr(mindlin, "root_facets", lambda mesh: np.empty(0, dtype=np.int64))
+    monkeypatch.setattr(mindlin, "clamped", lambda basis, plate: np.empty(0, dtype=np.int64))
     return lambda kind, thickness: mindlin.discretise(Plate(MESHES[kind](3), thickness, STEEL))
 
 

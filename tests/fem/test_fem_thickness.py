@@ -11,14 +11,26 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import iv, jv, kv, yv
 
-from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
+from fem import (
+    Effects,
+    Material,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    choose_mesh,
+    equilibrium,
+    rectangle,
+    solve_modes,
+)
 from fem.director import Section
 from fem.fields import gram
 from fem.levels import Given
 from fem.operators import point_rows
 from fem.solver import factorise
 from fem.theories import discretise
-from fem.thickness import Bilinear, Nodal, Polynomial
+from fem.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
+from fem.transfer import transfer
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 import calculix_blades
@@ -277,3 +289,59 @@ def test_what_is_not_a_thickness():
         Plate(rectangle(0.2, 0.08, 2, 4), Nodal(mesh, np.ones(15)), STEEL)
     with pytest.raises(ValueError, match="but it is nan m"):
         Plate(mesh, Nodal(mesh, np.full(15, np.nan)), STEEL)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [Polynomial(((6e-3, 0.0, -0.8), (-15e-3,))), Bilinear((0.0, 0.07, 0.2), (0.0,), ((8e-3,), (4e-3,), (3e-3,)))],
+)
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+def test_the_mesh_chosen_is_as_good_as_it_says(profile, theory):
+    """Smooth, and with a kink inside cells: within the tolerance, and the estimate within twice what is left."""
+    planform = Rectangle(0.2, 0.08)
+
+    def build(size):
+        return assemble(Plate(planform.mesh(size), profile, STEEL), Rotor(0.05), FLAT, theory)
+
+    choice = choose_mesh(planform, build, (0.0, 600.0), 6, 1e-2)
+    finer = build(3 * choice.size)
+    errors = np.array(
+        [
+            solve_modes(choice.operators, omega, 6).frequencies_hz / solve_modes(finer, omega, 6).frequencies_hz - 1.0
+            for omega in (0.0, 600.0)
+        ]
+    )
+    assert np.abs(errors).max() < 1e-2
+    assert 0.5 * choice.errors.max() < np.abs(errors).max() < 2.0 * choice.errors.max()
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+def test_a_large_deflection_goes_on_to_a_finer_mesh(theory):
+    """The state on one mesh is nearly that on another: of a taper, whose rotations are kept in parts of h."""
+    profile = Polynomial(((4e-3,), (-15e-3,)))
+    coarse, fine = (
+        assemble(Plate(rectangle(0.2, 0.08, 4 * n, 2 * n), profile, STEEL), Rotor(0.05, 0.7), BENT, theory)
+        for n in (2, 3)
+    )
+    states = [equilibrium(operators, 800.0) for operators in (coarse, fine)]
+    moved = transfer(states[0], coarse, fine)
+    apart = moved - states[1]
+    stiffness = fine.at(0.0)
+    assert apart @ stiffness @ apart < 1e-2 * (states[1] @ stiffness @ states[1])
+
+
+@pytest.mark.parametrize("thickness", [0.01, Polynomial(((0.02,), (-0.15,)))])
+def test_what_the_slope_of_the_faces_costs(thickness):
+    """A wedge whose faces slope by 0.075: bricks, extrapolated, are stiffer than Mindlin's plate, as far as is said."""
+    material = Material(2e11, 0.0, 7850.0)
+
+    def first(theory, size):
+        plate = Plate(Rectangle(0.1, 0.08).mesh(size), thickness, material)
+        return solve_modes(assemble(plate, Rotor(), FLAT, theory), 0.0, 1).frequencies_hz[0]
+
+    coarse, fine = first("solid", 2), first("solid", 3)
+    bricks = fine - (coarse - fine) / ((3.0 / 2.0) ** 3 - 1.0)
+    missed = 1.0 - first("mindlin", 4) / bricks
+    said = SLOPE * slope(thickness, rectangle(0.1, 0.08, 2, 2)) ** 2
+    assert said == pytest.approx(0.0 if thickness == 0.01 else 0.7 * 0.075**2)
+    assert 0.5 * said - 2e-4 < missed < said + 2e-4

@@ -301,3 +301,15 @@ def test_what_a_plate_has_not_is_refused_with_advice(key: str, words: str) -> No
     table, name = key.split("__")
     assert f"[{table}] {name} = '20 deg': unknown key: {words}" in str(error.value)
     assert len(str(error.value)) < 300
+
+
+def test_the_theorys_error_knows_the_slope_of_the_faces() -> None:
+    """0.7 times the square of the slope, 0.005 here, on that of a plate as thick; a solid has none."""
+    for theory, more in (("mindlin", 0.7 * 0.005**2), ("kirchhoff", 0.7 * 0.005**2), ("solid", 0.0)):
+        tapered, even = (
+            effects.theory(parse(changed(TAPER, plate__theory=theory, plate__thickness=thickness)))
+            for thickness in (POLYNOMIAL, "4 mm")
+        )
+        assert tapered is not None
+        assert even is not None
+        assert tapered.model_error == pytest.approx(even.model_error + more)
