@@ -2,8 +2,9 @@
 
 The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on
 this machine: work grows as the power 1.3 of the unknowns, between that of the matrices (1) and that of a planar mesh's
-factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. Where the first meshes are
-large, solids and many cells from a file, they are not solved for this; what they take is reckoned from what others took, and from how fast this machine is.
+factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. Where the first meshes are large, solids and
+many cells from a file, they are not solved for this; what they take is reckoned from what others took, and from how
+fast this machine is.
 """
 
 from __future__ import annotations
