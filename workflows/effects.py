@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from workflows import bending
+from workflows import bending, turning
 from workflows.errors import BadInput
 from workflows.scene import Scene
-from workflows.wording import significant
 
 if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
@@ -57,7 +56,11 @@ def theory(scene: Scene, sides: tuple[float, float] | None = None, large_deflect
 
 def called_for(scene: Scene, form: Planform | None = None) -> dict[str, tuple[bool, str]]:
     """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
-    return {name: rule(scene, form) if rule in _OF_THE_PLANFORM else rule(scene) for name, rule in RULES.items()}
+    found = {name: rule(scene) for name, rule in RULES.items()}
+    found["large_deflection"] = _large_deflection(scene, form)
+    asked = scene.effects.large_deflection
+    found["coriolis"] = _coriolis(scene, form, found["large_deflection"][0] if asked == "auto" else asked is True)
+    return {name: found[name] for name in NAMES}
 
 
 def of(source: SceneFile) -> dict[str, Effect]:
@@ -146,24 +149,10 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
     )
 
 
-def _coriolis(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
-    """On when it moves a frequency by more than the accuracy asked for.
-
-    What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
-    lowers it by 2 (Omega / w)²: two modes in the limit of a low one. L: the length, which a mesh has from its planform.
-    """
+def _coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> tuple[bool, str]:
     if scene.plate is None or scene.material is None or not _spins(scene):
         return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
-    length = scene.plate.length if form is None else form.sides[0]
-    if length is None:
-        raise ValueError("the length of a plate from a mesh is needed")
-    stretching = 0.5 * math.pi * math.sqrt(scene.material.youngs_modulus / scene.material.density) / length
-    moved = 2.0 * (max(scene.rotor.speeds) / stretching) ** 2
-    asked = scene.accuracy.frequency
-    return moved > asked, (
-        f"it lowers frequencies of motion in the plane of rotation by about {significant(100 * moved, 1)} % at most,"
-        f" {'more' if moved > asked else 'less'} than the {significant(100 * asked)} % asked for"
-    )
+    return turning.coriolis(scene, form, large_deflection)
 
 
 def _large_deflection(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
@@ -206,16 +195,14 @@ def _ball_slip(scene: Scene) -> tuple[bool, str]:
     return False, "the paper's model: the ball rolls again at once after a wall hit"
 
 
-_OF_THE_PLANFORM = (_coriolis, _large_deflection)
-
 RULES = {
     "stress_stiffening": _stress_stiffening,
     "spin_softening": _spin_softening,
-    "coriolis": _coriolis,
-    "large_deflection": _large_deflection,
     "rotary_inertia": _rotary_inertia,
     "rolling_resistance": _rolling_resistance,
     "impact_friction": _impact_friction,
     "ball_slip": _ball_slip,
 }
-"""One rule per effect: whether the scene calls for it, and why (not)."""
+"""One rule per effect: whether the scene calls for it, and why (not). Those of the planform have two of their own."""
+
+NAMES = (*OF_THE_PLATE, *(name for name in RULES if name not in OF_THE_PLATE))
