@@ -17,7 +17,6 @@ import numpy as np
 
 from fem.mindlin import SHEAR_CORRECTION
 from fem.operators import point_rows
-from fem.theories import TORSION
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +24,14 @@ if TYPE_CHECKING:
     from fem.operators import Operators
 
     Array = NDArray[np.float64]
+
+
+TORSION = 0.38
+"""Thin-plate theory overstates torsion frequencies by this times h/b.
+
+Saint-Venant's rectangular bar gives 0.315; the rest is transverse shear at the clamp (plates of aspect 1 to 10,
+h/b from 0.015 to 0.2, against Mindlin's theory: 0.33 to 0.39).
+"""
 
 
 def unseen(edge: float, thickness: float) -> float:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from workflows import bending, turning
+from workflows import bending, theorising, turning
 from workflows.errors import BadInput
+from workflows.left_out import Called, LeftOut
 from workflows.scene import Scene
+from workflows.theorising import Theory
 
 if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
@@ -18,45 +20,30 @@ OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflec
 
 @dataclass(frozen=True)
 class Effect:
-    """Whether an effect is simulated, and why (not)."""
+    """Whether an effect is simulated, why (not), and what it would move where it is not, as far as that is known."""
 
     on: bool
     why: str
+    left_out: LeftOut | None = field(default=None, repr=False, compare=False)
 
 
-@dataclass(frozen=True)
-class Theory:
-    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid."""
-
-    name: str
-    why: str
-    model_error: float = 0.0
-
-
-def theory(scene: Scene, sides: tuple[float, float] | None = None, large_deflection: bool = False) -> Theory | None:
-    """The plate theory of a scene; None without a plate. `sides`: extent [m] of a plate whose planform is a mesh.
+def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
+    """The plate theory of a scene; None without a plate. `form`: its planform, needed where that is a mesh.
 
     Raises:
-        ValueError: the planform is a mesh, and its sides are not given.
+        ValueError: the planform is a mesh, and is not given.
     """
-    from fem.theories import choose_theory, model_error
-
     plate = scene.plate
     if plate is None:
         return None
-    if plate.length is not None and plate.width is not None:
-        sides = plate.length, plate.width
-    if sides is None:
-        raise ValueError("the sides of a plate from a mesh are needed")
-    if plate.theory != "auto":
-        return Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, plate.thickness))
-    chosen = choose_theory(*sides, plate.thickness, scene.accuracy.frequency, large_deflection)
-    return Theory(chosen.name, chosen.why, chosen.model_error)
+    if form is None and plate.mesh is not None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    return theorising.theory(scene, form, large_deflection)
 
 
-def called_for(scene: Scene, form: Planform | None = None) -> dict[str, tuple[bool, str]]:
+def called_for(scene: Scene, form: Planform | None = None) -> dict[str, Called]:
     """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
-    found = {name: rule(scene) for name, rule in RULES.items()}
+    found = {name: Called(*rule(scene)) for name, rule in RULES.items()}
     found["large_deflection"] = _large_deflection(scene, form)
     asked = scene.effects.large_deflection
     found["coriolis"] = _coriolis(scene, form, found["large_deflection"][0] if asked == "auto" else asked is True)
@@ -80,14 +67,14 @@ def resolve(scene: Scene, file: str | None = None, form: Planform | None = None)
     _check_large_deflection(scene, file)
     _check_slip(scene, file)
     decided = {}
-    for name, (called, why) in called_for(scene, form).items():
+    for name, (called, why, moves) in called_for(scene, form).items():
         asked = getattr(scene.effects, name)
         if asked == "auto":
-            decided[name] = Effect(called, why)
+            decided[name] = Effect(called, why, None if called else moves)
         elif asked is True:
             decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
         else:
-            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""))
+            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
     return decided
 
 
@@ -149,19 +136,19 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
     )
 
 
-def _coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> tuple[bool, str]:
+def _coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
     if scene.plate is None or scene.material is None or not _spins(scene):
-        return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
+        return Called(False, "nothing spins" if scene.plate is not None else "the structure's frequency is given")
     return turning.coriolis(scene, form, large_deflection)
 
 
-def _large_deflection(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
+def _large_deflection(scene: Scene, form: Planform | None = None) -> Called:
     if scene.plate is None:
-        return False, "the structure's frequency is given"
+        return Called(False, "the structure's frequency is given")
     if not _spins(scene):
-        return False, "nothing spins"
+        return Called(False, "nothing spins")
     if scene.effects.stress_stiffening is False:
-        return False, "stress_stiffening is off, of which it is a part"
+        return Called(False, "stress_stiffening is off, of which it is a part")
     return bending.large_deflection(scene, form)
 
 

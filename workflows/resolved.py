@@ -6,11 +6,12 @@ import json
 from typing import Any
 
 from workflows.cavity import PICTURE
-from workflows.effects import Effect, Theory
+from workflows.effects import Effect
 from workflows.errors import one_line
 from workflows.materials import KNOWN
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
+from workflows.theorising import Theory
 from workflows.wording import revolutions, significant
 
 

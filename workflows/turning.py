@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from workflows.left_out import Called, LeftOut, everywhere
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 from workflows.wording import significant
@@ -18,7 +19,7 @@ CELLS_PER_MODE = 10
 """Cells for each mode of a mesh on which rates are good to a percent (`fem.turned.UNCERTAIN`)."""
 
 
-def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> tuple[bool, str]:
+def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
     """Whether Coriolis forces move a frequency of a plate that spins by more than the accuracy asked for, and why.
 
     What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
@@ -27,24 +28,25 @@ def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> tup
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
-    asked = scene.accuracy.frequency
+    asked, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
     moved = _by_stretching(scene, form)
     if moved > asked:
-        return True, (
-            f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved)} % at most,"
-            f" more than the {significant(100 * asked)} % asked for"
+        why = f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved)} % at most"
+        return Called(
+            True,
+            f"{why}, more than the {significant(100 * asked)} % asked for",
+            everywhere(fastest, moved, scene.rotor.modes),
         )
     try:
         found = _solved(scene, form, large_deflection)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
-        return False, f"the modes have no solution on a coarse mesh: {error}"
+        return Called(False, f"the modes have no solution on a coarse mesh: {error}")
     if found is None:
-        return False, "the plate diverges without it"
+        return Called(False, "the plate diverges without it")
     largest, omega = found.largest
-    return largest > asked, (
-        f"at {omega * 30 / math.pi:.0f} rpm it moves frequencies by up to {_percent(largest)} %,"
-        f" {'more' if largest > asked else 'less'} than the {significant(100 * asked)} % asked for"
-    )
+    why = f"at {omega * 30 / math.pi:.0f} rpm it moves frequencies by up to {_percent(largest)} %"
+    beside = f"{'more' if largest > asked else 'less'} than the {significant(100 * asked)} % asked for"
+    return Called(largest > asked, f"{why}, {beside}", LeftOut(found.omega, found.shifts))
 
 
 def _by_stretching(scene: Scene, form: Planform | None) -> float:
@@ -65,9 +67,7 @@ def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turn
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
-    enough = CELLS_PER_MODE * scene.rotor.modes
-    meshes = (ladder.mesh(size) for size in ladder.sizes)
-    mesh = next((mesh for mesh in meshes if mesh.t.shape[1] >= enough), ladder.mesh(ladder.sizes[-1]))
+    mesh = plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes)
     names = ("stress_stiffening", "spin_softening", "rotary_inertia")
     switches = {name: getattr(scene.effects, name) is not False for name in names}
     theory = scene.plate.theory if scene.plate is not None else "auto"

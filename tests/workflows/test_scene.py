@@ -295,5 +295,6 @@ def test_scenes_with_meshes_are_solved(path: Path) -> None:
     results = pipeline.run(source.changed(rotor=rotor, damper=None, release=None), Stages(visible=False))
     assert results.diagram is not None
     assert path.stem in results.diagram.mesh
-    errors = [mode.error_estimate for mode in results.speeds[0].modes]
-    assert all(error is not None and 0 < error <= 1e-3 for error in errors)
+    parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
+    assert len(parts) == 6
+    assert all(part.mesh is not None and 0 < part.mesh <= 1e-3 for part in parts)

@@ -20,7 +20,7 @@ def check(
     needs.check(source)
     form = None if source.mesh is None else plate_mesh.planform(source)
     decided = effects.resolve(source.scene, source.name, form)
-    theory = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
+    theory = effects.theory(source.scene, form, decided["large_deflection"].on)
     mesh = None if form is None else form.mesh(form.sizes[0])
     if json:
         from json import dumps

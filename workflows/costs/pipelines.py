@@ -139,5 +139,5 @@ def _theory(source: SceneFile) -> str | None:
         return None
     form = None if source.mesh is None else plate_mesh.planform(source)
     decided = effects.resolve(source.scene, source.name, form)
-    found = effects.theory(source.scene, None if form is None else form.sides, decided["large_deflection"].on)
+    found = effects.theory(source.scene, form, decided["large_deflection"].on)
     return None if found is None else found.name
