@@ -26,14 +26,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-TORSION = 0.38
-"""Thin-plate theory overstates torsion frequencies by this times h/b.
-
-Saint-Venant's rectangular bar gives 0.315; the rest is transverse shear at the clamp (plates of aspect 1 to 10,
-h/b from 0.015 to 0.2, against Mindlin's theory: 0.33 to 0.39).
-"""
-
-
 def unseen(edge: float, thickness: float) -> float:
     """Part of the edge layer's effect that quadratic cells of a width (m) miss; between 0 and 1.
 
@@ -47,16 +39,15 @@ def unseen(edge: float, thickness: float) -> float:
     return float(lost / (1.0 + np.sqrt(1.0 - lost)))
 
 
-def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -> Array:
+def layer_errors(apart: Array, coarse: float, fine: float, whole: Array) -> Array:
     """Relative errors on the finer of two meshes, as far as they are the layer's.
 
     apart: relative differences of the two. coarse, fine: what their edge cells miss of the layer, see `unseen`.
-    slenderness: thickness over width; the whole layer lowers twist by TORSION times that.
+    whole: what the layer does to each frequency, see `fem.doubt.layers`.
     """
     if fine == 0.0:
         return np.zeros_like(apart)
-    largest = TORSION * slenderness * fine
-    return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), largest)
+    return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), whole * fine)
 
 
 def layer_and_rest(
