@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fem.accuracy import estimate_error
     from fem.choice import Choice, choose_mesh
+    from fem.choosing import choose_theory
     from fem.critical import critical_speed
     from fem.display import displacement
     from fem.family import families
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from fem.solver import NotConverged, SingularMatrix
     from fem.statics import NoEquilibrium, equilibrium
     from fem.sweep import Campbell, campbell
-    from fem.theories import choose_theory
     from fem.tracking import Veering
 
 _HOMES = {
@@ -61,7 +61,7 @@ _HOMES = {
     "assemble": "fem.operators",
     "campbell": "fem.sweep",
     "choose_mesh": "fem.choice",
-    "choose_theory": "fem.theories",
+    "choose_theory": "fem.choosing",
     "critical_speed": "fem.critical",
     "displacement": "fem.display",
     "equilibrium": "fem.statics",

@@ -24,19 +24,24 @@ ENOUGH = 1e-8
 """Energy of Newton's last step and residual of the modes, relatively: far below any change worth knowing."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Bent:
     """The static state at a speed omega (rad/s), and what it does.
 
-    rotation: the largest of a point of the plate, in rad. strain: the largest principal one of the mid-surface. shift:
-    the largest relative difference between a frequency about the state and one with the stiffening of the flat plate,
+    rotation: the largest of a point of the plate, in rad. strain: the largest principal one of the mid-surface. shifts:
+    (count,) relative differences between frequencies about the state and those with the stiffening of the flat plate,
     infinite where only one of the two has modes.
     """
 
     omega: float
     rotation: float
     strain: float
-    shift: float
+    shifts: Array
+
+    @property
+    def shift(self) -> float:
+        """The largest of the shifts."""
+        return float(self.shifts.max())
 
 
 def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...], count: int) -> Bent | None:
@@ -61,8 +66,9 @@ def _at(flat: Operators, large: Operators, omega: float, count: int) -> Bent | N
     before, (state, after) = _flat(flat, omega, count), _about(large, omega, count)
     if before is None and after is None:
         return None
-    shift = np.inf if before is None or after is None else float(np.abs(np.sqrt(after / before) - 1.0).max())
-    return Bent(omega, *_size(large, state), shift)
+    if before is None or after is None:
+        return Bent(omega, *_size(large, state), np.full(count, np.inf))
+    return Bent(omega, *_size(large, state), np.abs(np.sqrt(after / before) - 1.0))
 
 
 def _flat(operators: Operators, omega: float, count: int) -> Array | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.doubt import layers
 from fem.modes import Divergence
 from fem.probing import Probed, alone, complete, probe
 from fem.singular import drift, layer_and_rest, layer_errors, unseen
@@ -74,6 +75,7 @@ class Estimates:
         self._operators: dict[int, Operators] = {}
         self._frequencies: dict[int, Array] = {}
         self._drifts: dict[int, Array] = {}
+        self._layers: dict[int, Array] = {}
         self._alone = False
         self._latest: tuple[Operators, tuple[Array | None, ...]] | None = None
 
@@ -93,11 +95,15 @@ class Estimates:
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
             found = self._modes(operators)
-            frequencies, drifts = (np.full((len(self.probes), self._count), empty) for empty in (np.nan, 0.0))
+            frequencies, drifts, layered = (
+                np.full((len(self.probes), self._count), empty) for empty in (np.nan, 0.0, 0.0)
+            )
             for row, modes in enumerate(found):
                 frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
                 drifts[row] = drift(operators, modes.eigenvalues, modes.shapes)
-            self._frequencies[size], self._drifts[size] = frequencies, drifts
+                if operators.model.theory.startswith("mindlin"):
+                    layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
+            self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
             self._latest = operators, tuple(modes.state for modes in found)
         return self._frequencies[size]
 
@@ -196,8 +202,7 @@ class Estimates:
 
     def _fallen(self, apart: Array, order: float | Array, coarse: int, fine: int) -> Array:
         """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves."""
-        slenderness = self._operators[fine].plate.thickest / min(self._planform.sides)
-        layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), slenderness)
+        layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), self._layers[fine][: len(apart)])
         return np.asarray(np.maximum(apart / ((fine / coarse) ** order - 1.0), layer))
 
     def _before(self, coarse: int) -> int | None:

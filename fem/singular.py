@@ -17,7 +17,6 @@ import numpy as np
 
 from fem.mindlin import SHEAR_CORRECTION
 from fem.operators import point_rows
-from fem.theories import TORSION
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,16 +39,15 @@ def unseen(edge: float, thickness: float) -> float:
     return float(lost / (1.0 + np.sqrt(1.0 - lost)))
 
 
-def layer_errors(apart: Array, coarse: float, fine: float, slenderness: float) -> Array:
+def layer_errors(apart: Array, coarse: float, fine: float, whole: Array) -> Array:
     """Relative errors on the finer of two meshes, as far as they are the layer's.
 
     apart: relative differences of the two. coarse, fine: what their edge cells miss of the layer, see `unseen`.
-    slenderness: thickness over width; the whole layer lowers twist by TORSION times that.
+    whole: what the layer does to each frequency, see `fem.doubt.layers`.
     """
     if fine == 0.0:
         return np.zeros_like(apart)
-    largest = TORSION * slenderness * fine
-    return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), largest)
+    return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), whole * fine)
 
 
 def layer_and_rest(

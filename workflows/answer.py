@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows import paper, worth
+from workflows import paper, trust, worth
 from workflows.records import Results, SpeedPoint
 from workflows.wording import significant, span
 from workflows.worth import AIR, ENDURED, Grade
@@ -51,6 +51,7 @@ def answer(results: Results) -> Answer:
         _reach(results, turning),
         _tilt(turning),
         _beside_the_paper(results),
+        None if trust.met(results) else trust.sentence(results),
     )
     verdict = "No verdict: the equations as printed do not conserve energy" if printed else _verdict(grades)
     return Answer(verdict, tuple(part for part in parts if part))
@@ -229,4 +230,6 @@ def _plate_only(results: Results) -> Answer:
         return Answer("Nothing was solved", ())
     rpm = [p.rpm for p in results.speeds]
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {min(rpm):.0f} and {max(rpm):.0f} rpm."
-    return Answer("The plate alone", (text,))
+    said = trust.sentence(results)
+    verdict = "The plate alone" if trust.met(results) else "The plate alone, less exact than asked for"
+    return Answer(verdict, (text,) if said is None else (text, said))

@@ -6,6 +6,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from workflows.left_out import Called, LeftOut, everywhere
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 from workflows.wording import significant
@@ -26,7 +29,7 @@ SLENDER, THIN, LOWEST = (1.0, 16.0), 0.13, 6
 """Where that holds: length over width, thickness over width, and number of modes."""
 
 
-def large_deflection(scene: Scene, form: Planform | None) -> tuple[bool, str]:
+def large_deflection(scene: Scene, form: Planform | None) -> Called:
     """Whether the static state of a plate that spins moves a frequency by more than the accuracy asked for, and why.
 
     form: the planform, needed where it is a mesh. A blade that lies in the plane of rotation and is hardly strained is
@@ -40,25 +43,27 @@ def large_deflection(scene: Scene, form: Planform | None) -> tuple[bool, str]:
     if form is None and scene.plate is not None and scene.plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
     if strain is not None and (moved := _by_strain(scene, strain)) <= asked:
-        return False, (
+        said = (
             f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
             f" {_percent(moved)} % at most, less than the {significant(100 * asked)} % asked for"
         )
+        return Called(False, said, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
     try:
         found = _solved(scene, form)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
-        return True, f"the static state has no solution on a coarse mesh: {error}"
+        return Called(True, f"the static state has no solution on a coarse mesh: {error}")
     if found is None:
-        return False, "the plate diverges with it and without it"
+        return Called(False, "the plate diverges with it and without it")
     if math.isinf(found.shift):
-        return True, f"at {_rpm(found)} rpm the plate diverges either with it or without it"
+        return Called(True, f"at {_rpm(found)} rpm the plate diverges either with it or without it")
     state = (
         f"at {_rpm(found)} rpm the load turns parts of the plate by up to {significant(found.rotation, 2)} rad and"
         f" strains it by up to {_percent(found.strain)} %, which moves frequencies by up to {_percent(found.shift)} %"
     )
+    moves = LeftOut(np.array([found.omega]), found.shifts[None])
     if found.shift > CERTAIN * asked:
-        return True, f"{state}; the modes are those about that state"
-    return False, f"{state}, less than the {significant(100 * asked)} % asked for"
+        return Called(True, f"{state}; the modes are those about that state", moves)
+    return Called(False, f"{state}, less than the {significant(100 * asked)} % asked for", moves)
 
 
 def _of_a_flat_blade(scene: Scene) -> float | None:
@@ -87,8 +92,7 @@ def _solved(scene: Scene, form: Planform | None) -> Bent | None:
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
-    meshes = (ladder.mesh(size) for size in ladder.sizes)
-    mesh = next((mesh for mesh in meshes if mesh.t.shape[1] >= scene.rotor.modes), ladder.mesh(ladder.sizes[-1]))
+    mesh = plate_mesh.coarse(ladder, scene.rotor.modes)
     effects = Effects(spin_softening=scene.effects.spin_softening is not False)
     rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
     return bent(plate_mesh.plate(source, mesh, ladder), rotor, effects, scene.rotor.speeds, scene.rotor.modes)

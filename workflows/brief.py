@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from workflows import answer, summary
+from workflows import answer, summary, trust
 from workflows.errors import one_line
 from workflows.records import Results
 from workflows.wording import fixed
@@ -13,15 +13,17 @@ _ROWS_AT_MOST = 12
 
 
 def text(results: Results) -> str:
-    """Title, speeds and what was found, in two lines."""
+    """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
     found = answer.answer(results)
-    return f"{_head(results)}\n{' '.join((f'{found.verdict}.', *found.sentences[:1]))}"
+    said = trust.sentence(results)
+    lines = [_head(results), " ".join((f"{found.verdict}.", *found.sentences[:1])), *([] if said is None else [said])]
+    return "\n".join(lines)
 
 
 def html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
-    found = answer.answer(results)
-    sentences = " ".join(found.sentences)
+    found, said = answer.answer(results), trust.sentence(results)
+    sentences = " ".join(found.sentences if said is None or said in found.sentences else (*found.sentences, said))
     heads, *rows = summary.rows(results)
     left_out = len(rows) - _ROWS_AT_MOST
     more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""

@@ -9,7 +9,10 @@ import numpy as np
 from workflows import wording, worth
 from workflows.records import Floats, Results, SpeedPoint
 
-FILES = r"(campbell_\w+_\d+|(velocity_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
+ERRORS = "frequency_errors"
+"""The file of all frequencies with their errors, beside the curves."""
+
+FILES = r"(frequency_errors|campbell_\w+_\d+|(velocity_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 

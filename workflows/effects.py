@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from workflows import bending, thicknesses
+from workflows import bending, theorising, turning
 from workflows.errors import BadInput
+from workflows.left_out import Called, LeftOut
 from workflows.scene import Scene
-from workflows.wording import significant
+from workflows.theorising import Theory
 
 if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
@@ -19,50 +20,34 @@ OF_THE_PLATE = ("stress_stiffening", "spin_softening", "coriolis", "large_deflec
 
 @dataclass(frozen=True)
 class Effect:
-    """Whether an effect is simulated, and why (not)."""
+    """Whether an effect is simulated, why (not), and what it would move where it is not, as far as that is known."""
 
     on: bool
     why: str
-
-
-@dataclass(frozen=True)
-class Theory:
-    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid."""
-
-    name: str
-    why: str
-    model_error: float = 0.0
+    left_out: LeftOut | None = field(default=None, repr=False, compare=False)
 
 
 def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
-    """The plate theory of a scene; None without a plate. `form`: the planform of a plate from a mesh.
+    """The plate theory of a scene; None without a plate. `form`: its planform, needed where that is a mesh.
 
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
-    from fem.theories import choose_theory, model_error
-
     plate = scene.plate
     if plate is None:
         return None
-    if plate.length is not None and plate.width is not None:
-        sides = plate.length, plate.width
-    elif form is None:
+    if form is None and plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    else:
-        sides = form.sides
-    thickest, sloping = thicknesses.spread(plate, form)[2], thicknesses.slope_error(plate, form)
-    if plate.theory != "auto":
-        found = Theory(plate.theory, "asked for by the scene", model_error(plate.theory, *sides, thickest))
-    else:
-        chosen = choose_theory(*sides, thickest, scene.accuracy.frequency, large_deflection)
-        found = Theory(chosen.name, chosen.why, chosen.model_error)
-    return found if found.name == "solid" else replace(found, model_error=found.model_error + sloping)
+    return theorising.theory(scene, form, large_deflection)
 
 
-def called_for(scene: Scene, form: Planform | None = None) -> dict[str, tuple[bool, str]]:
+def called_for(scene: Scene, form: Planform | None = None) -> dict[str, Called]:
     """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
-    return {name: rule(scene, form) if rule in _OF_THE_PLANFORM else rule(scene) for name, rule in RULES.items()}
+    found = {name: Called(*rule(scene)) for name, rule in RULES.items()}
+    found["large_deflection"] = _large_deflection(scene, form)
+    asked = scene.effects.large_deflection
+    found["coriolis"] = _coriolis(scene, form, found["large_deflection"][0] if asked == "auto" else asked is True)
+    return {name: found[name] for name in NAMES}
 
 
 def of(source: SceneFile) -> dict[str, Effect]:
@@ -82,14 +67,14 @@ def resolve(scene: Scene, file: str | None = None, form: Planform | None = None)
     _check_large_deflection(scene, file)
     _check_slip(scene, file)
     decided = {}
-    for name, (called, why) in called_for(scene, form).items():
+    for name, (called, why, moves) in called_for(scene, form).items():
         asked = getattr(scene.effects, name)
         if asked == "auto":
-            decided[name] = Effect(called, why)
+            decided[name] = Effect(called, why, None if called else moves)
         elif asked is True:
             decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
         else:
-            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""))
+            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
     return decided
 
 
@@ -153,33 +138,19 @@ def _spin_softening(scene: Scene) -> tuple[bool, str]:
     )
 
 
-def _coriolis(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
-    """On when it moves a frequency by more than the accuracy asked for.
-
-    What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
-    lowers it by 2 (Omega / w)²: two modes in the limit of a low one. L: the length, which a mesh has from its planform.
-    """
+def _coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
     if scene.plate is None or scene.material is None or not _spins(scene):
-        return False, "nothing spins" if scene.plate is not None else "the structure's frequency is given"
-    length = scene.plate.length if form is None else form.sides[0]
-    if length is None:
-        raise ValueError("the length of a plate from a mesh is needed")
-    stretching = 0.5 * math.pi * math.sqrt(scene.material.youngs_modulus / scene.material.density) / length
-    moved = 2.0 * (max(scene.rotor.speeds) / stretching) ** 2
-    asked = scene.accuracy.frequency
-    return moved > asked, (
-        f"it lowers frequencies of motion in the plane of rotation by about {significant(100 * moved, 1)} % at most,"
-        f" {'more' if moved > asked else 'less'} than the {significant(100 * asked)} % asked for"
-    )
+        return Called(False, "nothing spins" if scene.plate is not None else "the structure's frequency is given")
+    return turning.coriolis(scene, form, large_deflection)
 
 
-def _large_deflection(scene: Scene, form: Planform | None = None) -> tuple[bool, str]:
+def _large_deflection(scene: Scene, form: Planform | None = None) -> Called:
     if scene.plate is None:
-        return False, "the structure's frequency is given"
+        return Called(False, "the structure's frequency is given")
     if not _spins(scene):
-        return False, "nothing spins"
+        return Called(False, "nothing spins")
     if scene.effects.stress_stiffening is False:
-        return False, "stress_stiffening is off, of which it is a part"
+        return Called(False, "stress_stiffening is off, of which it is a part")
     return bending.large_deflection(scene, form)
 
 
@@ -213,16 +184,14 @@ def _ball_slip(scene: Scene) -> tuple[bool, str]:
     return False, "the paper's model: the ball rolls again at once after a wall hit"
 
 
-_OF_THE_PLANFORM = (_coriolis, _large_deflection)
-
 RULES = {
     "stress_stiffening": _stress_stiffening,
     "spin_softening": _spin_softening,
-    "coriolis": _coriolis,
-    "large_deflection": _large_deflection,
     "rotary_inertia": _rotary_inertia,
     "rolling_resistance": _rolling_resistance,
     "impact_friction": _impact_friction,
     "ball_slip": _ball_slip,
 }
-"""One rule per effect: whether the scene calls for it, and why (not)."""
+"""One rule per effect: whether the scene calls for it, and why (not). Those of the planform have two of their own."""
+
+NAMES = (*OF_THE_PLATE, *(name for name in RULES if name not in OF_THE_PLATE))

@@ -223,6 +223,6 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.stiffness_with_ball,
     notes_plate.real_modes,
     notes_plate.veering,
-    notes_plate.mesh_error,
+    notes_plate.frequency_error,
 )
 """In the order in which they are reported."""

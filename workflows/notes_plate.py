@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from workflows import thicknesses
+from workflows import thicknesses, trust
 from workflows.records import Results
 from workflows.wording import significant
 
@@ -39,13 +39,11 @@ def stiffness_with_ball(results: Results) -> str | None:
     )
 
 
-def mesh_error(results: Results) -> str | None:
-    """The estimated error of the mesh beside that of the theory: two different numbers."""
+def frequency_error(results: Results) -> str | None:
+    """How far the frequencies can be trusted, and by what they are off."""
     if results.diagram is None or results.theory is None:
         return None
-    mesh, asked = results.diagram.mesh, results.scene.accuracy.frequency
-    known = [m.error_estimate for p in results.speeds for m in p.modes if m.error_estimate is not None]
-    own = _AGAINST_SOLID[results.theory.name].format(significant(100 * results.theory.model_error, 1))
+    own = _AGAINST_SOLID[results.theory.name]
     plate = results.scene.plate
     if plate is not None and plate.mesh is not None and results.theory.name == "solid":
         own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
@@ -54,18 +52,10 @@ def mesh_error(results: Results) -> str | None:
             "Under a point mass the frequencies fall with every refinement: the estimate holds what cells a third as"
             f" wide would still take off. {own}"
         )
-    if not known:
+    mesh, said = results.diagram.mesh, trust.sentence(results)
+    if said is None:
         return f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with. {own}"
-    first = max(p.modes[0].error_estimate or 0.0 for p in results.speeds if p.modes)
-    verdict = (
-        "within the {} % asked for"
-        if max(known) <= asked
-        else "more than the {} % asked for, and finer ones gain too little for their price"
-    ).format(significant(100 * asked))
-    return (
-        f"The mesh ({mesh}) leaves an estimated error of {significant(100 * first, 1)} % in the first frequency and of"
-        f" up to {significant(100 * max(known), 1)} % in all {len(results.speeds[0].modes)}, {verdict}. {own}"
-    )
+    return f"{said} The mesh: {mesh}. {own}"
 
 
 def real_modes(results: Results) -> str | None:
@@ -114,8 +104,8 @@ def veering(results: Results) -> str | None:
 
 
 _AGAINST_SOLID = {
-    "mindlin": "Mindlin's theory itself is up to about {} % below a solid, by the clamp; theory = 'solid' is without"
-    " that.",
-    "kirchhoff": "Thin-plate theory itself is up to about {} % above a solid, most in twist.",
+    "mindlin": "Theories are held against a solid; Mindlin's is clamped where a solid seems to be, a little outside its"
+    " root.",
+    "kirchhoff": "Theories are held against a solid; thin-plate theory leaves out shear, which matters most in twist.",
     "solid": "The solid is the reference that other theories are held against.",
 }

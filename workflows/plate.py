@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import effects as rules
-from workflows import needs, plate_mesh, plate_records, thicknesses
-from workflows.effects import Effect, Theory
+from workflows import needs, plate_mesh, plate_records, theorising, thicknesses
+from workflows.effects import Effect
 from workflows.errors import BadInput, NoAnswer
+from workflows.left_out import LeftOut
 from workflows.plate_records import Discrete
 from workflows.records import Diagram, Reduced, SpeedPoint, Surface
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
+from workflows.theorising import Theory
 
 if TYPE_CHECKING:
     import fem
@@ -39,6 +41,12 @@ _FEW_STEPS = 12
 _BASIS, _LEAST_BASIS = 1e-3, 1e-7
 """Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
 finer it would be lost in rounding."""
+
+_LEAST_OF_THE_MESH = 0.25
+"""Least part of the accuracy asked for that a mesh is chosen by."""
+
+_TAKEN = 0.65
+"""Part of its tolerance that the error of a chosen mesh takes (`fem.choice`)."""
 
 _FOR_BENDING = 4
 """Modes that are looked through for the first bending mode."""
@@ -150,9 +158,9 @@ def discretise(
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = Choice(build(size, switches), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
-        return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers)
+        return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
     try:
-        tolerance = max(scene.accuracy.frequency - layers, 0.5 * scene.accuracy.frequency)
+        tolerance = _of_the_mesh(scene.accuracy.frequency, layers + (theory.model_error or 0.0), effects)
         fit = needs.most_unknowns(source, form, model, switches.large_deflection)
         speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
         choice = choose_mesh(form, lambda size: build(size, plain), speeds, modes, tolerance, limit)
@@ -165,7 +173,17 @@ def discretise(
     described = plate_mesh.in_words(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
-    return Discrete(choice, theory, described, layers)
+    return Discrete(choice, theory, described, layers, _left_out(effects))
+
+
+def _of_the_mesh(asked: float, theory: float, effects: dict[str, Effect]) -> float:
+    """What of the accuracy is left to the mesh; where too little is, the mesh keeps to all of it by itself."""
+    left = asked - theory - sum(found.largest for found in _left_out(effects).values())
+    return min(left / _TAKEN, asked) if left >= _LEAST_OF_THE_MESH * asked else asked
+
+
+def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
+    return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
 def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
@@ -174,7 +192,7 @@ def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str
 
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:
-        return theory.name, 0.0
+        return theorising.model(theory.name, scene), 0.0
     return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
 
 

@@ -54,6 +54,12 @@ def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
 
 
+def coarse(form: Planform, cells: int) -> Any:
+    """The coarsest mesh of a planform's ladder that has so many cells, or the finest."""
+    meshes = (form.mesh(size) for size in form.sizes)
+    return next((mesh for mesh in meshes if mesh.t.shape[1] >= cells), form.mesh(form.sizes[-1]))
+
+
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
     from fem import Rectangle

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from workflows import plate_mesh
-from workflows.effects import Theory
-from workflows.records import Diagram, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.left_out import LeftOut
+from workflows.records import Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
 from workflows.ringdowns import rpm
 from workflows.scene_file import SceneFile
+from workflows.theorising import Theory
 
 if TYPE_CHECKING:
     import fem
@@ -22,21 +23,27 @@ _SHAPES_AT_MOST = 20
 
 @dataclass(frozen=True, eq=False)
 class Discrete:
-    """Matrices on the mesh chosen, and how it was chosen. `layers`: the error that the layers of a solid leave."""
+    """Matrices on the mesh chosen, and how it was chosen.
+
+    `layers`: the error that the layers of a solid leave. `left_out`: what effects left out would move, by name.
+    """
 
     choice: fem.Choice
     theory: Theory
     mesh: str
     layers: float
+    left_out: dict[str, LeftOut] = field(default_factory=dict)
 
 
 def points(
     source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
     """Modes and reduced parameters at the speeds of these numbers in the sweep."""
+    from fem.doubt import over_speeds
+
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
-    families = diagram.families
+    families, theory = diagram.families, over_speeds(operators, diagram)
     found = []
     for number in numbers:
         omega = float(diagram.omega[number])
@@ -46,24 +53,49 @@ def points(
                 rpm=rpm(omega),
                 radius=radius,
                 load_g=omega**2 * radius / rotor.gravity,
-                modes=tuple(_mode(discrete, diagram, families, number, k) for k in range(rotor.modes)),
+                modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number]),
                 reduced=reduced[number],
             )
         )
     return tuple(found)
 
 
-def _mode(discrete: Discrete, diagram: fem.Campbell, families: list[list[str]], number: int, k: int) -> Mode:
-    omega = float(diagram.omega[number])
-    error = discrete.choice.errors_at(omega)[k] + discrete.layers + diagram.bounds[number, k]
+def _modes(
+    discrete: Discrete, diagram: fem.Campbell, number: int, families: list[str], theory: Floats
+) -> tuple[Mode, ...]:
+    omega, count = float(diagram.omega[number]), len(families)
     turning = discrete.choice.operators.gyroscopic is not None and omega > 0
-    return Mode(
-        frequency_hz=float(diagram.frequencies_hz[number, k]),
-        family=families[number][k],
-        error_estimate=float(error) if np.isfinite(error) else None,
-        damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
-        branch=int(diagram.branches[number, k]),
+    errors = _errors(discrete, omega, diagram.bounds[number, :count], theory[:count])
+    return tuple(
+        Mode(
+            frequency_hz=float(diagram.frequencies_hz[number, k]),
+            family=family,
+            error_parts=errors[k],
+            damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
+            branch=int(diagram.branches[number, k]),
+        )
+        for k, family in enumerate(families)
     )
+
+
+def _errors(discrete: Discrete, omega: float, bounds: Floats, theory: Floats) -> list[ErrorParts]:
+    """The parts of each mode's error at a speed [rad/s]."""
+    mesh = discrete.choice.errors_at(omega)
+    left_out = {name: found.at(omega, bounds.size) for name, found in discrete.left_out.items()}
+    return [
+        ErrorParts(
+            mesh=float(mesh[k]) if np.isfinite(mesh[k]) else None,
+            layers=discrete.layers,
+            basis=float(bounds[k]),
+            theory=float(theory[k]),
+            **{name: _share(left_out.get(name), k) for name in ("large_deflection", "coriolis")},
+        )
+        for k in range(bounds.size)
+    ]
+
+
+def _share(shifts: Floats | None, k: int) -> float | None:
+    return None if shifts is None or not np.isfinite(shifts[k]) else float(shifts[k])
 
 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from workflows.effects import Effect, Theory
+from workflows.effects import Effect
 from workflows.scene import Scene
+from workflows.theorising import Theory
 
 if TYPE_CHECKING:
     from damper import Working
@@ -19,18 +20,51 @@ Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class ErrorParts:
+    """What the relative error of a frequency is estimated to consist of, each without sign.
+
+    Attributes:
+        mesh: left by the mesh; None where unknown.
+        layers: left by the layers of a solid.
+        basis: added by the reduced basis that answers many speeds, at most.
+        theory: of the plate theory against a solid.
+        large_deflection, coriolis: what these would move, where they are left out; None where that is not known.
+    """
+
+    mesh: float | None
+    layers: float
+    basis: float
+    theory: float
+    large_deflection: float | None
+    coriolis: float | None
+
+    @property
+    def whole(self) -> float | None:
+        """The sum; None where the mesh's part is not known."""
+        if self.mesh is None:
+            return None
+        left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0)
+        return self.mesh + self.layers + self.basis + self.theory + left_out
+
+
+@dataclass(frozen=True)
 class Mode:
     """A mode of the plate at one speed.
 
-    The error is the relative one of the mesh, None where unknown; the damping ratio is that of a complex mode. The
-    branch is the number of the mode at the lowest speed that this one continues.
+    The error is the relative one of the model as a whole, None where unknown, and is made up of the parts; the damping
+    ratio is that of a complex mode. The branch is the number of the mode at the lowest speed that this one continues.
     """
 
     frequency_hz: float
     family: str
-    error_estimate: float | None = None
+    error_parts: ErrorParts | None = None
     damping_ratio: float | None = None
     branch: int = 0
+
+    @property
+    def error_estimate(self) -> float | None:
+        """Relative error of the frequency, all parts together."""
+        return None if self.error_parts is None else self.error_parts.whole
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from workflows import (
     paper,
     resolved,
     templating,
+    trust,
     wording,
     worth,
 )
@@ -70,6 +71,8 @@ def render(results: Results, drawings: Drawings) -> str:
         scene=results.scene,
         answer=answer.answer(results),
         rows=[_row(results, point) for point in results.speeds],
+        errors=trust.worst(results),
+        error_parts=trust.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import thicknesses
 from workflows.cavity import PICTURE
-from workflows.effects import Effect, Theory
+from workflows.effects import Effect
 from workflows.errors import one_line
 from workflows.materials import KNOWN
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
+from workflows.theorising import Theory
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ import numpy as np
 
 from workflows import curves, provenance, worth
 from workflows.records import Floats, Results, Surface, expect
+from workflows.results_json import ERROR_PARTS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +31,9 @@ def write_csv(results: Results, folder: Path) -> None:
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=",".join(columns), comments="")
         described = [{"name": name, "datatype": "double"} for name in columns]
         tables.append({"url": f"{curve.name}.csv", "tableSchema": {"columns": described}})
+    if any(point.modes for point in results.speeds):
+        described = [{"name": name, "datatype": "double"} for name in _write_errors(results, folder)]
+        tables.append({"url": f"{curves.ERRORS}.csv", "tableSchema": {"columns": described}})
     metadata = {
         "@context": "http://www.w3.org/ns/csvw",
         "dc:title": results.scene.title,
@@ -38,6 +42,20 @@ def write_csv(results: Results, folder: Path) -> None:
     }
     text = json.dumps(metadata, indent=1, ensure_ascii=False)
     (folder / "csv-metadata.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _write_errors(results: Results, folder: Path) -> tuple[str, ...]:
+    """Every frequency with its relative error and its parts, 0 for effects not left out. Returns the columns."""
+    columns = ("speed_rpm", "mode", "frequency_hz", "error_estimate", *(f"error_{name}" for name in ERROR_PARTS))
+    rows = [
+        [point.rpm, number, mode.frequency_hz, _known(mode, "error_estimate")]
+        + [_known(mode.error_parts, name) for name in ERROR_PARTS[:4]]
+        + [0.0 if np.isnan(part := _known(mode.error_parts, name)) else part for name in ERROR_PARTS[4:]]
+        for point in results.speeds
+        for number, mode in enumerate(point.modes, 1)
+    ]
+    np.savetxt(folder / f"{curves.ERRORS}.csv", rows, "%.10g", ",", header=",".join(columns), comments="")
+    return columns
 
 
 def write_netcdf(results: Results, path: Path) -> None:
@@ -96,12 +114,15 @@ def dataset(results: Results) -> xr.Dataset:
 def _modes(data: xr.Dataset, results: Results) -> None:
     for name, unit, said in (
         ("frequency_hz", "Hz", "frequency"),
-        ("error_estimate", "1", "relative error of the frequency"),
+        ("error_estimate", "1", "relative error of the frequency as a whole"),
         ("damping_ratio", "1", "damping ratio of a complex mode"),
     ):
         rows = [[_known(mode, name) for mode in point.modes] for point in results.speeds]
         if name != "damping_ratio" or np.isfinite(_ragged(rows)).any():
             _put(data, name, ("rpm", "mode"), _ragged(rows), unit, said)
+    for name in ERROR_PARTS:
+        rows = [[_known(mode.error_parts, name) for mode in point.modes] for point in results.speeds]
+        _put(data, f"error_{name}", ("rpm", "mode"), _ragged(rows), "1", f"its part {name.replace('_', ' ')}")
     families = [[mode.family for mode in point.modes] for point in results.speeds]
     width = max(map(len, families))
     padded = np.array([row + [""] * (width - len(row)) for row in families], dtype=object)

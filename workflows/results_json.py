@@ -17,6 +17,9 @@ SCHEMA_VERSION = 1
 REDUCED = ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2", "floor_tilt")
 """Names of the reduced parameters."""
 
+ERROR_PARTS = ("mesh", "layers", "basis", "theory", "large_deflection", "coriolis")
+"""Names of the parts of a frequency's error."""
+
 
 def document(results: Results) -> dict[str, Any]:
     """The results as plain data: numbers are finite, an unknown one is None, SI unless a name says otherwise.
@@ -59,11 +62,13 @@ def _speed(point: SpeedPoint) -> dict[str, Any]:
 
 
 def _mode(mode: Mode) -> dict[str, Any]:
-    entry = {
+    entry: dict[str, Any] = {
         "frequency_hz": _number(mode.frequency_hz),
         "family": mode.family,
         "error_estimate": _number(mode.error_estimate),
     }
+    if mode.error_parts is not None:
+        entry["error_parts"] = {name: _number(getattr(mode.error_parts, name)) for name in ERROR_PARTS}
     return entry if mode.damping_ratio is None else entry | {"damping_ratio": _number(mode.damping_ratio)}
 
 

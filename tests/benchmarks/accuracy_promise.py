@@ -53,7 +53,7 @@ def scene(seed):
     planform, thickness, material, rotor, speeds = draw(np.random.default_rng(seed))
     rows = []
     for tolerance in TOLERANCES:
-        theory = choose_theory(*planform.sides, thickness, tolerance).name
+        theory = choose_theory(Plate(planform.mesh(2), thickness, material), accuracy=tolerance).name
 
         effects = Effects(large_deflection=bends(rotor))
 

@@ -60,7 +60,8 @@ def test_a_staggered_plate_that_hardly_bends_does_not(paper: Scene) -> None:
 
 
 def test_with_it_thin_plates_are_mindlins(paper: Scene) -> None:
-    thin = parse(changed(paper, plate__theory="auto", plate__thickness="0.1 mm", damper=None, release=None))
+    alone = {"damper": None, "release": None, "rotor__speeds": ["100 rpm"]}
+    thin = parse(changed(paper, plate__theory="auto", plate__thickness="0.1 mm", **alone))
     assert [effects.theory(thin, None, on).name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
 
 

@@ -23,7 +23,7 @@ from workflows.costs.ladder import Ladder, Row, Study, measure
 from workflows.costs.study import study
 from workflows.costs.switching import Switched, Switches, switching
 from workflows.drawing import WIDE
-from workflows.effects import OF_THE_PLATE, RULES
+from workflows.effects import NAMES, OF_THE_PLATE
 from workflows.records import Damping, Energy, Mode, SpeedPoint
 from workflows.scene import Accuracy
 from workflows.stages import Stages
@@ -319,7 +319,7 @@ def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Ca
     outcome = spindamp("effects", scene, "--json")
     assert outcome.status == 0, outcome.err
     found = {row["effect"]: row for row in json.loads(outcome.out)["rows"]}
-    assert list(found) == list(RULES)
+    assert list(found) == list(NAMES)
     run = json.loads(spindamp("campbell", scene, "--json").out)
     frequency, n = run["speeds"][0]["modes"][0]["frequency_hz"], 10000 / 60
     expected = frequency / np.sqrt(frequency**2 + n**2) - 1
@@ -479,7 +479,7 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Callable[...
     assert "know no slip" in cells["ball_slip"]
     assert cells["impact_friction"] == ""
     drawn = (tmp_path / "out" / "effects.svg").read_text()
-    assert all(name.replace("_", " ") in drawn for name in RULES)
+    assert all(name.replace("_", " ") in drawn for name in NAMES)
     assert drawn.count("no plate in the scene") == len(OF_THE_PLATE)
     assert "on: [effects] ball_slip = true: the printed equations know no slip" in drawn
     assert "accuracy, 0.001" in drawn

@@ -53,7 +53,11 @@ def test_frequencies_and_loads_of_table_two(document: dict[str, Any]) -> None:
     np.testing.assert_allclose(first, TABLE_II, rtol=1e-3)
     for point in points:
         assert point["modes"][0]["family"] == "flap"
-        assert point["modes"][0]["error_estimate"] <= 1e-3
+        assert point["modes"][0]["error_parts"]["mesh"] <= 1e-3
+        for mode in point["modes"]:
+            parts = [part for part in mode["error_parts"].values() if part is not None]
+            assert mode["error_estimate"] == pytest.approx(sum(parts))
+            assert mode["error_parts"]["coriolis"] is None  # it is on
         frequencies = [mode["frequency_hz"] for mode in point["modes"]]
         assert frequencies == sorted(frequencies)
 
@@ -143,7 +147,8 @@ def test_a_csv_for_every_curve(finished: Path, document: dict[str, Any]) -> None
     assert {f"damping_ratio_{point['rpm']:.0f}rpm" for point in document["speeds"]} <= names
     assert {"campbell_flap_1", "velocity_x_10000rpm", "velocity_y_10000rpm"} <= names
     for path in finished.glob("*.csv"):
-        assert len(path.read_text().splitlines()[0].split(",")) == 2
+        columns = 10 if path.stem == "frequency_errors" else 2
+        assert len(path.read_text().splitlines()[0].split(",")) == columns
         assert np.isfinite(np.loadtxt(path, delimiter=",", skiprows=1)).all()
     flap = np.loadtxt(finished / "campbell_flap_1.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(flap[:, 1], [p["modes"][0]["frequency_hz"] for p in document["speeds"]], rtol=1e-9)

@@ -12,6 +12,7 @@ from workflows.costs.ladder import machine
 from workflows.costs.timing import POLICY_OF_DIFFERENCES, compared
 from workflows.effects import OF_THE_PLATE, Effect
 from workflows.errors import SpindampError
+from workflows.left_out import Called
 from workflows.records import SpeedPoint
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages
@@ -103,12 +104,12 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
 def _switched(
     source: SceneFile,
     decided: dict[str, Effect],
-    called: dict[str, tuple[bool, str]],
+    called: dict[str, Called],
     name: str,
     own: tuple[SpeedPoint, ...],
     size: int | None,
 ) -> Switched:
-    called_for, why = called[name]
+    called_for, why, _ = called[name]
     on = decided[name].on
     row = Switched(name, called_for, why, on)
     belongs_to = "plate" if name in OF_THE_PLATE else "damper"

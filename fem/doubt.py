@@ -1,0 +1,165 @@
+"""How far the frequencies of a plate theory are from those of a solid, mode by mode.
+
+To first order a mode's frequency is off by half of the part of its energy that the theory has wrong. Thin-plate theory
+lacks the compliance of transverse shear, Q² / (5/6 G h), and the layer along free edges in which the twisting moment
+falls to nothing, h / sqrt(10) wide (Reissner 1945; for a strip this is Saint-Venant's 1 - 0.63 h/b). A solid's clamped
+root is stiffer (`fem.clamp`). Of Mindlin's theory, the shear factor would have to be 5 / (6 - nu) where shear is no
+matter of layers, and what its moved root leaves is known by comparison.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.clamp import STRETCHED, shift
+from fem.mindlin import SHEAR_CORRECTION
+from fem.planform import root_facets
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.discretisation import Discretisation
+    from fem.operators import Operators
+    from fem.plate import Plate
+    from fem.sweep import Campbell
+
+    Array = NDArray[np.float64]
+
+LAYER = 10.0**-0.5
+"""Width of the layer along free edges in thicknesses."""
+
+SHEAR, LAYERED = (0.01, 0.09), 0.005
+"""Part of the shear energy, without nu and by it, that Mindlin's theory has wrong, about nu / 6; and of the layers."""
+
+MARGIN = 1.25
+"""By how much more shear and layers may take than they do to first order, at corners that point inwards most."""
+
+LEFT = {"kirchhoff": (1.2, 1.2 * STRETCHED), "mindlin": (1.2, 1.2 * STRETCHED), "mindlin/held": (0.22, 0.5)}
+"""Part of what the clamp does, in bending and in stretching, that a theory lacks at most."""
+
+STRETCH, SLOPE, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
+"""Fields of the gradient: of u and v, of w, and of the turning of sections."""
+
+
+def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
+    """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
+    if np.iscomplexobj(shapes):
+        parts = np.hstack([np.real(shapes), np.imag(shapes)])
+        both = np.diag(doubt(operators, parts))
+        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues)
+    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues)
+
+
+def over_speeds(operators: Operators, diagram: Campbell) -> Array:
+    """The same of the modes at all speeds of a Campbell diagram, (k, count)."""
+    count, found = diagram.frequencies_hz.shape[1], []
+    for part in diagram.parts:
+        squares, vectors = part.rates[:, :count] ** 2, part.vectors[:, :, :count]
+        if np.iscomplexobj(part.basis):  # of one speed by itself
+            found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
+            continue
+        energy = doubt(operators, part.basis)
+        found.append(np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real / squares)
+    return np.vstack(found)
+
+
+def doubt(operators: Operators, basis: Array) -> Array:
+    """Matrix E (r, r): a mode of mass-normalised shape basis @ y (n, r) has a relative error of y' E y / rate².
+
+    Zero for solids, which are the reference.
+    """
+    model, plate = operators.model, operators.plate
+    if model.theory.startswith("solid"):
+        return np.zeros((basis.shape[1],) * 2)
+    gradient = model.gradient.evaluate(basis)
+    thin = model.theory.startswith("kirchhoff")
+    energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else model.theory])
+    if thin:
+        return 0.5 * energy + _thin(model, plate, gradient)
+    wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
+    energy += wrong * _shear(model, plate, gradient) + LAYERED * _layers(model, plate, gradient)
+    return 0.5 * energy
+
+
+def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
+    """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
+    model, plate = operators.model, operators.plate
+    gradient = model.gradient.evaluate(shapes)
+    energy = 0.5 * _clamp(model, plate, gradient, LEFT["kirchhoff"]) + _thin(model, plate, gradient)
+    return np.asarray(np.diag(energy) / eigenvalues)
+
+
+def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
+    """What the layers along free edges lower frequencies by (count,), of mass-normalised shapes (n, count)."""
+    model = operators.model
+    energy = _layers(model, operators.plate, model.gradient.evaluate(shapes))
+    return np.asarray(0.5 * MARGIN * np.diag(energy) / eigenvalues)
+
+
+def _thin(model: Discretisation, plate: Plate, gradient: Array) -> Array:
+    """What the frequencies of thin-plate theory are too high by: (r, r)."""
+    return 0.5 * MARGIN * (_shear(model, plate, gradient) + _layers(model, plate, gradient))
+
+
+def _clamp(model: Discretisation, plate: Plate, gradient: Array, left: tuple[float, float]) -> Array:
+    """What the root of a solid has in energy beyond that of a theory with so much of it left: (r, r)."""
+    facets = root_facets(model.mesh)
+    lengths, _ = _along(model, facets)
+    total = np.zeros((gradient.shape[-1],) * 2)
+    for part, fields, per_strain in zip(
+        left, (TURN, STRETCH), (plate.thickness**3 / 12.0, plate.thickness), strict=True
+    ):
+        xx, xy, yx, yy = _on(model, facets, gradient[fields])
+        strains = np.stack([xx, yy, xy + yx])
+        stresses = np.tensordot(plate.material.plane_stress, strains, 1)
+        total += np.einsum("sfk,f,sfm->km", strains, part * shift(plate) * per_strain * lengths, stresses)
+    return total
+
+
+def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
+    """The twist in the layers along free edges: (r, r)."""
+    facets = np.setdiff1d(model.mesh.boundary_facets(), root_facets(model.mesh))
+    lengths, tangent = _along(model, facets)
+    (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPE])
+    x, y = tangent[:, :, None]
+    twist = 0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y
+    nu, h = plate.material.poissons_ratio, plate.thickness
+    rigidity = plate.material.youngs_modulus * h**3 / 12.0 / (1.0 - nu**2)
+    return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * lengths, twist))
+
+
+def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
+    """The energy of the shear forces D grad (theta_x,x + theta_y,y), in which layers have no part: (r, r)."""
+    cells = np.arange(model.mesh.t.shape[1])
+    xx, _, _, yy = gradient[TURN]
+    (steep,) = np.moveaxis(_slopes(model, cells, (xx + yy)[None]), 1, 0)
+    material, h = plate.material, plate.thickness
+    rigidity = material.youngs_modulus * h**3 / 12.0 / (1.0 - material.poissons_ratio**2)
+    weights = rigidity**2 / (SHEAR_CORRECTION * material.shear_modulus * h) * model.gradient.dx.sum(axis=1)
+    return np.asarray(np.einsum("ack,c,acm->km", steep, weights, steep))
+
+
+def _along(model: Discretisation, facets: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Lengths (nfacet,) and unit tangents (2, nfacet)."""
+    a, b = model.mesh.p[:, model.mesh.facets[:, facets]].transpose(1, 0, 2)
+    lengths = np.linalg.norm(b - a, axis=0)
+    return lengths, (b - a) / lengths
+
+
+def _slopes(model: Discretisation, cells: NDArray[np.int64], values: Array) -> Array:
+    """Derivatives (2, nfield, ncell, r) in some cells of fields (nfield, all cells, npoint, r), by least squares."""
+    places = model.points[:2][:, cells].transpose(1, 2, 0)
+    places = places - places.mean(axis=1, keepdims=True)
+    turned = places.transpose(0, 2, 1)
+    apart = np.linalg.solve(turned @ places, turned)
+    return np.asarray(np.einsum("cap,fcpk->afck", apart, values[:, cells]))
+
+
+def _on(model: Discretisation, facets: NDArray[np.int64], values: Array) -> Array:
+    """Fields (nfield, all cells, npoint, r) in the middle of facets: (nfield, nfacet, r)."""
+    cells = model.mesh.f2t[0, facets]
+    middle = model.mesh.p[:, model.mesh.facets[:, facets]].mean(axis=1)
+    off = middle - model.points[:2][:, cells].mean(axis=2)
+    return np.asarray(values[:, cells].mean(axis=2) + np.einsum("ac,afck->fck", off, _slopes(model, cells, values)))
