@@ -23,7 +23,8 @@ def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Cal
     """Whether Coriolis forces move a frequency of a plate that spins by more than the accuracy asked for, and why.
 
     What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
-    lowers it by 2 (Omega / w)², two modes in the limit of a low one. Where that is less, the modes are found.
+    lowers it by 2 (Omega / w)², two modes in the limit of a low one. Where that is less, and the scene leaves it open,
+    the modes are found.
 
     Raises:
         ValueError: the planform is a mesh, and is not given.
@@ -37,6 +38,8 @@ def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Cal
             f"{why}, more than the {significant(100 * asked)} % asked for",
             everywhere(fastest, moved, scene.rotor.modes),
         )
+    if scene.effects.coriolis != "auto":  # what is settled costs nothing
+        return Called(False, f"coupled to the plate's stretching it moves frequencies by {_percent(moved)} % at most")
     try:
         found = _solved(scene, form, large_deflection)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
