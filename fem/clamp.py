@@ -43,7 +43,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
 
 
 def shift(plate: Plate) -> float:
-    """How far outside its root (m) a solid seems to be clamped; nothing where springs hold it, which let it contract."""
+    """How far outside its root (m) a solid seems to be clamped; nothing where springs hold it and let it contract."""
     nu = plate.material.poissons_ratio
     return 0.0 if plate.elastic_root is not None else HELD * nu**2 / (1.0 - nu) * at_root(plate)
 

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.clamp import STRETCHED, shift
+from fem.clamp import STRETCHED, at_root, shift
 from fem.mindlin import SHEAR_CORRECTION
 from fem.planform import root_facets
+from fem.thickness import SLOPE as SLOPING
+from fem.thickness import of, slope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,11 +47,12 @@ STRETCH, SLOPE, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 
 def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
     """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
+    sloping = _sloping(operators)
     if np.iscomplexobj(shapes):
         parts = np.hstack([np.real(shapes), np.imag(shapes)])
         both = np.diag(doubt(operators, parts))
-        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues)
-    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues)
+        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues + sloping)
+    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues + sloping)
 
 
 def over_speeds(operators: Operators, diagram: Campbell) -> Array:
@@ -61,7 +64,8 @@ def over_speeds(operators: Operators, diagram: Campbell) -> Array:
             found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
             continue
         energy = doubt(operators, part.basis)
-        found.append(np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real / squares)
+        doubted = np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real
+        found.append(doubted / squares + _sloping(operators))
     return np.vstack(found)
 
 
@@ -73,7 +77,7 @@ def doubt(operators: Operators, basis: Array) -> Array:
     model, plate = operators.model, operators.plate
     if model.theory.startswith("solid"):
         return np.zeros((basis.shape[1],) * 2)
-    gradient = model.gradient.evaluate(basis)
+    gradient = _gradient(model, plate, basis)
     thin = model.theory.startswith("kirchhoff")
     energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else model.theory])
     if thin:
@@ -86,16 +90,37 @@ def doubt(operators: Operators, basis: Array) -> Array:
 def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
     """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
     model, plate = operators.model, operators.plate
-    gradient = model.gradient.evaluate(shapes)
+    gradient = _gradient(model, plate, shapes)
     energy = 0.5 * _clamp(model, plate, gradient, LEFT["kirchhoff"]) + _thin(model, plate, gradient)
-    return np.asarray(np.diag(energy) / eigenvalues)
+    return np.asarray(np.diag(energy) / eigenvalues + _sloping(operators))
+
+
+def _sloping(operators: Operators) -> float:
+    """What plate theories are off where faces slope."""
+    plate = operators.plate
+    if operators.model.theory.startswith("solid"):
+        return 0.0
+    return SLOPING * slope(plate.thickness, plate.mesh) ** 2
 
 
 def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
     """What the layers along free edges lower frequencies by (count,), of mass-normalised shapes (n, count)."""
-    model = operators.model
-    energy = _layers(model, operators.plate, model.gradient.evaluate(shapes))
+    model, plate = operators.model, operators.plate
+    energy = _layers(model, plate, _gradient(model, plate, shapes))
     return np.asarray(0.5 * MARGIN * np.diag(energy) / eigenvalues)
+
+
+def _gradient(model: Discretisation, plate: Plate, basis: Array) -> Array:
+    """Fields of the gradient (10, ncell, npoint, r), those of the turning as such, not in parts of the thickness."""
+    found = model.gradient.evaluate(basis)
+    if isinstance(plate.thickness, float | int):
+        return found
+    return np.concatenate([found[: TURN.start], found[TURN] / _heights(model, plate)[:, :, None]])
+
+
+def _heights(model: Discretisation, plate: Plate) -> Array:
+    """The thickness (ncell, npoint) in m."""
+    return np.asarray(np.broadcast_to(of(plate.thickness, model.points[:2]), model.points.shape[1:]))
 
 
 def _thin(model: Discretisation, plate: Plate, gradient: Array) -> Array:
@@ -108,9 +133,8 @@ def _clamp(model: Discretisation, plate: Plate, gradient: Array, left: tuple[flo
     facets = root_facets(model.mesh)
     lengths, _ = _along(model, facets)
     total = np.zeros((gradient.shape[-1],) * 2)
-    for part, fields, per_strain in zip(
-        left, (TURN, STRETCH), (plate.thickness**3 / 12.0, plate.thickness), strict=True
-    ):
+    h = at_root(plate)
+    for part, fields, per_strain in zip(left, (TURN, STRETCH), (h**3 / 12.0, h), strict=True):
         xx, xy, yx, yy = _on(model, facets, gradient[fields])
         strains = np.stack([xx, yy, xy + yx])
         stresses = np.tensordot(plate.material.plane_stress, strains, 1)
@@ -125,7 +149,7 @@ def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPE])
     x, y = tangent[:, :, None]
     twist = 0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y
-    nu, h = plate.material.poissons_ratio, plate.thickness
+    nu, h = plate.material.poissons_ratio, _heights(model, plate).mean(axis=1)[model.mesh.f2t[0, facets]]
     rigidity = plate.material.youngs_modulus * h**3 / 12.0 / (1.0 - nu**2)
     return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * lengths, twist))
 
@@ -134,10 +158,11 @@ def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     """The energy of the shear forces D grad (theta_x,x + theta_y,y), in which layers have no part: (r, r)."""
     cells = np.arange(model.mesh.t.shape[1])
     xx, _, _, yy = gradient[TURN]
-    (steep,) = np.moveaxis(_slopes(model, cells, (xx + yy)[None]), 1, 0)
-    material, h = plate.material, plate.thickness
+    material, h = plate.material, _heights(model, plate)
     rigidity = material.youngs_modulus * h**3 / 12.0 / (1.0 - material.poissons_ratio**2)
-    weights = rigidity**2 / (SHEAR_CORRECTION * material.shear_modulus * h) * model.gradient.dx.sum(axis=1)
+    (steep,) = np.moveaxis(_slopes(model, cells, (rigidity[:, :, None] * (xx + yy))[None]), 1, 0)
+    area = model.gradient.dx / (1.0 if isinstance(plate.thickness, float | int) else h)
+    weights = (area / (SHEAR_CORRECTION * material.shear_modulus * h)).sum(axis=1)
     return np.asarray(np.einsum("ack,c,acm->km", steep, weights, steep))
 
 
