@@ -190,9 +190,10 @@ def _tidy(value):
 
 
 def _profile(draw, thickness, planform):
-    """A linear taper along, and a crown across: thickest in the middle; or one of the two."""
+    """A linear taper along, and a crown across: thickest in the middle; or one of the two. No crown where swept."""
     length, width = planform.sides
     tip, edge = draw.one((draw.between(0.4, 0.8), 1.0), (1.0, draw.between(0.5, 0.8)), (0.6, 0.7))
+    edge = 1.0 if planform.sweep else edge  # the middle of its sections is not at y = 0
     terms = (0, 0, thickness), (1, 0, (tip - 1.0) * thickness / length), (0, 2, (edge - 1.0) * thickness * 4 / width**2)
     return tuple((i, j, float(f"{c:.3g}")) for i, j, c in terms if c)
 
