@@ -61,6 +61,11 @@ class Case:
         return OBLIQUE < self.stagger < 90.0 - OBLIQUE
 
     @property
+    def lift(self):
+        """How far the load lifts the plate's sides, at most, in thicknesses."""
+        return 0.5 * self.rotation * self.planform.sides[1] / self.thickness if self.oblique else 0.0
+
+    @property
     def omega(self):
         """In rad/s."""
         return self.rpm * np.pi / 30.0
