@@ -1,0 +1,114 @@
+"""The command: every plate that CalculiX has answered for; a line for each, and what all of them say."""
+
+import argparse
+import json
+import os
+import sys
+
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import numpy as np
+
+from tests.survey import plates, references, scenes, speeds
+from tests.survey.verdict import judge
+from workflows import SpindampError
+
+HEAD = (
+    f"{'plate':14}{'strain':>9}{'rotation':>9} {'theory':17}{'with':6}{'time':>6}"
+    f"{'true':>9}{'estimate':>9}{'worst':>7}  outside"
+)
+
+
+def main(arguments=None):
+    """Run them; 1 if any mode is outside its estimate."""
+    parser = argparse.ArgumentParser(prog="python -m tests.survey", description=__doc__)
+    parser.add_argument("--only", default="", help="plates whose name holds this")
+    parser.add_argument("--json", action="store_true", help="everything, to standard output")
+    given = parser.parse_args(arguments)
+    out = sys.stderr if given.json else sys.stdout
+    verdicts, records = [], []
+    print(HEAD, file=out)
+    for case, reference in _answered(given.only):
+        try:
+            verdict = judge(case, reference)
+        except (SpindampError, IndexError) as error:
+            print(f"{case.name:14}no answer: {error}", file=out, flush=True)
+            records.append({"plate": case.name, "error": str(error)})
+            continue
+        state = speeds.static_state(case, case.omega)
+        verdicts.append(verdict)
+        records.append(_record(verdict, state))
+        print(_line(verdict, state), file=out, flush=True)
+    summary = _summary(verdicts, len(records))
+    print("\n".join(f"{what}: {value}" for what, value in summary.items()), file=out)
+    if given.json:
+        print(json.dumps({"plates": records, "summary": summary}, indent=1))
+    return 1 if summary["modes outside"] or len(verdicts) < len(records) else 0
+
+
+def _answered(only):
+    """Plates with a reference that a scene can describe."""
+    known = references.stored()
+    for case in plates.cases():
+        if only in case.name and case.name in known and (not case.profile or scenes.varying_is_known()):
+            yield case, known[case.name]
+
+
+def _size(state):
+    """Largest strain and rotation of a static state."""
+    return (np.nan, np.nan) if state is None else (state.strain, state.rotation)
+
+
+def _line(verdict, state):
+    strain, rotation = _size(state)
+    k = int(np.argmax(verdict.ratio))
+    outside = ", ".join(f"{n}: {verdict.true[n - 1]:.2%} ({verdict.estimate[n - 1]:.2%})" for n in verdict.violations)
+    if verdict.wanting:
+        outside += f"; left out: {', '.join(f'{n}: {verdict.missed[n - 1]:.2%}' for n in verdict.wanting)}"
+    marks = "".join(name[0].upper() for name in verdict.effects)
+    return (
+        f"{verdict.name:14}{strain:9.1e}{rotation:9.3f} {verdict.theory:17}{marks:4}{verdict.seconds:6.1f} s"
+        f"{verdict.true[k]:9.1e}{verdict.estimate[k]:9.1e}{verdict.ratio[k]:7.2f}  {outside}"
+    )
+
+
+def _record(verdict, state):
+    strain, rotation = _size(state)
+    rows = zip(
+        verdict.found, verdict.reference, verdict.slack, verdict.true, verdict.estimate, verdict.missed, strict=True
+    )
+    names = "frequency_hz", "reference_hz", "reference_error", "true_error", "estimate", "left_out"
+    return {
+        "plate": verdict.name,
+        "strain": float(strain),
+        "rotation": float(rotation),
+        "theory": verdict.theory,
+        "effects": list(verdict.effects),
+        "seconds": verdict.seconds,
+        "outside": verdict.violations,
+        "left_out": verdict.wanting,
+        "modes": [dict(zip(names, map(float, row), strict=True)) for row in rows],
+    }
+
+
+def _summary(verdicts, tried):
+    if not verdicts:
+        return {"plates": tried, "modes outside": 0}
+    true, slack, estimate = (
+        np.concatenate([getattr(v, name) for v in verdicts]) for name in ("true", "slack", "estimate")
+    )
+    return {
+        "plates": tried,
+        "without an answer": tried - len(verdicts),
+        "modes": true.size,
+        "modes outside": sum(len(v.violations) for v in verdicts),
+        "modes that what was left out moves by more than the accuracy asked for": sum(len(v.wanting) for v in verdicts),
+        "plates with a mode outside": sum(bool(v.violations) for v in verdicts),
+        "median of estimate / truth": round(float(np.median(estimate / np.maximum(true, slack))), 2),
+        "largest truth / estimate": round(float(max(v.ratio.max() for v in verdicts)), 1),
+        "seconds": round(sum(v.seconds for v in verdicts), 1),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,97 @@
+"""The survey's references: CalculiX's matrices have CalculiX's frequencies, with Coriolis forces and without."""
+
+import re
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.benchmarks import calculix
+from tests.survey import plates, spinning
+from tests.survey.planforms import Hole, ell, eyed, marked, rectangle
+
+live = pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
+
+UPRIGHT = plates.Case("steel", rectangle(0.2, 0.08), 0.0142, (2e11, 0.3, 7850.0), 0.1, 90.0, 1e-3, 0.0, rpm=8000.0)
+"""Twist and lag nearly coincide: Coriolis forces part them by 0.8 %."""
+
+COMPLEX = """
+*STEP, PERTURBATION
+*FREQUENCY, STORAGE=YES
+30
+*END STEP
+*STEP, PERTURBATION
+*COMPLEX FREQUENCY, CORIOLIS
+6
+*DLOAD
+{load}
+*END STEP
+"""
+
+
+def complex_frequencies(deck, folder):
+    """CalculiX's own (6,) in Hz, in thirty modes."""
+    head, _, _ = deck.partition("*STEP, PERTURBATION")
+    load = next(line for line in deck.splitlines() if line.startswith("PLATE, CENTRIF"))
+    (folder / "plate.inp").write_text(head.rstrip() + COMPLEX.format(load=load))
+    subprocess.run([calculix.COMMAND, "plate"], cwd=folder, capture_output=True, check=True, timeout=120)
+    text = (folder / "plate.dat").read_text().split("E I G E N V A L U E   O U T P U T")[-1]
+    return np.array([float(row[1]) for row in re.findall(r"^\s+\d+\s+(\S+)\s+(\S+)\s+(\S+)$", text, re.M)])[:6]
+
+
+@live
+def test_the_matrices_have_the_frequencies_of_calculix(tmp_path):
+    found = spinning.matrices(UPRIGHT, 1, 1)
+    nodes, bricks = calculix.extruded(UPRIGHT.planform.graded(1), UPRIGHT.thickness, 1)
+    deck = calculix.deck(
+        nodes, bricks, UPRIGHT.material, UPRIGHT.omega, UPRIGHT.hub, np.radians(UPRIGHT.stagger), plates.COUNT
+    )
+    own = calculix._run(deck, plates.COUNT, 1, 120)
+    np.testing.assert_allclose(found.frequencies(plates.COUNT), own, rtol=2e-6)
+    turning = complex_frequencies(deck, tmp_path)
+    assert np.abs(turning / own - 1.0).max() > 5e-3
+    spin = UPRIGHT.omega * spinning.axis(UPRIGHT)
+    np.testing.assert_allclose(found.complex_frequencies(plates.COUNT, spin), turning, rtol=1e-4)
+
+
+@live
+def test_a_point_mass_is_softened():
+    """A mass on a massless blade: w² falls by Omega² where its motion turns into the plane of rotation."""
+    blade = replace(
+        UPRIGHT,
+        planform=marked(0.2, 0.1, (0.2, 0.0)),
+        thickness=0.05,
+        material=(2e7, 0.0, 1e-3),
+        hub=1.0,
+        tip=(1.0, 0.2, 0.0),
+    )
+    found = [
+        spinning.matrices(replace(blade, stagger=stagger, rpm=rpm), 1, 1)
+        for stagger, rpm in ((0.0, 60.0), (90.0, 60.0))
+    ]
+    across, along = (matrices.frequencies(1)[0] for matrices in found)
+    assert across**2 - along**2 == pytest.approx(1.0, rel=0.02)  # in (rpm / 60)²
+
+
+def test_planforms_are_what_they_are_called():
+    arm = ell(0.2, 0.12, 0.15, 0.02)
+    hole = eyed(0.2, 0.1, Hole(0.1, 0.0, 0.02))
+    octagon = 8.0 * np.tan(np.pi / 8.0) * 0.02**2
+    for planform, area in ((arm, 0.15 * 0.02 + 0.05 * 0.12), (hole, 0.02 - octagon)):
+        for mesh in (planform.even(1), planform.graded(3)):
+            x, y = mesh.p[:, mesh.t]
+            shoelace = 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
+            assert np.abs(shoelace).sum() == pytest.approx(area, rel=1e-12)
+            assert np.ptp(np.sign(shoelace)) == 0.0
+
+
+def test_there_are_sixty_plates_as_promised():
+    cases = plates.cases()
+    assert len({case.name for case in cases}) == 60
+    assert {case.material[1] for case in cases} >= {0.0, 0.3, 0.49}
+    assert sum(bool(case.profile) for case in cases) == 8
+    assert sum(case.tip is not None for case in cases) == 4
+    slenderness = [case.thickness / case.planform.root for case in cases]
+    assert min(slenderness) < 0.006
+    assert max(slenderness) > 0.19
