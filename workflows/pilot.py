@@ -52,6 +52,9 @@ _BOOKS = 1.2e3
 """Bytes of a cycle in the results and their text."""
 
 
+_ROUGH = 3e-3
+"""Accuracy from which on the first meshes of bricks are fine enough."""
+
 _FINE, _MANY, _MANY_CYCLES = 1e-4, 200, 100_000
 """Accuracy below which meshes become large; numbers of speeds and cycles that count as many."""
 
@@ -126,7 +129,8 @@ def _plate(
     model = plate.model(source, form, effects)
     first = _first(source, form, model)
     if first > _UNKNOWNS:
-        return (), *_unsolved(source, effects, model, first, pace)
+        last = max(first, _finest(source, form, model, effects)) if model.startswith("solid") else first
+        return (), *_unsolved(source, effects, model, last, pace)
     with plate.answering(source):
         began = perf_counter()
         discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
@@ -154,6 +158,18 @@ def _first(source: SceneFile, form: Planform, model: str) -> float:
     if not has_pair(form, coarsest, model):
         return coarsest
     return needs.unknowns(model, form.mesh(first_pair(form, source.scene.rotor.modes)[1]))
+
+
+def _finest(source: SceneFile, form: Planform, model: str, effects: dict[str, Effect]) -> float:
+    """Unknowns of the finest mesh that a search for bricks may try, which it does for all but rough accuracies."""
+    from fem.choice import MOST_UNKNOWNS
+
+    fit = needs.most_unknowns(source, form, model, effects["large_deflection"].on)
+    most = min(MOST_UNKNOWNS["solid"], fit)
+    each = needs.unknowns(model, form.mesh(form.sizes[0])) / form.sizes[0] ** 2
+    if source.scene.accuracy.frequency >= _ROUGH:
+        return each
+    return max(each * size**2 for size in form.sizes if size == form.sizes[0] or each * size**2 <= most)
 
 
 def _unsolved(
