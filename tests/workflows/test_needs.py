@@ -145,7 +145,7 @@ def test_the_same_scene_passes_where_there_is_room(
     assert spindamp("check", "paper").status == 2
 
 
-@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin", "solid"])
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
 def test_a_plate_grows_no_further_than_the_memory(
     theory: str, monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
 ) -> None:
@@ -155,7 +155,7 @@ def test_a_plate_grows_no_further_than_the_memory(
     decided = pipeline.decide(source, quiet)
     model = plate.model(source, decided.form, decided.effects)
     others = sum(part.memory for part in needs.parts(source) if part.key == "[rotor] speeds")
-    most = 20_000 if theory == "solid" else 6000
+    most = 6000
     monkeypatch.setattr(needs, "available", lambda: needs.BASE + others + needs.of_a_plate(model, most, 6) + 1)
     choice = plate.discretise(source, decided.form, decided.effects, quiet).choice
     assert 1000 < choice.operators.mass.shape[0] <= most
@@ -169,14 +169,14 @@ def test_unknowns_are_counted_before_there_are_any(model: str, kind: str) -> Non
 
     import fem
 
-    mesh = fem.rectangle(0.2, 0.08, 12, 9)
+    mesh = fem.rectangle(0.2, 0.08, 6, 5)
     if kind == "skew":
         mesh = skfem.MeshQuad(mesh.p + np.array([[0.0], [0.3]]) * mesh.p[0], mesh.t)
     if kind == "triangles":
         mesh = mesh.to_meshtri()
     body = fem.Plate(mesh, 0.003, fem.Material(1e11, 0.3, 7e3))
     found = fem.assemble(body, fem.Rotor(0.0, 0.0), fem.Effects(), model).mass.shape[0]
-    assert found < needs.unknowns(model, mesh) < 1.1 * found, "the clamped ones are counted"
+    assert found < needs.unknowns(model, mesh) < 1.15 * found, "the clamped ones are counted"
 
 
 def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -213,12 +213,11 @@ sys.exit(status)
     "changes",
     [
         {},
-        {"plate__theory": "mindlin", "accuracy": {"frequency": 3e-5}, "rotor__speeds": ["5000 rpm"]},
-        {"plate__theory": "solid", "rotor__speeds": ["5000 rpm"]},
+        {"plate__theory": "mindlin", "accuracy": {"frequency": 1e-4}, "rotor__speeds": ["5000 rpm"]},
         {"plate__theory": "mindlin", "rotor__speeds": ["5000 rpm"], "effects": {"large_deflection": True}},
         {"damper__rolling_friction": 0, "release__cycles": 100_000, "rotor__speeds": ["5000 rpm"]},
     ],
-    ids=["paper", "fine", "solid", "deflected", "cycles"],
+    ids=["paper", "fine", "deflected", "cycles"],
 )
 def test_the_memory_promised_is_what_a_run_takes(
     changes: dict[str, Any], paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path

@@ -112,10 +112,11 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     names = {"rpm", "load_g", "duration", *point["modes"][0], *point["reduced"], *point["damper"]}
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
     names |= {"damping_ratio_peak", "at_amplitude", "range_low", "range_high", "cutoff"}
+    names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
         assert set(data.variables) <= names
-        assert names - set(data.variables) <= {"cycles", "energy", "branch"}
+        assert names - set(data.variables) <= {"cycles", "energy", "branch", "error_parts"}
 
 
 def test_names_in_the_vtu_do_not_change_with_the_numbers(finished: Path, document: dict[str, Any]) -> None:

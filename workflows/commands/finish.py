@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def _say_if_long(source: SceneFile, decided: pipeline.Decided) -> None:
     except NoAnswer:  # the run says so itself
         return
     needs.refuse(source, need.memory, need.seconds)
-    if need.seconds > _LONG:
+    if need.seconds > _LONG and sys.stderr.isatty():  # as the progress, which it is a part of
         typer.echo(f"spindamp: {pilot.in_words(need)}", err=True)
 
 
