@@ -13,7 +13,7 @@ import numpy as np
 from fem.doubt import layers
 from fem.modes import Divergence
 from fem.probing import Probed, alone, complete, probe
-from fem.singular import drift, layer_and_rest, layer_errors, unseen
+from fem.singular import drift, folds, layer_and_rest, layer_errors, unseen
 from fem.statics import NoEquilibrium
 from fem.transfer import transfer
 
@@ -38,6 +38,9 @@ SOLID = 2.0
 
 LEAST, SLOW = 0.5, 1.0
 """Orders: the least an error is taken to fall at, and that below which three meshes are believed to show it."""
+
+POINT = 2.0
+"""Order under a point force, where the deflection of a plate goes as r² log r."""
 
 LARGE = 0.3
 """Part of the largest difference from which one counts for whether errors hardly fall."""
@@ -108,8 +111,8 @@ class Estimates:
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
-        """What `fem.singular.drift` says (probes, count) of a mesh tried."""
-        return self._drifts[size]
+        """How much frequencies (probes, count) of a mesh tried still fall until a point mass is one of the thickness."""
+        return self._drifts[size] * folds(self._operators[size].plate)
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
         """Probes (k,) at which all of some meshes have modes."""
@@ -181,7 +184,7 @@ class Estimates:
 
     def _by_two(self, apart: Array, coarse: int, fine: int) -> Array:
         least, most = self._orders
-        return self._fallen(apart, least + USUAL * (most - least), coarse, fine)
+        return self._fallen(apart, min(least + USUAL * (most - least), self._singular), coarse, fine)
 
     def _by_three(self, first: Array, second: Array, before: int, coarse: int, fine: int) -> Array:
         """Errors (k, count) on the finest of three meshes, of which the first two and the last two are so far apart.
@@ -189,10 +192,19 @@ class Estimates:
         All together are taken to fall at an order within the theory's range. A single error may fall more slowly.
         """
         least, most = self._orders
+        if self._pressed:
+            self.slow = False
+            return self._fallen(second, POINT, coarse, fine)
         missed = tuple(self._unseen(size) for size in (before, coarse, fine))
         if missed[1] > MISSED:
             self.slow = False  # for a reason that the estimate knows
             return layer_and_rest((first, second), missed, (before, coarse, fine), most)
+        if self._singular < most:
+            slow = tuple(size**-self._singular for size in (before, coarse, fine))
+            return np.maximum(
+                layer_and_rest((first, second), slow, (before, coarse, fine), most),
+                self._fallen(second, most, coarse, fine),
+            )
         orders = np.linspace(LEAST, most, 36)
         falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
@@ -215,6 +227,16 @@ class Estimates:
         """Least and greatest order at which errors fall."""
         least, most = self._planform.orders
         return (min(SOLID, least), most) if self.theory.startswith("solid") else (least, most)
+
+    @property
+    def _singular(self) -> float:
+        """Order at which errors fall at an inward corner and under a point mass; infinite without."""
+        return min(self._planform.corner, POINT if self._pressed else np.inf)
+
+    @property
+    def _pressed(self) -> bool:
+        """Whether a point mass presses on the plate."""
+        return next(iter(self._operators.values())).plate.tip_mass > 0.0
 
     @property
     def _pointed(self) -> bool:

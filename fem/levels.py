@@ -29,6 +29,9 @@ COARSEST = 3
 MOST_CELLS = 10_000
 """Cells up to which a given mesh is split: seconds for a factor."""
 
+STRAIGHT = 0.03
+"""Relative difference from a straight angle that is none, as where a curve is drawn by edges."""
+
 MOST_SLENDER = 4.0
 """Sides' ratio up to which a rectangle's cells are kept about square."""
 
@@ -49,6 +52,11 @@ class Planform(Protocol):
     @property
     def orders(self) -> tuple[float, float]:
         """Least and greatest power of the cell size with which errors in frequency fall."""
+        ...
+
+    @property
+    def corner(self) -> float:
+        """Power of the cell size with which errors fall for its sharpest inward corner; infinite without."""
         ...
 
     def mesh(self, size: int) -> Any:
@@ -79,6 +87,11 @@ class Rectangle:
     def sides(self) -> tuple[float, float]:
         """Length and width in m."""
         return self.length, self.width
+
+    @property
+    def corner(self) -> float:
+        """Infinite: it has no inward corner."""
+        return np.inf
 
     def cells(self, size: int) -> tuple[int, int]:
         """Cells along and across, in the same proportion for every size."""
@@ -114,6 +127,11 @@ class Given:
         return (1, *(size for size in (2, 4, 8) if cells * size**2 <= MOST_CELLS))
 
     @property
+    def corner(self) -> float:
+        """Of its sharpest inward corner, at which strains grow as the power of the distance of Williams (1952)."""
+        return corner_order(float(inner_angles(self.given).max()))
+
+    @property
     def sides(self) -> tuple[float, float]:
         """Extent along x and across in m."""
         length, width = np.ptp(self.given.p, axis=1)
@@ -134,6 +152,31 @@ class Given:
         turned = np.roll(corners, -1, axis=1)
         twice = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
         return float(np.median(twice / along)) / (size if mesh.t.shape[0] == 3 else 2 * size)
+
+
+def inner_angles(mesh: Any) -> NDArray[np.float64]:
+    """Angles (n,) in rad between the edges at each point of a mesh's boundary, inside of it."""
+    corners = mesh.p[:, mesh.t]
+    back, forth = (np.roll(corners, step, axis=1) - corners for step in (1, -1))
+    cosine = (back * forth).sum(axis=0) / np.linalg.norm(back, axis=0) / np.linalg.norm(forth, axis=0)
+    angles = np.zeros(mesh.p.shape[1])
+    np.add.at(angles, mesh.t, np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.asarray(angles[mesh.boundary_nodes()])
+
+
+def corner_order(angle: float) -> float:
+    """Power of the cell size with which frequencies on even cells fall at a corner between free edges.
+
+    Twice the least root of sin(k angle) = -k sin(angle) (Williams, J. Appl. Mech. 19 (1952) 526); infinite up to a
+    straight angle.
+    """
+    if angle <= np.pi * (1.0 + STRAIGHT):
+        return np.inf
+    if angle >= 2.0 * np.pi * (1.0 - STRAIGHT):
+        return 1.0
+    from scipy.optimize import brentq
+
+    return 2.0 * float(brentq(lambda k: np.sin(k * angle) + k * np.sin(angle), 0.5, np.pi / angle + 0.05))
 
 
 def graded(length: float, width: float, nx: int, ny: int) -> Any:

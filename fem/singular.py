@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.locate import locate
 from fem.mindlin import SHEAR_CORRECTION
 from fem.operators import point_rows
 
@@ -22,8 +23,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.operators import Operators
+    from fem.plate import Plate
 
     Array = NDArray[np.float64]
+
+SPOT = 0.1
+"""Thicknesses that a point mass is taken to be wide at least."""
 
 
 def unseen(edge: float, thickness: float) -> float:
@@ -67,6 +72,18 @@ def layer_and_rest(
         alone = np.where(layer > 0.0, second / c * missed[2], second / d * rest[2])
     both = layer * missed[2] + other * rest[2]
     return np.asarray(np.where((layer > 0.0) & (other > 0.0), both, alone))
+
+
+def folds(plate: Plate) -> float:
+    """By how many factors e cells around the point mass are wider than `SPOT` thicknesses; at least one.
+
+    Nothing in a plate theory tells how wide the mass sits; as narrow as that, a solid's is no point either.
+    """
+    if plate.tip_mass == 0.0 or plate.tip_at is None:
+        return 1.0
+    corners = plate.mesh.p[:, plate.mesh.t[:, locate(plate.mesh, plate.tip_at)[0]]]
+    width = float(np.ptp(corners, axis=1).mean())
+    return max(1.0, float(np.log(width / (SPOT * plate.thickness_at(plate.tip_at)))))
 
 
 def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any]) -> Array:

@@ -49,8 +49,8 @@ def frequency_error(results: Results) -> str | None:
         own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
     if results.scene.point_mass > 0:
         own = (
-            "Under a point mass the frequencies fall with every refinement: the estimate holds what cells a third as"
-            f" wide would still take off. {own}"
+            "Under a point mass the frequencies fall with every refinement: the estimate holds what cells down to a"
+            f" tenth of the thickness would still take off. {own}"
         )
     mesh, said = results.diagram.mesh, trust.sentence(results)
     if said is None:
