@@ -111,7 +111,7 @@ class Estimates:
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
-        """How much frequencies (probes, count) of a mesh tried still fall until a point mass is one of the thickness."""
+        """How much frequencies (probes, count) of a mesh tried still fall for the sake of a point mass."""
         return self._drifts[size] * folds(self._operators[size].plate)
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
