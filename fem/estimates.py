@@ -195,22 +195,21 @@ class Estimates:
         if self._pressed:
             self.slow = False
             return self._fallen(second, POINT, coarse, fine)
-        missed = tuple(self._unseen(size) for size in (before, coarse, fine))
+        sizes = (before, coarse, fine)
+        missed = tuple(self._unseen(size) for size in sizes)
+        cornered = np.zeros_like(second)
+        if self._singular < most:
+            cornered = layer_and_rest((first, second), tuple(size**-self._singular for size in sizes), sizes, most)
         if missed[1] > MISSED:
             self.slow = False  # for a reason that the estimate knows
-            return layer_and_rest((first, second), missed, (before, coarse, fine), most)
-        if self._singular < most:
-            slow = tuple(size**-self._singular for size in (before, coarse, fine))
-            return np.maximum(
-                layer_and_rest((first, second), slow, (before, coarse, fine), most),
-                self._fallen(second, most, coarse, fine),
-            )
+            return np.maximum(layer_and_rest((first, second), missed, sizes, most), cornered)
         orders = np.linspace(LEAST, most, 36)
         falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
         each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
         together = orders[np.abs(falls * second.max() - first.max()).argmin()]
         self.slow = bool((each < SLOW)[second >= LARGE * second.max()].any())
-        return self._fallen(second, np.where(each < SLOW, each, max(together, least)), coarse, fine)
+        fallen = self._fallen(second, np.where(each < SLOW, each, max(together, least)), coarse, fine)
+        return np.maximum(fallen, cornered)
 
     def _fallen(self, apart: Array, order: float | Array, coarse: int, fine: int) -> Array:
         """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves."""
