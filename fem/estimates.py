@@ -240,7 +240,7 @@ class Estimates:
     @property
     def _pointed(self) -> bool:
         """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
-        return self.theory.startswith("solid") and next(iter(self._operators.values())).plate.tip_mass > 0.0
+        return self.theory.startswith("solid") and self._pressed
 
     def _unseen(self, size: int) -> float:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""

@@ -86,7 +86,7 @@ def _by_strain(scene: Scene, strain: float) -> float:
 
 
 def _solved(scene: Scene, form: Planform | None) -> Bent | None:
-    from fem import Effects, Rotor
+    from fem import Effects
     from fem.bent import bent
     from workflows import plate_mesh
 
@@ -94,7 +94,7 @@ def _solved(scene: Scene, form: Planform | None) -> Bent | None:
     ladder = form or plate_mesh.planform(source)
     mesh = plate_mesh.coarse(ladder, scene.rotor.modes)
     effects = Effects(spin_softening=scene.effects.spin_softening is not False)
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+    rotor = plate_mesh.rotor(scene)
     return bent(plate_mesh.plate(source, mesh, ladder), rotor, effects, scene.rotor.speeds, scene.rotor.modes)
 
 

@@ -24,7 +24,7 @@ LONGEST = 7 * 86400.0
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
 
-_CYCLE, _CYCLE_TIME = 1.3e3, 1.4e-5
+CYCLE, _CYCLE_TIME = 1.3e3, 1.4e-5
 """Bytes and seconds of a vibration cycle of the damper, from its peak to its line in results.json."""
 
 _AUTO_CYCLES = 100
@@ -89,7 +89,7 @@ def parts(source: SceneFile) -> list[Part]:
         many = speeds > 1 and cycles / speeds < speeds
         key, value = ("[rotor] speeds", f"{speeds} speeds") if many else ("[release] cycles", asked)
         advice = f"ask for fewer {'speeds' if many else 'cycles'}"
-        found.append(Part(cycles * _CYCLE, cycles * _CYCLE_TIME, key, value, advice))
+        found.append(Part(cycles * CYCLE, cycles * _CYCLE_TIME, key, value, advice))
     return sorted(found, key=lambda part: -part.memory)
 
 

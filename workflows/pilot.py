@@ -48,9 +48,6 @@ _SEARCH = 1.3
 _START = 5.0
 """Seconds to start the program, to draw and to write."""
 
-_BOOKS = 1.2e3
-"""Bytes of a cycle in the results and their text."""
-
 
 _ROUGH = 3e-3
 """Accuracy from which on the first meshes of bricks are fine enough."""
@@ -110,7 +107,7 @@ def need(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -
         points, memory, seconds = _plate(source, small, form, effects)
     cycles, spent = _damper(source, small, effects, points)
     lines = needs.of_lines(source.scene)
-    return Need(needs.BASE + memory + cycles * _BOOKS + lines, _START + seconds + spent)
+    return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + seconds + spent)
 
 
 def _small(source: SceneFile) -> SceneFile:

@@ -136,7 +136,7 @@ def discretise(
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `most`: unknowns
     beyond which no finer mesh is tried, if not those that the memory holds.
     """
-    from fem import Choice, Effects, MeshError, PlaceError, Rotor, assemble, choose_mesh
+    from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh
 
     scene = source.scene
     theory = rules.theory(scene, form, effects["large_deflection"].on)
@@ -144,7 +144,7 @@ def discretise(
         raise ValueError("the scene has no plate")
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+    rotor = plate_mesh.rotor(scene)
     model, layers = _with_layers(source, form, theory)
 
     def build(size: int, effects: fem.Effects) -> fem.Operators:

@@ -54,6 +54,13 @@ def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
 
 
+def rotor(scene: Scene) -> fem.Rotor:
+    """How the scene's plate sits on its axis."""
+    from fem import Rotor
+
+    return Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+
+
 def coarse(form: Planform, cells: int) -> Any:
     """The coarsest mesh of a planform's ladder that has so many cells, or the finest."""
     meshes = (form.mesh(size) for size in form.sizes)

@@ -42,14 +42,14 @@ def theory(scene: Scene, form: Planform | None, large_deflection: bool) -> Theor
         raise ValueError("the scene has no plate")
     if given.theory != "auto":
         return Theory(given.theory, "asked for by the scene")
-    from fem import Effects, Rotor
+    from fem import Effects
     from fem.choosing import choose_theory
     from workflows import plate_mesh
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
     plate = plate_mesh.plate(source, plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
-    rotor = Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+    rotor = plate_mesh.rotor(scene)
     stiffened = scene.effects.stress_stiffening is not False
     effects = Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
     chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)

@@ -64,7 +64,7 @@ def _by_stretching(scene: Scene, form: Planform | None) -> float:
 
 
 def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
-    from fem import Effects, Rotor
+    from fem import Effects
     from fem.turned import turned
     from workflows import plate_mesh
 
@@ -76,7 +76,7 @@ def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turn
     theory = scene.plate.theory if scene.plate is not None else "auto"
     return turned(
         plate_mesh.plate(source, mesh, ladder),
-        Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone),
+        plate_mesh.rotor(scene),
         Effects(**switches, large_deflection=large_deflection),
         scene.rotor.speeds,
         scene.rotor.modes,

@@ -5,11 +5,11 @@ rest and at its speed on two meshes of C3D20R that shrink towards the edges, the
 the two differ.
 """
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import calculix
+import calculix_table
 import numpy as np
 
 from fem.levels import graded
@@ -88,32 +88,8 @@ def solve(case, rpm, n, layers):
 
 def stored():
     """Frequencies (2, COUNT) in Hz at rest and at speed, and how much two meshes differ, by case."""
-    found = {name: np.zeros((2, 2, COUNT)) for name in CASES}
-    with DATA.open() as lines:
-        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
-            place = int(float(row["rpm"]) > 0), int(row["mode"]) - 1
-            for table, key in zip(found[row["case"]], ("frequency_hz", "difference"), strict=True):
-                table[place] = float(row[key])
-    return {name: (frequencies, differences) for name, (frequencies, differences) in found.items()}
-
-
-def write():
-    """Write the table."""
-    with DATA.open("w") as file:
-        file.write("# CalculiX 2.20, C3D20R, *STATIC (NLGEOM) + CENTRIF, then *FREQUENCY with PERTURBATION; made by\n")
-        file.write(
-            "# tests/benchmarks/calculix_blades.py, where the cases and their meshes are. difference: relative, of\n"
-        )
-        file.write("# the frequency from that on a coarser mesh.\n")
-        file.write("case,rpm,mode,frequency_hz,difference\n")
-        for name, case in CASES.items():
-            for rpm in (0.0, case.rpm):
-                size, layers = case.mesh
-                before, found = solve(case, rpm, 3 * size // 4, layers // 2), solve(case, rpm, size, layers)
-                for mode, (f, d) in enumerate(zip(found, np.abs(before / found - 1.0), strict=True), 1):
-                    file.write(f'"{name}",{rpm:g},{mode},{f:.4f},{d:.1e}\n')
-                file.flush()
+    return calculix_table.stored(DATA, CASES, COUNT)
 
 
 if __name__ == "__main__":
-    write()
+    calculix_table.write(DATA, Path(__file__).name, CASES, solve)
