@@ -8,7 +8,7 @@ from itertools import groupby
 
 from workflows import paper, trust, worth
 from workflows.records import Results, SpeedPoint
-from workflows.wording import significant, span
+from workflows.wording import significant, span, whole
 from workflows.worth import AIR, ENDURED, Grade
 
 _NEAR = 0.1
@@ -113,7 +113,7 @@ def _between(results: Results, points: list[SpeedPoint]) -> str | None:
     for point, figures in ends:
         low, high = figures.half[0], min(figures.half[1], limit)
         loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
-        said = f" ({loads[0]:.0f} to {loads[1]:.0f} g)" if loads else ""
+        said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
         ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
     held = [f"{_load(p)} below {_millimetres(w.cutoff)} mm" for p, w in ends if w.cutoff > 0]
@@ -209,11 +209,11 @@ def _beside_the_paper(results: Results) -> str | None:
 
 def _load(point: SpeedPoint) -> str:
     """Where in the range of loads, within a sentence."""
-    return f"at {point.load_g:.0f} g" if point.load_g > 0 else "at rest"
+    return f"at {whole(point.load_g)} g" if point.load_g > 0 else "at rest"
 
 
 def _speed(point: SpeedPoint) -> str:
-    return f"{point.rpm:.0f} rpm ({point.load_g:.0f} g)"
+    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
 
 
 def _millimetres(length: float) -> str:
@@ -229,7 +229,8 @@ def _plate_only(results: Results) -> Answer:
     if not first:
         return Answer("Nothing was solved", ())
     rpm = [p.rpm for p in results.speeds]
-    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {min(rpm):.0f} and {max(rpm):.0f} rpm."
+    speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
+    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
     said = trust.sentence(results)
     verdict = "The plate alone" if trust.met(results) else "The plate alone, less exact than asked for"
     return Answer(verdict, (text,) if said is None else (text, said))

@@ -7,7 +7,7 @@ from html import escape
 from workflows import answer, summary, trust
 from workflows.errors import one_line
 from workflows.records import Results
-from workflows.wording import fixed
+from workflows.wording import amount
 
 _ROWS_AT_MOST = 12
 
@@ -40,8 +40,8 @@ def _head(results: Results) -> str:
     if not speeds:
         return f"{title}: 0 speeds"
     if len(speeds) == 1:
-        return f"{title}: 1 speed, {fixed(speeds[0])} rpm"
-    return f"{title}: {len(speeds)} speeds, {fixed(min(speeds))} to {fixed(max(speeds))} rpm"
+        return f"{title}: 1 speed, {amount(speeds[0])} rpm"
+    return f"{title}: {len(speeds)} speeds, {amount(min(speeds))} to {amount(max(speeds))} rpm"
 
 
 def _row(kind: str, cells: tuple[str, ...]) -> str:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""
 
+_FOIL = 1e-5 * 1000.0
+"""Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
+
 PICTURE = """\
   z, bending                       The plate's axes: x outwards along the radius,
   ^   +----------------------+     y across, z through the thickness.
@@ -71,12 +74,22 @@ def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -
     )
 
 
+def housing_too_light(damper: Damper) -> tuple[str, str] | None:
+    """No housing weighs less than foil over the two open faces of each cavity, as light as plastic."""
+    faces = 2 * 2 * damper.radius * damper.cavity[1] * damper.count
+    least = _FOIL * faces
+    if damper.housing is None or damper.housing >= least:
+        return None
+    return "housing", f"lighter than plastic foil of 0.01 mm over the open faces: expected at least {1e3 * least:.2g} g"
+
+
 def misfit(damper: Damper, thickness: float, width: float, reach: float, room: float) -> tuple[str, str] | None:
     """The first misfit of a damper in a plate; see `in_the_plane` for `reach` and `room`."""
     return (
         through_the_thickness(damper, thickness)
         or in_the_plane(damper, reach, room)
         or side_by_side(damper, thickness, width, reach)
+        or housing_too_light(damper)
     )
 
 

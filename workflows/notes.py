@@ -12,7 +12,7 @@ from workflows import notes_plate, ringdowns, thicknesses
 from workflows.cavity import beside
 from workflows.records import Damping, Reduced, Results, SpeedPoint
 from workflows.scene_checks import OSMIUM
-from workflows.wording import significant
+from workflows.wording import significant, whole
 
 STEEL = 7_850.0
 """kg/m³."""
@@ -35,7 +35,7 @@ def _rung(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
 def _capped(results: Results) -> str | None:
     for point, _, damping in _rung(results):
         if "cap" in damping.outcome:
-            return f"At {point.rpm:.0f} rpm {damping.outcome}."
+            return f"At {whole(point.rpm)} rpm {damping.outcome}."
     return None
 
 
@@ -44,7 +44,7 @@ def _nothing_released(results: Results) -> str | None:
     still = [p.rpm for p, _, _ in _rung(results) if p.load_g == 0]
     if release is None or release.ratio is None or not still:
         return None
-    return f"At {still[0]:.0f} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
+    return f"At {whole(still[0])} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
 
 
 def _floor_tilt(results: Results) -> str | None:
@@ -57,9 +57,9 @@ def _floor_tilt(results: Results) -> str | None:
         " the tilt in, to leading order in the mass ratio"
     )
     if abs(tilt - 1) < 0.01:
-        return f"{cause}; at {rpm:.0f} rpm it all but cancels what drives the ball."
+        return f"{cause}; at {whole(rpm)} rpm it all but cancels what drives the ball."
     times = significant(1 / abs(1 - tilt), 2)
-    return f"{cause}; at {rpm:.0f} rpm it changes the cut-off {times} times."
+    return f"{cause}; at {whole(rpm)} rpm it changes the cut-off {times} times."
 
 
 def _level_structure(results: Results) -> str | None:
@@ -111,7 +111,7 @@ def _work_bound(results: Results) -> str | None:
             amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
             bound = work_bound(system, amplitude)
             limit = f"{significant(100 * bound, 2)} %" if bound <= 1 else "no bound"
-            bounds.append(f"{limit} at {point.load_g:.0f} g")
+            bounds.append(f"{limit} at {whole(point.load_g)} g")
     if not bounds:
         return None
     ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
@@ -174,7 +174,7 @@ def _rolling(results: Results) -> str | None:
     if damper is None or demand <= damper.friction:
         return None
     return (
-        f"Rolling without slip needs a friction of {significant(demand, 2)} at {rpm:.0f} rpm, more than the"
+        f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm, more than the"
         f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )
 

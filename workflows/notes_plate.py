@@ -6,7 +6,7 @@ import math
 
 from workflows import thicknesses, trust
 from workflows.records import Results
-from workflows.wording import significant
+from workflows.wording import significant, whole
 
 
 def root_stress(results: Results) -> str | None:
@@ -22,7 +22,7 @@ def root_stress(results: Results) -> str | None:
     if stress < 1e7:
         return None
     return (
-        f"At {fastest * 30 / math.pi:.0f} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
+        f"At {whole(fastest * 30 / math.pi)} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
         " average over the section: compare it with the yield of the material."
     )
 
@@ -84,7 +84,9 @@ def divergence(results: Results) -> str | None:
         return None
     lost, critical = results.diagram.lost, results.diagram.critical
     which = (
-        f"{lost[0]:.0f} rpm" if len(lost) == 1 else f"{len(lost)} of the speeds asked for, from {lost[0]:.0f} rpm on"
+        f"{whole(lost[0])} rpm"
+        if len(lost) == 1
+        else f"{len(lost)} of the speeds asked for, from {whole(lost[0])} rpm on"
     )
     where = "" if critical is None else f" Its critical speed is {critical:.6g} rpm."
     return f"The plate diverges at {which}: it leaves its equilibrium without oscillating, and has no frequency.{where}"
@@ -94,7 +96,9 @@ def veering(results: Results) -> str | None:
     """Where modes could not be followed for certain."""
     if results.diagram is None or not results.diagram.veerings:
         return None
-    places = [f"{low:.0f} and {high:.0f} rpm ({', '.join(names)})" for low, high, names in results.diagram.veerings]
+    places = [
+        f"{whole(low)} and {whole(high)} rpm ({', '.join(names)})" for low, high, names in results.diagram.veerings
+    ]
     more = f", and {len(places) - 4} times more" if len(places) > 4 else ""
     return (
         f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed for certain: they exchange"

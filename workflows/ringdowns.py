@@ -13,6 +13,7 @@ from workflows.errors import BadInput
 from workflows.records import Damping, Energy, History, Reduced, SpeedPoint
 from workflows.scene import Scene
 from workflows.stages import Stages
+from workflows.wording import whole
 
 if TYPE_CHECKING:
     import damper
@@ -64,7 +65,7 @@ def simulate(
             system = particle_damper(scene, effects, point)
             damping = _one(scene, system, point, keep=number == shown)
             done.append(replace(point, damping=damping, working=working(system)))
-            step.advance(f"{point.rpm:.0f} rpm")
+            step.advance(f"{whole(point.rpm)} rpm")
     return tuple(done)
 
 

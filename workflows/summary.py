@@ -48,7 +48,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
     found = [
-        (fixed(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+        (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
         for p in results.speeds
     ]
     return [heads, *found]
@@ -57,9 +57,9 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 def _damped(point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, worth.felt(point)
     if damping is None:
-        return (fixed(point.rpm), amount(point.load_g))
+        return (amount(point.rpm), amount(point.load_g))
     return (
-        fixed(point.rpm),
+        amount(point.rpm),
         amount(point.load_g),
         fixed(answer.first_frequency(point), 2),
         amount(damping.cutoff_g),

@@ -13,6 +13,11 @@ DASH = "–"
 """Stands for a number that is not there."""
 
 
+def whole(value: float) -> str:
+    """A speed or a load within a sentence: whole numbers from 100 on, three significant digits below."""
+    return f"{value:.0f}" if abs(value) >= 100 else significant(value)
+
+
 def significant(value: float | None, digits: int = 3) -> str:
     """A number in so many significant digits: 0.00021, 12, 470000, 3.2·10⁻⁹."""
     if value is None or not math.isfinite(value):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import workflows
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Outcome, Scene, changed
 from workflows import worth
 from workflows.answer import answer
 from workflows.records import Results, SpeedPoint
@@ -90,6 +90,13 @@ def test_a_step_between_two_loads_is_named(tmp_path: Path) -> None:
     low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
     assert answer(found).verdict == f"Modestly up to {low}, hardly from {high} on"
     assert [worth.grade(found, p).name for p in found.speeds] == ["MODESTLY", "HARDLY"]
+
+
+def test_a_slow_speed_is_not_called_a_standstill(paper: Scene) -> None:
+    plate_alone = {table: paper[table] for table in ("title", "plate", "material", "rotor")}
+    found = workflows.run(changed(plate_alone, rotor__speeds=["0.001 rpm", "0.25 rpm"]))
+    assert "between 0.001 and 0.25 rpm" in text(found)
+    assert "0.001 to 0.25 rpm" in repr(found)
 
 
 def test_standstill_does_not_decide(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from workflows.commands.options import Json, Out, SceneArgument
+from workflows.wording import whole
 
 
 def ringdown(
@@ -34,6 +35,6 @@ def ringdown(
         omega = rpm * math.pi / 30
         if not 0 <= omega <= FASTEST:
             most = FASTEST * 30 / math.pi
-            raise BadInput(f"expected a rotation speed between 0 and {most:.0f} rpm", key="--rpm", value=rpm)
+            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=rpm)
     rotor = source.scene.rotor.model_copy(update={"speeds": (omega,)})
     complete(source.changed(rotor=rotor), out, json)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from workflows.records import Mode, SpeedPoint
+from workflows.wording import whole
 
 _NAMED = 3
 """Speeds that are named one by one; of more, the range is given."""
@@ -109,5 +110,5 @@ def _diverging(side: str, speeds: Iterable[float]) -> str:
 def _at(speeds: list[float]) -> str:
     ordered = sorted(speeds)
     if len(ordered) <= _NAMED:
-        return f"at {', '.join(f'{rpm:.0f}' for rpm in ordered)} rpm"
-    return f"at {len(ordered)} speeds from {ordered[0]:.0f} to {ordered[-1]:.0f} rpm"
+        return f"at {', '.join(f'{whole(rpm)}' for rpm in ordered)} rpm"
+    return f"at {len(ordered)} speeds from {whole(ordered[0])} to {whole(ordered[-1])} rpm"

@@ -9,7 +9,7 @@ from workflows.costs.by_ivp import ByIvp, Integrator, by_ivp
 from workflows.costs.ladder import Chosen, Ladder, Row, measure
 from workflows.records import SpeedPoint
 from workflows.stages import Step
-from workflows.wording import significant
+from workflows.wording import significant, whole
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, RingDown, SteppedRingDown
@@ -109,7 +109,7 @@ def ladder(
     return (
         Ladder(
             "damper",
-            f"relative error of the energy that the ball takes in {CYCLES} cycles at {point.rpm:.0f} rpm",
+            f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
             f"the exact events, {between}",
             tuple(replace(row, uncertainty=apart) for row in rows),
         ),

@@ -10,7 +10,7 @@ from workflows.records import Results
 from workflows.scene import Accuracy
 from workflows.scene_file import SceneFile
 from workflows.stages import Stages, Step
-from workflows.wording import significant
+from workflows.wording import significant, whole
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
 _FINEST = 1e-5
@@ -56,7 +56,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chos
         found.append(
             Ladder(
                 f"whole pipeline: {quantity.name}",
-                f"relative error of the {quantity.name} at {rpm:.0f} rpm",
+                f"relative error of the {quantity.name} at {whole(rpm)} rpm",
                 f"the same scene and theory with an accuracy of {_FINEST:g}{_trust(finest, shown)}",
                 tuple(rows),
             )

@@ -11,7 +11,7 @@ import numpy as np
 from workflows.costs.ladder import Chosen, Ladder, Row, measure
 from workflows.records import Floats
 from workflows.stages import Step
-from workflows.wording import fixed, significant
+from workflows.wording import fixed, significant, whole
 
 if TYPE_CHECKING:
     import fem
@@ -117,7 +117,7 @@ def ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple
                 solid.append(replace(row, error=error, uncertainty=known["solid"][1]))
             else:
                 solid.append(row)
-    where = f"{problem.count} frequencies at {problem.omega * 30 / np.pi:.0f} rpm"
+    where = f"{problem.count} frequencies at {whole(problem.omega * 30 / np.pi)} rpm"
     trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
     ours = Ladder(
         "plate",
@@ -169,7 +169,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     )
     ladder = Ladder(
         "speeds",
-        f"largest relative error of {count} frequencies at {omega.size} speeds up to {top * 30 / np.pi:.0f} rpm",
+        f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(top * 30 / np.pi)} rpm",
         f"modes solved for at {tried.size} of the speeds on the same mesh, good to rounding",
         (*rows, alone),
     )
