@@ -135,12 +135,10 @@ class _Family:
     def _flaps_in(self, basis: Array) -> Array:
         """Products (k, r) in the mass of the flap modes without balls and a basis (n, r)."""
         heavy = self._operators.mass @ basis
-        flaps = iter(self._indices)
-        return np.array(
-            [
-                vectors[:, next(flaps)] @ small
-                for part in self._diagram.parts
-                for small in (part.basis.T @ heavy,)
-                for vectors in part.vectors
-            ]
-        )
+        rows, first = [], 0
+        for part in self._diagram.parts:
+            small = part.basis.T @ heavy
+            flaps = self._indices[first : first + len(part.vectors)]
+            rows += [vectors[:, flap] @ small for vectors, flap in zip(part.vectors, flaps, strict=True)]
+            first += len(part.vectors)
+        return np.array(rows)

@@ -106,7 +106,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     plate = source.scene.plate
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 2})
-    few = tuple((method, name, min(finest, 2)) for method, name, finest in plates.METHODS)
+    few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.METHODS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plates, "METHODS", few)
         patch.setattr(plates, "_SPEEDS", 20)
@@ -287,7 +287,7 @@ def test_what_is_not_drawn_is_listed() -> None:
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "_RUNS", 1)
-    monkeypatch.setattr(plates, "METHODS", tuple((method, name, 1) for method, name, _ in plates.METHODS[:1]))
+    monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
     monkeypatch.setattr(plates, "_SPEEDS", 7)
     monkeypatch.setattr(plates, "_SOLID_AT_MOST", 1)
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))

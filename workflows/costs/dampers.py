@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from workflows.costs.by_ivp import ByIvp, Integrator, by_ivp
@@ -52,74 +54,87 @@ def ladder(
     What the structure's own damping takes is left out: it hides the ball's share, and every method has it right. There
     is no ladder where the ball takes nothing.
     """
-    from damper import ringdown, stepped_ringdown
+    from damper import ringdown
 
     step.advance("reference")
     exact = ringdown(system, release, CYCLES).energy
     taken = _taken(exact)
     if abs(taken) < _NOTHING * exact.initial:
         return None, Chosen("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
+    contest = _Contest(system, release, taken, _apart(system, release, taken))
+    rows = (*contest.steps(step), *contest.integrators(step), contest.events(step))
+    found = Ladder(
+        "damper",
+        f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
+        f"the exact events, {_between(contest.apart)}",
+        tuple(replace(row, uncertainty=contest.apart) for row in rows),
+    )
+    rounding = _ROUNDING * exact.initial / abs(taken)
+    return found, Chosen("exact events", "closed form between events, roots to rounding", rounding, contest.apart)
+
+
+def _apart(system: ParticleDamper, release: tuple[float, float], taken: float) -> float | None:
+    """How far the tightest integration is from what the exact events say is taken; None where it has no answer."""
     try:
-        apart: float | None = abs(_taken(by_ivp(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
+        return abs(_taken(by_ivp(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
     except (ArithmeticError, ValueError):
-        apart = None
+        return None
 
-    def error(found: _Balance) -> float:
-        return abs(_taken(found) / taken - 1.0)
 
-    def of_steps(found: SteppedRingDown) -> tuple[int | None, float]:
-        return len(found.time) - 1, error(found)
-
-    def of_ivp(found: ByIvp) -> tuple[int | None, float]:
-        return found.evaluations, error(found)
-
-    def of_events(found: RingDown) -> tuple[int | None, float]:
-        return found.events, error(found.energy) if apart is None else apart
-
-    rows: list[Row] = []
-    for steps in STEPS:
-        step.advance(f"{steps} steps a cycle")
-        rows.append(
-            measure(
-                "fixed step, as in the paper",
-                f"{steps} a cycle",
-                lambda steps=steps: stepped_ringdown(system, release, CYCLES, steps),  # type: ignore[misc]
-                of_steps,
-            )
-        )
-    for method, tolerances in METHODS.items():
-        for rtol in tolerances:
-            step.advance(f"{method}, {rtol:g}")
-            rows.append(
-                measure(
-                    f"solve_ivp, {method}",
-                    f"rtol {rtol:g}",
-                    lambda method=method, rtol=rtol: by_ivp(system, release, CYCLES, method, rtol),  # type: ignore[misc]
-                    of_ivp,
-                )
-            )
-    step.advance("exact events")
-    rows.append(measure("exact events", "no step", lambda: ringdown(system, release, CYCLES), of_events))
-    between = (
-        "which no independent integration could confirm here"
-        if apart is None
-        else f"from which solve_ivp with {_REFERENCE[0]} at rtol {_REFERENCE[1]:g} differs by {significant(apart, 1)};"
+def _between(apart: float | None) -> str:
+    if apart is None:
+        return "which no independent integration could confirm here"
+    return (
+        f"from which solve_ivp with {_REFERENCE[0]} at rtol {_REFERENCE[1]:g} differs by {significant(apart, 1)};"
         " the exact events' own error is given against that"
     )
-    return (
-        Ladder(
-            "damper",
-            f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
-            f"the exact events, {between}",
-            tuple(replace(row, uncertainty=apart) for row in rows),
-        ),
-        Chosen(
-            "exact events",
-            "closed form between events, roots to rounding",
-            _ROUNDING * exact.initial / abs(taken),
-            apart,
-        ),
-    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Contest:
+    """One ring-down by every method; `taken` [J] is what the ball takes, `apart` the tightest integration's error."""
+
+    system: ParticleDamper
+    release: tuple[float, float]
+    taken: float
+    apart: float | None
+
+    def steps(self, step: Step) -> Iterator[Row]:
+        """The paper's way, from coarse steps to fine ones."""
+        from damper import stepped_ringdown
+
+        def judge(found: SteppedRingDown) -> tuple[int | None, float]:
+            return len(found.time) - 1, self._error(found)
+
+        for steps in STEPS:
+            step.advance(f"{steps} steps a cycle")
+            solve = partial(stepped_ringdown, self.system, self.release, CYCLES, steps)
+            yield measure("fixed step, as in the paper", f"{steps} a cycle", solve, judge)
+
+    def integrators(self, step: Step) -> Iterator[Row]:
+        """Those of SciPy, from loose tolerances to tight ones."""
+
+        def judge(found: ByIvp) -> tuple[int | None, float]:
+            return found.evaluations, self._error(found)
+
+        for method, tolerances in METHODS.items():
+            for rtol in tolerances:
+                step.advance(f"{method}, {rtol:g}")
+                solve = partial(by_ivp, self.system, self.release, CYCLES, method, rtol)
+                yield measure(f"solve_ivp, {method}", f"rtol {rtol:g}", solve, judge)
+
+    def events(self, step: Step) -> Row:
+        """What a run uses; held against the tightest integration, where that has an answer."""
+        from damper import ringdown
+
+        def judge(found: RingDown) -> tuple[int | None, float]:
+            return found.events, self._error(found.energy) if self.apart is None else self.apart
+
+        step.advance("exact events")
+        return measure("exact events", "no step", partial(ringdown, self.system, self.release, CYCLES), judge)
+
+    def _error(self, found: _Balance) -> float:
+        return abs(_taken(found) / self.taken - 1.0)
 
 
 def _taken(found: _Balance) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -27,17 +27,33 @@ _SOLID_AT_MOST = 40_000
 WITH_THEORY = "plate, with the error of the theory"
 """The stage in which all theories are held against the solid."""
 
+
+@dataclass(frozen=True)
+class Method:
+    """A way to solve a plate: theory or theory/element, cells, what tables call it, the finest size it is tried on."""
+
+    model: str
+    name: str
+    finest: int
+    cells: Literal["graded", "even", "triangles"] = "graded"
+
+    @property
+    def theory(self) -> str:
+        """Without the element or the number of layers."""
+        return self.model.partition("/")[0]
+
+
 METHODS = (
-    ("kirchhoff/bfs", "thin plate, BFS rectangles", 12),
-    ("kirchhoff/argyris", "thin plate, Argyris triangles", 8),
-    ("kirchhoff/morley", "thin plate, Morley triangles", 10),
-    ("mindlin", "Mindlin, Q2 rectangles", 12),
-    ("mindlin on triangles", "Mindlin, P2 triangles", 8),
-    ("mindlin, even cells", "Mindlin, Q2 on even cells", 12),
-    ("solid/2", "solid, 2 layers of bricks", 5),
-    ("solid/4", "solid, 4 layers of bricks", 4),
+    Method("kirchhoff/bfs", "thin plate, BFS rectangles", 12),
+    Method("kirchhoff/argyris", "thin plate, Argyris triangles", 8, "triangles"),
+    Method("kirchhoff/morley", "thin plate, Morley triangles", 10, "triangles"),
+    Method("mindlin", "Mindlin, Q2 rectangles", 12),
+    Method("mindlin", "Mindlin, P2 triangles", 8, "triangles"),
+    Method("mindlin", "Mindlin, Q2 on even cells", 12, "even"),
+    Method("solid/2", "solid, 2 layers of bricks", 5),
+    Method("solid/4", "solid, 4 layers of bricks", 4),
 )
-"""Theory with element, what the table calls it, and the finest size of the planform's ladder it is tried on."""
+"""What is tried on the planform's ladder of meshes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +67,16 @@ class Problem:
     omega: float
     count: int
 
-    def operators(self, method: str, size: int) -> fem.Operators:
+    def operators(self, method: Method, size: int) -> fem.Operators:
         """Matrices of a method on a mesh of the planform's ladder."""
         from fem import assemble
 
-        theory, _, element = method.partition("/")
-        mesh = self._even(size) if method.endswith("even cells") else self.form.mesh(size)
-        if (element in ("argyris", "morley") or method.endswith("triangles")) and mesh.t.shape[0] == 4:
+        mesh = self._even(size) if method.cells == "even" else self.form.mesh(size)
+        if method.cells == "triangles" and mesh.t.shape[0] == 4:
             mesh = mesh.to_meshtri()
-        name = f"{theory}/{element}" if element else theory.split()[0].strip(",")
-        return assemble(self.plate(mesh), self.rotor, self.effects, name)
+        return assemble(self.plate(mesh), self.rotor, self.effects, method.model)
 
-    def solve(self, method: str, size: int) -> tuple[int, Floats]:
+    def solve(self, method: Method, size: int) -> tuple[int, Floats]:
         """Unknowns, and frequencies (count,) in Hz."""
         from fem import solve_modes
 
@@ -88,8 +102,8 @@ def sizes(problem: Problem, finest: int) -> list[int]:
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
     found = {}
-    for theory, method in (("kirchhoff", _thin(problem)), ("mindlin", "mindlin"), ("solid", "solid/4")):
-        pair = _finest(problem, method)
+    for method in (_thin(problem), Method("mindlin", "Mindlin", 16), _bricks(4)):
+        theory, pair = method.theory, _finest(problem, method)
         step.advance(f"limit of {theory}")
         if len(pair) < 2:
             continue
@@ -106,11 +120,11 @@ def ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple
     """Error against the limit of the row's own theory, and against the solid: that of the theory comes on top."""
     known = limits(problem, step)
     own, solid = [], []
-    for method, name, finest in METHODS:
-        limit, trust = known.get(method.partition("/")[0].split()[0].strip(","), (None, None))
-        for size in sizes(problem, finest):
-            step.advance(f"{name}, {size}")
-            row, frequencies = _row(problem, method, name, size, limit)
+    for method in METHODS:
+        limit, trust = known.get(method.theory, (None, None))
+        for size in sizes(problem, method.finest):
+            step.advance(f"{method.name}, {size}")
+            row, frequencies = _row(problem, method, size, limit)
             own.append(replace(row, uncertainty=trust))
             if "solid" in known and frequencies is not None:
                 error = float(np.abs(frequencies / known["solid"][0] - 1.0).max())
@@ -186,7 +200,7 @@ def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct
     return Chosen("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
 
 
-def _row(problem: Problem, method: str, name: str, size: int, limit: Floats | None) -> tuple[Row, Floats | None]:
+def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Row, Floats | None]:
     found: list[Floats] = []
 
     def judge(solved: tuple[int, Floats]) -> tuple[int | None, float]:
@@ -195,12 +209,12 @@ def _row(problem: Problem, method: str, name: str, size: int, limit: Floats | No
             raise ValueError("there is no reference: the mesh is too large for a finer one")
         return solved[0], float(np.abs(solved[1] / limit - 1.0).max())
 
-    if method.startswith("solid") and _unknowns(problem, method, size) > _SOLID_AT_MOST:
+    if method.theory == "solid" and _unknowns(problem, method, size) > _SOLID_AT_MOST:
         reason = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
-        return Row(name, _setting(problem, size), failed=reason), None
-    if method == "mindlin" and problem.form.mesh(1).t.shape[0] == 3:
-        return Row(name, _setting(problem, size), failed="the mesh is of triangles"), None
-    row = measure(name, _setting(problem, size), lambda: problem.solve(method, size), judge)
+        return Row(method.name, _setting(problem, size), failed=reason), None
+    if method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
+        return Row(method.name, _setting(problem, size), failed="the mesh is of triangles"), None
+    row = measure(method.name, _setting(problem, size), lambda: problem.solve(method, size), judge)
     return row, found[0] if found else None
 
 
@@ -212,21 +226,25 @@ def _setting(problem: Problem, size: int) -> str:
     return "the file's mesh" if size == 1 else f"each edge split in {size}"
 
 
-def _thin(problem: Problem) -> str:
+def _thin(problem: Problem) -> Method:
     from fem import Rectangle
 
-    return "kirchhoff/bfs" if isinstance(problem.form, Rectangle) else "kirchhoff"
+    return Method("kirchhoff/bfs" if isinstance(problem.form, Rectangle) else "kirchhoff", "thin plate", 12)
 
 
-def _finest(problem: Problem, method: str) -> list[int]:
+def _bricks(layers: int) -> Method:
+    return Method(f"solid/{layers}", "solid", 6)
+
+
+def _finest(problem: Problem, method: Method) -> list[int]:
     """The two sizes from which a limit is extrapolated."""
     from fem import Rectangle
 
-    most = {"kirchhoff/bfs": 12, "mindlin": 16}.get(method, 6)
+    most = method.finest
     if not isinstance(problem.form, Rectangle):
-        most = 4 if method == "mindlin" else 2
+        most = 4 if method.theory == "mindlin" else 2
     tried = [size for size in problem.form.sizes if size <= most]
-    if method.startswith("solid"):
+    if method.theory == "solid":
         tried = [size for size in tried if _unknowns(problem, method, size) <= _SOLID_AT_MOST]
     return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, Rectangle) else tried[-2:]
 
@@ -234,12 +252,12 @@ def _finest(problem: Problem, method: str) -> list[int]:
 def _more_layers(problem: Problem, size: int) -> Floats:
     """Factor from four layers of bricks to six, on a coarse mesh: the mesh's error falls out."""
     coarse = next(s for s in reversed(problem.form.sizes) if s <= max(1, size // 2))
-    (_, four), (_, six) = (problem.solve(f"solid/{layers}", coarse) for layers in (4, 6))
+    (_, four), (_, six) = (problem.solve(_bricks(layers), coarse) for layers in (4, 6))
     return np.asarray(six / four)
 
 
-def _unknowns(problem: Problem, method: str, size: int) -> int:
+def _unknowns(problem: Problem, method: Method, size: int) -> int:
     """About how many unknowns a solid has."""
     mesh = problem.form.mesh(1)
     cells = mesh.t.shape[1] * size**2 * (3 if mesh.t.shape[0] == 3 else 1)
-    return int(cells * 4 * (2 * int(method.partition("/")[2]) + 1) * 3)
+    return int(cells * 4 * (2 * int(method.model.partition("/")[2]) + 1) * 3)

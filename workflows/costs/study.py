@@ -69,7 +69,7 @@ def _plate(
         omega=float(solver.choice.probes[-1]),
         count=count,
     )
-    steps = 3 + sum(len(plates.sizes(problem, finest)) for _, _, finest in plates.METHODS)
+    steps = 3 + sum(len(plates.sizes(problem, method.finest)) for method in plates.METHODS)
     with stages("plate", steps) as step:
         ladders, limits = plates.ladders(problem, step)
     linear = replace(operators, effects=plain, gyroscopic=None)
