@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 OLDEST = (3, 11)
-PACKAGES = ["fem", "damper", "workflows", "tests", "meshes", "go.py"]
+PACKAGES = ["spindamp.py", "fem", "damper", "workflows", "tests", "meshes", "go.py"]
 
 
 def program(name):

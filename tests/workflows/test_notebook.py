@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import spindamp
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import curves, publish, store
@@ -44,6 +45,28 @@ def test_a_scene_in_every_form(damper: Results, structure: Scene, tmp_path: Path
     for form in (path, str(path), structure, workflows.parse(structure), workflows.load("structure")):
         assert _numbers(workflows.run(form)) == _numbers(damper)
     assert _numbers(workflows.run(scene=structure)) == _numbers(damper)
+
+
+def test_the_face_for_people(damper: Results, plate: Results, paper: Scene, structure: Scene, tmp_path: Path) -> None:
+    """What `import spindamp` offers does what the packages beneath it do."""
+    assert _numbers(spindamp.run(structure)) == _numbers(damper)
+    one = spindamp.ringdown("structure", rpm=5000)
+    assert [point.rpm for point in one.speeds] == [pytest.approx(5000)]
+    alone = changed(paper, rotor__speeds=["0 rad/s", "500 rad/s"], rotor__modes=2)
+    found = spindamp.campbell(alone)
+    assert found.scene.damper is None
+    for mine, theirs in zip(found.speeds, plate.speeds, strict=True):
+        assert [m.frequency_hz for m in mine.modes] == pytest.approx([m.frequency_hz for m in theirs.modes], rel=1e-6)
+    assert spindamp.report(one, tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert json.loads((spindamp.save(one, tmp_path / "out") / "results.json").read_text(encoding="utf-8"))
+    assert spindamp.dataset(one).sizes["rpm"] == 1
+    with pytest.raises(spindamp.BadInput, match="ringdown needs a damper"):
+        spindamp.ringdown(found.scene)
+    with pytest.raises(spindamp.BadInput, match="campbell needs a plate"):
+        spindamp.campbell("structure")
+    with pytest.raises(spindamp.BadInput, match="expected a rotation speed between 0 and"):
+        spindamp.ringdown("structure", rpm=-1)
+    assert set(spindamp.__all__) <= set(dir(spindamp))
 
 
 def test_what_is_no_scene(damper: Results) -> None:
@@ -238,5 +261,5 @@ def test_the_snippets_of_the_readme(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     for number, text in enumerate(found):
         monkeypatch.chdir(tmp_path)
         exec(compile(text, f"README.md, snippet {number + 1}", "exec"), {"__name__": "__main__"})
-    assert any("workflows.save(" in text for text in found)
-    assert any("save_report(" in text for text in found)
+    assert any("spindamp.save(" in text for text in found)
+    assert any("spindamp.report(" in text for text in found)

@@ -10,11 +10,7 @@ def campbell(scene: SceneArgument = "paper", out: Out = None, json: Json = False
 
     Without --out nothing is written.
     """
-    from workflows import scene_file
+    from workflows import parts, scene_file
     from workflows.commands.finish import complete
-    from workflows.errors import BadInput
 
-    source = scene_file.load(scene)
-    if source.scene.plate is None:
-        raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
-    complete(source.plate_alone(), out, json)
+    complete(parts.plate_only(scene_file.load(scene)), out, json)
