@@ -15,6 +15,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from workflows import needs, plate, plate_records, ringdowns
+from workflows.answering import answering
+from workflows.decided import Decided
 from workflows.effects import Effect
 from workflows.records import SpeedPoint
 from workflows.scene_file import SceneFile
@@ -77,13 +79,13 @@ def in_words(found: Need) -> str:
     return f"A run takes about {time} and {needs.in_words(found.memory)} of memory."
 
 
-def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> bool:
+def may_be_long(source: SceneFile, decided: Decided) -> bool:
     """Whether a scene has anything for which a run may take more than a minute, so that it is worth a `need`."""
-    scene = source.scene
+    scene, effects = source.scene, decided.effects
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
-    dear = form is not None and (
-        plate.model(source, form, effects).startswith("solid")
+    dear = decided.form is not None and (
+        plate.model(source, decided).startswith("solid")
         or effects["large_deflection"].on
         or effects["coriolis"].on
         or scene.rotor.modes > plate.MODES_FOLLOWED
@@ -93,19 +95,19 @@ def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Eff
     return dear or speeds > _MANY or speeds * cycles > _MANY_CYCLES
 
 
-def need(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> Need:
+def need(source: SceneFile, decided: Decided) -> Need:
     """Reckon what a run of a scene takes.
 
     Raises:
         BadInput, NoAnswer: what a run would raise.
     """
     small = _small(source)
-    if form is None:
+    if decided.form is None:
         points = tuple(ringdowns.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
         memory, seconds = 0.0, 0.0
     else:
-        points, memory, seconds = _plate(source, small, form, effects)
-    cycles, spent = _damper(source, small, effects, points)
+        points, memory, seconds = _plate(source, small, decided)
+    cycles, spent = _damper(source, small, decided.effects, points)
     lines = needs.of_lines(source.scene)
     return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + seconds + spent)
 
@@ -118,19 +120,17 @@ def _small(source: SceneFile) -> SceneFile:
     return replace(source, scene=source.scene.model_copy(update={"rotor": rotor}))
 
 
-def _plate(
-    source: SceneFile, small: SceneFile, form: Planform, effects: dict[str, Effect]
-) -> tuple[tuple[SpeedPoint, ...], float, float]:
+def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
     pace = _pace()  # also loads what solves plates
-    model = plate.model(source, form, effects)
+    (form, _), effects, model = decided.plate, decided.effects, plate.model(source, decided)
     first = _first(source, form, model)
     if first > _UNKNOWNS:
         last = max(first, _finest(source, form, model, effects)) if model.startswith("solid") else first
         return (), *_unsolved(source, effects, model, last, pace)
-    with plate.answering(source):
+    with answering(source):
         began = perf_counter()
-        discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
+        discrete = plate.discretise(small, decided, Stages(visible=False), most=_UNKNOWNS)
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)

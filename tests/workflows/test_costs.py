@@ -386,6 +386,22 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
+@pytest.mark.parametrize("command", ["check", "campbell", "run"])
+@pytest.mark.parametrize("long", [False, True])
+def test_the_theory_is_chosen_once(
+    command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
+) -> None:
+    """Also where what a run takes is reckoned from a small one."""
+    from fem import choosing
+
+    calls: list[float] = []
+    plain = choosing.choose_theory
+    monkeypatch.setattr(choosing, "choose_theory", lambda *a, **k: (calls.append(a[-1]), plain(*a, **k))[1])
+    scene = changed(paper, plate__theory="auto", rotor__speeds=["500 rpm"], effects__coriolis=long)
+    assert spindamp(command, write(scene, Path("scene.toml"))).status == 0
+    assert len(calls) == 1
+
+
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times that nobody reads."""
