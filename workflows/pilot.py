@@ -50,12 +50,17 @@ _SEARCH = 1.3
 _START = 5.0
 """Seconds to start the program, to draw and to write."""
 
-
 _ROUGH = 3e-3
 """Accuracy from which on the first meshes of bricks are fine enough."""
 
-_FINE, _MANY, _MANY_CYCLES = 1e-4, 200, 100_000
-"""Accuracy below which meshes become large; numbers of speeds and cycles that count as many."""
+_USUAL, _USUALLY = 12_000, 1e-3
+"""Unknowns of most meshes for six modes, and the accuracy up to which that is so; they grow with its root."""
+
+_LONG, _WITHIN = 60.0, 3.0
+"""Seconds that count as long; the factor within which they are reckoned without solving anything, and memory too."""
+
+_MANY, _MANY_CYCLES = 200, 100_000
+"""Numbers of speeds and cycles that count as many."""
 
 
 @dataclass(frozen=True)
@@ -79,20 +84,30 @@ def in_words(found: Need) -> str:
     return f"A run takes about {time} and {needs.in_words(found.memory)} of memory."
 
 
-def may_be_long(source: SceneFile, decided: Decided) -> bool:
-    """Whether a scene has anything for which a run may take more than a minute, so that it is worth a `need`."""
-    scene, effects = source.scene, decided.effects
+def may_be_large(source: SceneFile, decided: Decided) -> bool:
+    """Whether a run of a scene may take a minute or half of the memory, so that it is worth a `need`.
+
+    Reckoned from the scene alone, which takes next to nothing.
+    """
+    scene, memory, seconds = source.scene, needs.BASE, 0.0
+    if decided.form is not None:
+        model = plate.model(source, decided)
+        memory, seconds = _unsolved(source, decided.effects, model, _usual(source, decided, model), pace=1.0)
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
-    dear = decided.form is not None and (
-        plate.model(source, decided).startswith("solid")
-        or effects["large_deflection"].on
-        or effects["coriolis"].on
-        or scene.rotor.modes > plate.MODES_FOLLOWED
-        or scene.accuracy.frequency < _FINE
-        or source.mesh is not None
-    )
-    return dear or speeds > _MANY or speeds * cycles > _MANY_CYCLES
+    many = speeds > _MANY or speeds * cycles > _MANY_CYCLES
+    return many or seconds > _LONG / _WITHIN or memory > needs.available() / _WITHIN
+
+
+def _usual(source: SceneFile, decided: Decided, model: str) -> float:
+    """Unknowns of the mesh that a search may end with."""
+    (form, _), scene = decided.plate, source.scene
+    first = _first(source, form, model)
+    if model.startswith("solid"):
+        return max(first, _finest(source, form, model, decided.effects))
+    finer = 4.0 * first if source.mesh is not None and len(form.sizes) > 2 else first
+    finer_still = max(_USUALLY / scene.accuracy.frequency, 1.0) ** 0.5
+    return max(finer, _USUAL * max(scene.rotor.modes / 6, 1.0) * float(finer_still))
 
 
 def need(source: SceneFile, decided: Decided) -> Need:
@@ -177,7 +192,7 @@ def _unsolved(
     name = model.partition("/")[0]
     once = pace * _PRICE.get(model, _PRICE[name]) * unknowns ** _GROWTH[name] * max(scene.rotor.modes / 6, 1.0)
     each = once * (_DEFLECTED if large else 1.0)
-    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED or effects["coriolis"].on
+    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED
     turning = _TURNING if effects["coriolis"].on else 1.0
     speeds = len(scene.rotor.speeds) if alone else 1
     return needs.of_a_plate(model, unknowns, scene.rotor.modes, large), each * (1.0 + speeds * turning)

@@ -45,7 +45,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
 
 def _say_if_long(source: SceneFile, decided: Decided) -> None:
     """What the run takes, if that may be long; a run that is too long or too large ends here."""
-    if not pilot.may_be_long(source, decided):
+    if not pilot.may_be_large(source, decided):
         return
     try:
         need = pilot.need(source, decided)
