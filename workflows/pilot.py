@@ -15,6 +15,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from workflows import needs, plate, plate_records, ringdowns
+from workflows.answering import answering
+from workflows.decided import Decided
 from workflows.effects import Effect
 from workflows.records import SpeedPoint
 from workflows.scene_file import SceneFile
@@ -48,12 +50,17 @@ _SEARCH = 1.3
 _START = 5.0
 """Seconds to start the program, to draw and to write."""
 
-
 _ROUGH = 3e-3
 """Accuracy from which on the first meshes of bricks are fine enough."""
 
-_FINE, _MANY, _MANY_CYCLES = 1e-4, 200, 100_000
-"""Accuracy below which meshes become large; numbers of speeds and cycles that count as many."""
+_USUAL, _USUALLY = 12_000, 1e-3
+"""Unknowns of most meshes for six modes, and the accuracy up to which that is so; they grow with its root."""
+
+_LONG, _WITHIN = 60.0, 3.0
+"""Seconds that count as long; the factor within which they are reckoned without solving anything, and memory too."""
+
+_MANY, _MANY_CYCLES = 200, 100_000
+"""Numbers of speeds and cycles that count as many."""
 
 
 @dataclass(frozen=True)
@@ -77,35 +84,45 @@ def in_words(found: Need) -> str:
     return f"A run takes about {time} and {needs.in_words(found.memory)} of memory."
 
 
-def may_be_long(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> bool:
-    """Whether a scene has anything for which a run may take more than a minute, so that it is worth a `need`."""
-    scene = source.scene
+def may_be_large(source: SceneFile, decided: Decided) -> bool:
+    """Whether a run of a scene may take a minute or half of the memory, so that it is worth a `need`.
+
+    Reckoned from the scene alone, which takes next to nothing.
+    """
+    scene, memory, seconds = source.scene, needs.BASE, 0.0
+    if decided.form is not None:
+        model = plate.model(source, decided)
+        memory, seconds = _unsolved(source, decided.effects, model, _usual(source, decided, model), pace=1.0)
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
-    dear = form is not None and (
-        plate.model(source, form, effects).startswith("solid")
-        or effects["large_deflection"].on
-        or effects["coriolis"].on
-        or scene.rotor.modes > plate.MODES_FOLLOWED
-        or scene.accuracy.frequency < _FINE
-        or source.mesh is not None
-    )
-    return dear or speeds > _MANY or speeds * cycles > _MANY_CYCLES
+    many = speeds > _MANY or speeds * cycles > _MANY_CYCLES
+    return many or seconds > _LONG / _WITHIN or memory > needs.available() / _WITHIN
 
 
-def need(source: SceneFile, form: Planform | None, effects: dict[str, Effect]) -> Need:
+def _usual(source: SceneFile, decided: Decided, model: str) -> float:
+    """Unknowns of the mesh that a search may end with."""
+    (form, _), scene = decided.plate, source.scene
+    first = _first(source, form, model)
+    if model.startswith("solid"):
+        return max(first, _finest(source, form, model, decided.effects))
+    finer = 4.0 * first if source.mesh is not None and len(form.sizes) > 2 else first
+    finer_still = max(_USUALLY / scene.accuracy.frequency, 1.0) ** 0.5
+    return max(finer, _USUAL * max(scene.rotor.modes / 6, 1.0) * float(finer_still))
+
+
+def need(source: SceneFile, decided: Decided) -> Need:
     """Reckon what a run of a scene takes.
 
     Raises:
         BadInput, NoAnswer: what a run would raise.
     """
     small = _small(source)
-    if form is None:
+    if decided.form is None:
         points = tuple(ringdowns.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
         memory, seconds = 0.0, 0.0
     else:
-        points, memory, seconds = _plate(source, small, form, effects)
-    cycles, spent = _damper(source, small, effects, points)
+        points, memory, seconds = _plate(source, small, decided)
+    cycles, spent = _damper(source, small, decided.effects, points)
     lines = needs.of_lines(source.scene)
     return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + seconds + spent)
 
@@ -118,19 +135,17 @@ def _small(source: SceneFile) -> SceneFile:
     return replace(source, scene=source.scene.model_copy(update={"rotor": rotor}))
 
 
-def _plate(
-    source: SceneFile, small: SceneFile, form: Planform, effects: dict[str, Effect]
-) -> tuple[tuple[SpeedPoint, ...], float, float]:
+def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
     pace = _pace()  # also loads what solves plates
-    model = plate.model(source, form, effects)
+    (form, _), effects, model = decided.plate, decided.effects, plate.model(source, decided)
     first = _first(source, form, model)
     if first > _UNKNOWNS:
         last = max(first, _finest(source, form, model, effects)) if model.startswith("solid") else first
         return (), *_unsolved(source, effects, model, last, pace)
-    with plate.answering(source):
+    with answering(source):
         began = perf_counter()
-        discrete = plate.discretise(small, form, effects, Stages(visible=False), most=_UNKNOWNS)
+        discrete = plate.discretise(small, decided, Stages(visible=False), most=_UNKNOWNS)
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
@@ -177,7 +192,7 @@ def _unsolved(
     name = model.partition("/")[0]
     once = pace * _PRICE.get(model, _PRICE[name]) * unknowns ** _GROWTH[name] * max(scene.rotor.modes / 6, 1.0)
     each = once * (_DEFLECTED if large else 1.0)
-    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED or effects["coriolis"].on
+    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED
     turning = _TURNING if effects["coriolis"].on else 1.0
     speeds = len(scene.rotor.speeds) if alone else 1
     return needs.of_a_plate(model, unknowns, scene.rotor.modes, large), each * (1.0 + speeds * turning)

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from workflows import effects as rules
-from workflows import needs, plate, plate_mesh, ringdowns
+from workflows import needs, plate, ringdowns
+from workflows.decided import Decided, decide
 from workflows.effects import Effect
 from workflows.notes import remarks
 from workflows.plate import PlateAnswer
 from workflows.records import Results, SpeedPoint
 from workflows.scene_file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.stages import Stages
-
-if TYPE_CHECKING:
-    from workflows.plate_mesh import Planform
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,29 +25,6 @@ class Structure:
     mesh_sha256: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Decided:
-    """What a scene calls for, before any of it is solved: its planform (None without a plate) and its effects."""
-
-    form: Planform | None
-    effects: dict[str, Effect]
-    mesh_sha256: str | None = None
-
-
-def decide(source: SceneFile, stages: Stages) -> Decided:
-    """Read the scene's mesh and decide its effects.
-
-    Raises:
-        BadInput: the mesh or an effect asked for is no good.
-    """
-    if source.scene.plate is None:
-        return Decided(None, rules.resolve(source.scene, source.name))
-    with stages("mesh"):
-        sha256, form = source.mesh_sha256, plate_mesh.planform(source)
-    with stages("prestress"):
-        return Decided(form, rules.resolve(source.scene, source.name, form), sha256)
-
-
 def structure(
     source: SceneFile,
     stages: Stages,
@@ -62,7 +35,7 @@ def structure(
 ) -> Structure:
     """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
-    `decided`: what :func:`decide` says of the source, where that is known.
+    `decided`: what :func:`workflows.decided.decide` says of the source, where that is known.
 
     Raises:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
@@ -71,7 +44,7 @@ def structure(
     if found.form is None:
         points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, found.effects, points, None)
-    answer = plate.solve(source, found.form, found.effects, stages, shapes=shapes, size=size)
+    answer = plate.solve(source, found, stages, shapes=shapes, size=size)
     return Structure(source, found.effects, answer.points, answer, found.mesh_sha256)
 
 

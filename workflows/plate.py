@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows import effects as rules
 from workflows import needs, plate_mesh, plate_records, theorising, thicknesses
+from workflows.answering import answering
+from workflows.decided import Decided
 from workflows.effects import Effect
-from workflows.errors import BadInput, NoAnswer
+from workflows.errors import BadInput
 from workflows.left_out import LeftOut
 from workflows.plate_records import Discrete
 from workflows.records import Diagram, Reduced, SpeedPoint, Surface
@@ -64,8 +63,7 @@ class PlateAnswer:
 
 def solve(
     source: SceneFile,
-    form: Planform,
-    effects: dict[str, Effect],
+    decided: Decided,
     stages: Stages,
     *,
     shapes: bool = True,
@@ -73,7 +71,8 @@ def solve(
 ) -> PlateAnswer:
     """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
 
-    `form` is the scene's planform. `size` is that of a mesh of its ladder; without it, the accuracy asked for chooses.
+    `decided`: what the scene calls for. `size` is that of a mesh of its planform's ladder; without it, the accuracy
+    asked for chooses.
 
     Speeds at which the plate diverges have no point, as long as any speed has one.
 
@@ -83,7 +82,7 @@ def solve(
     """
     with answering(source):
         with stages("modes"):
-            discrete = discretise(source, form, effects, stages, size)
+            discrete = discretise(source, decided, stages, size)
             diagram = sweep(source, discrete)
         with stages("reduction"):
             reduced = reduce(source, discrete.choice.operators, diagram)
@@ -101,32 +100,9 @@ def solve(
     return PlateAnswer(points, surface, discrete.theory, beyond)
 
 
-@contextmanager
-def answering(source: SceneFile) -> Iterator[None]:
-    """Say of what has no solution why, in the words of the scene.
-
-    Raises:
-        NoAnswer: the plate diverges, has no equilibrium, or is too thin for its theory in double precision.
-    """
-    from fem import Divergence, NoEquilibrium, NotConverged, SingularMatrix, Unresolved
-
-    try:
-        yield
-    except Divergence as error:
-        found = f"{source.name}: {error}; no speed asked for is below the critical one"
-        raise NoAnswer(". ".join((found, *source.remarks))) from error
-    except NoEquilibrium as error:
-        raise NoAnswer(f"{source.name}: {error}") from error
-    except Unresolved as error:
-        raise NoAnswer(f"{source.name}: [plate] theory, thickness: {error}") from error
-    except (SingularMatrix, NotConverged) as error:
-        raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {error}") from error
-
-
 def discretise(
     source: SceneFile,
-    form: Planform,
-    effects: dict[str, Effect],
+    decided: Decided,
     stages: Stages,
     size: int | None = None,
     most: int | None = None,
@@ -138,10 +114,8 @@ def discretise(
     """
     from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh
 
-    scene = source.scene
-    theory = rules.theory(scene, form, effects["large_deflection"].on)
-    if theory is None or scene.plate is None:
-        raise ValueError("the scene has no plate")
+    scene, effects = source.scene, decided.effects
+    form, theory = decided.plate
     names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
     switches = Effects(**{name: effects[name].on for name in names})
     rotor = plate_mesh.rotor(scene)
@@ -196,12 +170,9 @@ def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str
     return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
 
 
-def model(source: SceneFile, form: Planform, effects: dict[str, Effect]) -> str:
+def model(source: SceneFile, decided: Decided) -> str:
     """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    theory = rules.theory(source.scene, form, effects["large_deflection"].on)
-    if theory is None:
-        raise ValueError("the scene has no plate")
-    return _with_layers(source, form, theory)[0]
+    return _with_layers(source, *decided.plate)[0]
 
 
 def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:

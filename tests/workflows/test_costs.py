@@ -15,13 +15,14 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import scene_file
+from workflows import pilot, scene_file
 from workflows.costs import dampers, page, pipelines, plates, plots, timing
 from workflows.costs.by_ivp import by_ivp
 from workflows.costs.changes import changes
 from workflows.costs.ladder import Ladder, Row, Study, measure
 from workflows.costs.study import study
 from workflows.costs.switching import Switched, Switches, switching
+from workflows.decided import decide
 from workflows.drawing import WIDE
 from workflows.effects import NAMES, OF_THE_PLATE
 from workflows.records import Damping, Energy, Mode, SpeedPoint
@@ -384,6 +385,42 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2, "stagger": 0.3})
     pipeline.structure(source.changed(effects=effects, rotor=rotor, damper=None, release=None), QUIET, shapes=False)
     assert bool(calls) == on
+
+
+@pytest.mark.parametrize("command", ["check", "campbell", "run"])
+@pytest.mark.parametrize("long", [False, True])
+def test_the_theory_is_chosen_once(
+    command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
+) -> None:
+    """Also where what a run takes is reckoned from a small one."""
+    from fem import choosing
+
+    calls: list[float] = []
+    plain = choosing.choose_theory
+    monkeypatch.setattr(choosing, "choose_theory", lambda *a, **k: (calls.append(a[-1]), plain(*a, **k))[1])
+    scene = changed(paper, plate__theory="auto", rotor__speeds=["500 rpm"], effects__coriolis=long)
+    assert spindamp(command, write(scene, Path("scene.toml"))).status == 0
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "tried"),
+    [
+        ({}, False),
+        ({"effects__coriolis": True}, False),
+        ({"effects__large_deflection": True, "rotor__speeds": ["500 rpm"]}, False),
+        ({"effects__large_deflection": True, "rotor__speeds": {"start": 100, "stop": 300, "count": 40}}, True),
+        ({"plate__theory": "solid", "accuracy__frequency": 1e-4}, True),
+        ({"rotor__modes": 60}, True),
+    ],
+)
+def test_only_what_may_take_long_is_tried_beforehand(
+    changes: dict[str, Any], tried: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A small run would pay for itself twice."""
+    monkeypatch.setattr("workflows.needs.available", lambda: 16e9)
+    source = scene_file.opened(changed(paper, **changes)).plate_alone()
+    assert pilot.may_be_large(source, decide(source, QUIET)) == tried
 
 
 @pytest.fixture

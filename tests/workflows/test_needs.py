@@ -14,7 +14,8 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import needs, pilot, pipeline, plate
+from workflows import needs, pilot, plate
+from workflows.decided import decide
 from workflows.scene_file import load, shipped
 from workflows.stages import Stages
 
@@ -137,8 +138,8 @@ def test_the_same_scene_passes_where_there_is_room(
     monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
     source = load("paper")
-    decided = pipeline.decide(source, Stages(visible=False))
-    needed = pilot.need(source, decided.form, decided.effects).memory
+    decided = decide(source, Stages(visible=False))
+    needed = pilot.need(source, decided).memory
     monkeypatch.setattr(needs, "available", lambda: 1.2 * needed)
     assert spindamp("check", "paper").status == 0
     monkeypatch.setattr(needs, "available", lambda: 0.99 * needs.memory(source))
@@ -152,12 +153,12 @@ def test_a_plate_grows_no_further_than_the_memory(
     fine = changed(paper, plate__theory=theory, accuracy={"frequency": 1e-6}, damper=None, release=None)
     source = load(write(fine, tmp_path / "scene.toml"))
     quiet = Stages(visible=False)
-    decided = pipeline.decide(source, quiet)
-    model = plate.model(source, decided.form, decided.effects)
+    decided = decide(source, quiet)
+    model = plate.model(source, decided)
     others = sum(part.memory for part in needs.parts(source) if part.key == "[rotor] speeds")
     most = 6000
     monkeypatch.setattr(needs, "available", lambda: needs.BASE + others + needs.of_a_plate(model, most, 6) + 1)
-    choice = plate.discretise(source, decided.form, decided.effects, quiet).choice
+    choice = plate.discretise(source, decided, quiet).choice
     assert 1000 < choice.operators.mass.shape[0] <= most
     assert not choice.met
 

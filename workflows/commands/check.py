@@ -14,18 +14,17 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and what a run of it takes."""
-    from workflows import effects, needs, pilot, pipeline, resolved, scene_file
+    from workflows import needs, pilot, resolved, scene_file
+    from workflows.decided import decide
     from workflows.errors import NoAnswer
     from workflows.stages import Stages
 
     source = scene_file.load(scene)
     needs.check(source)
-    decided = pipeline.decide(source, Stages(visible=False))
-    form = decided.form
-    theory = effects.theory(source.scene, form, decided.effects["large_deflection"].on)
-    given = None if source.mesh is None else form
+    decided = decide(source, Stages(visible=False))
+    given = None if source.mesh is None else decided.form
     try:
-        need = pilot.need(source, form, decided.effects)
+        need = pilot.need(source, decided)
     except NoAnswer as error:
         taken, said = None, f"A run will end without an answer: {error}"
     else:
@@ -34,9 +33,9 @@ def check(
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided.effects, theory, given) | {"needs": taken}
+        found = resolved.document(source, decided.effects, decided.theory, given) | {"needs": taken}
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
     typer.echo("\n".join(resolved.heading(source, given)))
-    typer.echo(resolved.as_toml(source.scene, decided.effects, theory))
+    typer.echo(resolved.as_toml(source.scene, decided.effects, decided.theory))
     typer.echo(f"\n# {said}")

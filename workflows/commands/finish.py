@@ -9,6 +9,7 @@ from pathlib import Path
 import typer
 
 from workflows import curves, needs, pilot, pipeline, results_json, store, summary
+from workflows.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.mode_shape import Artist
 from workflows.scene_file import SceneFile
@@ -29,7 +30,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
         artist = stack.enter_context(Artist()) if drawn else None
-        decided = pipeline.decide(source, stages)
+        decided = decide(source, stages)
         _say_if_long(source, decided)
         found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
         if artist is not None and found.plate is not None and found.plate.surface is not None:
@@ -42,12 +43,12 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))
 
 
-def _say_if_long(source: SceneFile, decided: pipeline.Decided) -> None:
+def _say_if_long(source: SceneFile, decided: Decided) -> None:
     """What the run takes, if that may be long; a run that is too long or too large ends here."""
-    if not pilot.may_be_long(source, decided.form, decided.effects):
+    if not pilot.may_be_large(source, decided):
         return
     try:
-        need = pilot.need(source, decided.form, decided.effects)
+        need = pilot.need(source, decided)
     except NoAnswer:  # the run says so itself
         return
     needs.refuse(source, need.memory, need.seconds)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from workflows import pipeline
 from workflows.costs.ladder import Chosen, Ladder, Row, measure
+from workflows.decided import decide
 from workflows.records import Results
 from workflows.scene import Accuracy
 from workflows.scene_file import SceneFile
@@ -39,7 +40,8 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chos
     """A ladder for each headline number that the scene has; none without a plate, where there is nothing to choose."""
     if source.scene.plate is None:
         return [], {}
-    theory = _theory(source)
+    known = decide(source, Stages(visible=False)).theory
+    theory = None if known is None else known.name
     step.advance("reference")
     finest = pipeline.run(_asking(source, _FINEST, theory), Stages(visible=False))
     shown = pipeline.shown(finest.speeds)
@@ -130,14 +132,3 @@ def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> Sc
     if theory is not None and source.scene.plate is not None:
         changed = changed.changed(plate=source.scene.plate.model_copy(update={"theory": theory}))
     return changed
-
-
-def _theory(source: SceneFile) -> str | None:
-    from workflows import effects, plate_mesh
-
-    if source.scene.plate is None:
-        return None
-    form = None if source.mesh is None else plate_mesh.planform(source)
-    decided = effects.resolve(source.scene, source.name, form)
-    found = effects.theory(source.scene, form, decided["large_deflection"].on)
-    return None if found is None else found.name

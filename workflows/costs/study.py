@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows import effects as rules
 from workflows import pipeline, plate, plate_mesh, ringdowns
 from workflows.costs import dampers, pipelines, plates
 from workflows.costs.ladder import Chosen, Ladder, Study
 from workflows.costs.plates import Problem
-from workflows.effects import Effect
+from workflows.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.plate_records import Discrete
 from workflows.records import Floats
@@ -33,17 +32,16 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     stages = stages or Stages()
     ladders: list[Ladder] = []
     chosen: dict[str, Chosen] = {}
-    form = None if source.scene.plate is None else plate_mesh.planform(source)
-    effects = rules.resolve(source.scene, source.name, form)
-    if form is not None:
-        found, picked = _plate(source, form, effects, stages)
+    decided = decide(source, Stages(visible=False))
+    if decided.form is not None:
+        found, picked = _plate(source, decided, stages)
         ladders += found
         chosen |= picked
     if source.scene.damper is not None:
         with stages("damper", len(dampers.STEPS) + sum(map(len, dampers.METHODS.values())) + 2) as step:
-            points = pipeline.structure(source, Stages(visible=False), shapes=False).points
+            points = pipeline.structure(source, Stages(visible=False), shapes=False, decided=decided).points
             point = points[pipeline.shown(points)]
-            system = ringdowns.particle_damper(source.scene, effects, point)
+            system = ringdowns.particle_damper(source.scene, decided.effects, point)
             ladder, exact = dampers.ladder(system, ringdowns.released_at(source.scene, point), point, step)
         ladders += [] if ladder is None else [ladder]
         chosen["damper"] = exact
@@ -55,10 +53,8 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     return Study(source.scene.title, asked, (*ladders, *whole), chosen | picked)
 
 
-def _plate(
-    source: SceneFile, form: plate_mesh.Planform, effects: dict[str, Effect], stages: Stages
-) -> tuple[list[Ladder], dict[str, Chosen]]:
-    solver = plate.discretise(source, form, effects, Stages(visible=False))
+def _plate(source: SceneFile, decided: Decided, stages: Stages) -> tuple[list[Ladder], dict[str, Chosen]]:
+    (form, _), solver = decided.plate, plate.discretise(source, decided, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(

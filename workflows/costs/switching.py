@@ -6,10 +6,11 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from workflows import effects as rules
-from workflows import pipeline, plate, plate_mesh
+from workflows import pipeline, plate
 from workflows.costs.changes import changes
 from workflows.costs.ladder import machine
 from workflows.costs.timing import POLICY_OF_DIFFERENCES, compared
+from workflows.decided import decide
 from workflows.effects import OF_THE_PLATE, Effect
 from workflows.errors import SpindampError
 from workflows.left_out import Called
@@ -88,9 +89,10 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
         BadInput, NoAnswer: see :func:`workflows.plate.solve`.
     """
     stages = stages or Stages()
-    form = None if source.scene.plate is None else plate_mesh.planform(source)
-    decided, called = rules.resolve(source.scene, source.name, form), rules.called_for(source.scene, form)
-    size = None if form is None else plate.discretise(source, form, decided, Stages(visible=False)).choice.size
+    quiet = Stages(visible=False)
+    settled = decide(source, quiet)
+    decided, called = settled.effects, rules.called_for(source.scene, settled.form)
+    size = None if settled.form is None else plate.discretise(source, settled, quiet).choice.size
     with stages("effects", len(decided) + 1) as step:
         own = _run(source, decided, {}, size)
         step.advance("as the scene has it")
