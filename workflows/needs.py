@@ -113,7 +113,7 @@ def refuse(source: SceneFile, memory: float, seconds: float) -> None:
     Raises:
         BadInput: it is more memory than there is, or more than a week; with the key that it comes from most.
     """
-    every, there = parts(source), available()
+    every, there = parts(source), available() + _held()
     if memory > there:
         worst = every[0]
         problem = f"this needs about {in_words(memory)} of memory, and {in_words(there)} are there"
@@ -193,6 +193,16 @@ def available() -> float:
         if limit != RLIM_INFINITY:
             found.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
     return min(found)
+
+
+def _held() -> float:
+    """Bytes that this process has of those in BASE: counted in what is needed, and gone from what is there."""
+    import psutil
+
+    try:
+        return min(float(psutil.Process().memory_info().rss), BASE)
+    except (OSError, psutil.Error):
+        return 0.0
 
 
 def _least_size(source: SceneFile) -> tuple[float, float]:

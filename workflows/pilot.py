@@ -1,20 +1,18 @@
 """How long a run takes and how much memory, reckoned from a small one: coarse meshes, few speeds, few cycles.
 
-The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on
-this machine: work grows as the power 1.3 of the unknowns, between that of the matrices (1) and that of a planar mesh's
-factor (1.5; George, SIAM J. Numer. Anal. 10 (1973) 345), of solids as 1.5. Where the first meshes are large, solids and
-many cells from a file, they are not solved for this; what they take is reckoned from what others took, and from how
-fast this machine is.
+The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on this
+machine; they are followed as far as a few seconds go. Where the first meshes are large, solids and many cells from a
+file, nothing is solved for this, and `workflows.reckoned` says what they take.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from workflows import needs, plate, plate_records, ringdowns
+from workflows import needs, plate, plate_records, reckoned, ringdowns
 from workflows.answering import answering
 from workflows.decided import Decided
 from workflows.effects import Effect
@@ -27,34 +25,20 @@ if TYPE_CHECKING:
     from workflows.plate_mesh import Planform
     from workflows.plate_records import Discrete
 
-_UNKNOWNS = 4000
-"""Up to which meshes are tried here."""
+_UNKNOWNS, _PATIENCE = (4000, 16_000, 64_000), 4.0
+"""Up to which meshes are tried here, one after the other as long as the next should take no more seconds than that."""
+
+_GROWTH, _SLOWEST, _FASTEST = 1.2, 0.9, 1.6
+"""Power of the unknowns that the work grows with, where two trials do not tell; the least and the largest believed."""
 
 _SPEEDS, _CYCLES = 3, 1000
 """Up to which there are speeds and cycles here."""
-
-_GROWTH = {"kirchhoff": 1.3, "mindlin": 1.3, "solid": 1.5}
-
-_PRICE = {"kirchhoff": 1.7e-6, "mindlin": 1.7e-6, "solid": 8e-7, "solid/4": 1.9e-6, "solid/6": 2.5e-6}
-"""Seconds that matrices and six modes at two speeds took for one unknown, to be grown by the power above."""
-
-_DEFLECTED, _TURNING = 8.0, 6.0
-"""By how much large deflection and Coriolis forces make modes dearer."""
-
-_REFERENCE = 4, 0.1
-"""Size of a mesh of the paper's plate, and the seconds that its modes took on the machine where prices were taken."""
 
 _SEARCH = 1.3
 """Work of a search over that of the last of its meshes, each of which is about half as large as the next."""
 
 _START = 5.0
 """Seconds to start the program, to draw and to write."""
-
-_ROUGH = 3e-3
-"""Accuracy from which on the first meshes of bricks are fine enough."""
-
-_USUAL, _USUALLY = 12_000, 1e-3
-"""Unknowns of most meshes for six modes, and the accuracy up to which that is so; they grow with its root."""
 
 _LONG, _WITHIN = 60.0, 3.0
 """Seconds that count as long; the factor within which they are reckoned without solving anything, and memory too."""
@@ -92,22 +76,13 @@ def may_be_large(source: SceneFile, decided: Decided) -> bool:
     scene, memory, seconds = source.scene, needs.BASE, 0.0
     if decided.form is not None:
         model = plate.model(source, decided)
-        memory, seconds = _unsolved(source, decided.effects, model, _usual(source, decided, model), pace=1.0)
+        memory, seconds = reckoned.reckon(
+            source, decided.effects, model, reckoned.usual_unknowns(source, decided, model), 1.0
+        )
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
     many = speeds > _MANY or speeds * cycles > _MANY_CYCLES
     return many or seconds > _LONG / _WITHIN or memory > needs.available() / _WITHIN
-
-
-def _usual(source: SceneFile, decided: Decided, model: str) -> float:
-    """Unknowns of the mesh that a search may end with."""
-    (form, _), scene = decided.plate, source.scene
-    first = _first(source, form, model)
-    if model.startswith("solid"):
-        return max(first, _finest(source, form, model, decided.effects))
-    finer = 4.0 * first if source.mesh is not None and len(form.sizes) > 2 else first
-    finer_still = max(_USUALLY / scene.accuracy.frequency, 1.0) ** 0.5
-    return max(finer, _USUAL * max(scene.rotor.modes / 6, 1.0) * float(finer_still))
 
 
 def need(source: SceneFile, decided: Decided) -> Need:
@@ -137,80 +112,67 @@ def _small(source: SceneFile) -> SceneFile:
 
 def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
-    pace = _pace()  # also loads what solves plates
-    (form, _), effects, model = decided.plate, decided.effects, plate.model(source, decided)
-    first = _first(source, form, model)
-    if first > _UNKNOWNS:
-        last = max(first, _finest(source, form, model, effects)) if model.startswith("solid") else first
-        return (), *_unsolved(source, effects, model, last, pace)
+    slowness = reckoned.pace()  # also loads what solves plates
+    (form, _), model = decided.plate, plate.model(source, decided)
+    first = reckoned.first_unknowns(source, form, model)
+    found: _Trial | None = None
+    for most in _UNKNOWNS:
+        expected = _expected(source, decided, model, max(first, most), slowness, found)
+        if first <= most and (most == _UNKNOWNS[0] or expected < _PATIENCE):
+            found = _tried(source, small, decided, most, found)
+            if found.last:
+                break
+    if found is not None:
+        return found.points, found.memory, found.seconds
+    last = max(first, reckoned.finest_unknowns(source, form, model, decided.effects)) if "solid" in model else first
+    return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A search that ends with a coarse mesh: its unknowns and seconds, and what the whole search takes by it."""
+
+    unknowns: float
+    spent: float
+    points: tuple[SpeedPoint, ...]
+    memory: float
+    seconds: float
+    last: bool
+
+
+def _expected(
+    source: SceneFile, decided: Decided, model: str, unknowns: float, slowness: float, before: _Trial | None
+) -> float:
+    """Seconds that a trial on so many unknowns should take."""
+    if before is None:
+        return reckoned.reckon(source, decided.effects, model, unknowns, slowness)[1]
+    return before.spent * float((unknowns / before.unknowns) ** _GROWTH)
+
+
+def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, before: _Trial | None) -> _Trial:
+    """Solve the plate on meshes of no more than so many unknowns, and see what finer ones take."""
+    (form, _), scene = decided.plate, source.scene
     with answering(source):
         began = perf_counter()
-        discrete = plate.discretise(small, decided, Stages(visible=False), most=_UNKNOWNS)
+        discrete = plate.discretise(small, decided, Stages(visible=False), most=int(most))
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
         reduced = plate.reduce(small, operators, diagram)
         swept = perf_counter()
 
-    scene, here = source.scene, float(operators.mass.shape[0])
+    large, model = operators.effects.large_deflection, operators.model.theory
+    here, spent = float(operators.mass.shape[0]), swept - began
     there = here * _growth(source, form, discrete, here)
-    larger = (there / here) ** _GROWTH[operators.model.theory.partition("/")[0]]
-    each = len(scene.rotor.speeds) / len(small.scene.rotor.speeds) if plate.one_by_one(scene, operators) else 1.0
-    seconds = ((searched - began) * (1.0 if there == here else _SEARCH) + (swept - searched) * each) * larger
-    memory = needs.of_a_plate(operators.model.theory, there, scene.rotor.modes, operators.effects.large_deflection)
+    each = len(scene.rotor.speeds) / len(small.scene.rotor.speeds) if large else 1.0
+    power = _GROWTH
+    if before is not None and here > 2.0 * before.unknowns:
+        power = min(max(log(spent / before.spent) / log(here / before.unknowns), _SLOWEST), _FASTEST)
+    search = (searched - began) * (1.0 if there == here else _SEARCH)
+    seconds = (search + (swept - searched) * each) * (there / here) ** power
     numbers = [int((diagram.omega == omega).argmax()) for omega in small.scene.rotor.speeds if omega in diagram.omega]
-    return plate_records.points(small, discrete, diagram, numbers, reduced), memory, seconds
-
-
-def _first(source: SceneFile, form: Planform, model: str) -> float:
-    """Unknowns of the finer of the two meshes that a search begins with, or of the only one."""
-    from fem.choice import first_pair, has_pair
-
-    coarsest = needs.unknowns(model, form.mesh(form.sizes[0]))
-    if not has_pair(form, coarsest, model):
-        return coarsest
-    return needs.unknowns(model, form.mesh(first_pair(form, source.scene.rotor.modes)[1]))
-
-
-def _finest(source: SceneFile, form: Planform, model: str, effects: dict[str, Effect]) -> float:
-    """Unknowns of the finest mesh that a search for bricks may try, which it does for all but rough accuracies."""
-    from fem.choice import MOST_UNKNOWNS
-
-    fit = needs.most_unknowns(source, form, model, effects["large_deflection"].on)
-    most = min(MOST_UNKNOWNS["solid"], fit)
-    each = needs.unknowns(model, form.mesh(form.sizes[0])) / form.sizes[0] ** 2
-    if source.scene.accuracy.frequency >= _ROUGH:
-        return each
-    return max(each * size**2 for size in form.sizes if size == form.sizes[0] or each * size**2 <= most)
-
-
-def _unsolved(
-    source: SceneFile, effects: dict[str, Effect], model: str, unknowns: float, pace: float
-) -> tuple[float, float]:
-    """Bytes and seconds of a plate whose first meshes are large: the search is taken to end with the finer of them."""
-    scene, large = source.scene, effects["large_deflection"].on
-    name = model.partition("/")[0]
-    once = pace * _PRICE.get(model, _PRICE[name]) * unknowns ** _GROWTH[name] * max(scene.rotor.modes / 6, 1.0)
-    each = once * (_DEFLECTED if large else 1.0)
-    alone = large or scene.rotor.modes > plate.MODES_FOLLOWED
-    turning = _TURNING if effects["coriolis"].on else 1.0
-    speeds = len(scene.rotor.speeds) if alone else 1
-    return needs.of_a_plate(model, unknowns, scene.rotor.modes, large), each * (1.0 + speeds * turning)
-
-
-def _pace() -> float:
-    """How slow this machine is against the one that prices were taken on."""
-    from fem import Effects, Material, Plate, Rectangle, Rotor, assemble
-    from fem.probing import probe
-
-    size, usual = _REFERENCE
-    for _ in range(2):  # the first loads
-        began = perf_counter()
-        mesh = Rectangle(0.2, 0.08).mesh(size)
-        operators = assemble(Plate(mesh, 0.003, Material(114e9, 0.33, 4430.0)), Rotor(0.1, 0.5), Effects())
-        probe(operators, (10.0, 600.0), 6, 1e-6)
-        spent = perf_counter() - began
-    return spent / usual
+    points = plate_records.points(small, discrete, diagram, numbers, reduced)
+    return _Trial(here, spent, points, needs.of_a_plate(model, there, scene.rotor.modes, large), seconds, there == here)
 
 
 def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
