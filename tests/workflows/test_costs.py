@@ -33,6 +33,9 @@ RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
 
 
+FEW_INTEGRATORS = {"RK45": (1e-3, 1e-6), "DOP853": (1e-3, 1e-9)}
+
+
 def system(**changes: Any) -> ParticleDamper:
     stiffness = 1.006 * (2 * np.pi * 269.5) ** 2
     given: dict[str, Any] = {
@@ -112,6 +115,9 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         patch.setattr(plates, "METHODS", few)
         patch.setattr(plates, "_SPEEDS", 20)
         patch.setattr(plates, "_SOLID_AT_MOST", 12_000)
+        patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
+        patch.setattr(pipelines, "_FINEST", 1e-4)
+        patch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
         patch.setattr(timing, "_RUNS", 1)
         return study(source.changed(rotor=rotor), QUIET).document()
 
@@ -225,6 +231,7 @@ def test_accuracy_of_a_known_structure(
 ) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
     monkeypatch.setattr(timing, "_RUNS", 1)
+    monkeypatch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
     assert "exact events" in outcome.out
