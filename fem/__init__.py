@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fem.locate import PlaceError
     from fem.meshfile import read_mesh
     from fem.modes import Divergence, Modes, Unresolved, solve_modes
-    from fem.operators import Operators, assemble, with_point_mass
+    from fem.operators import Operators, assemble, with_coriolis, with_point_mass
     from fem.planform import MeshError, rectangle
     from fem.plate import Material, Plate
     from fem.reduction import NoFlapMode, Reduced, reduce_at
@@ -72,6 +72,7 @@ _HOMES = {
     "reduce_at": "fem.reduction",
     "reduce_over": "fem.reduction_sweep",
     "solve_modes": "fem.modes",
+    "with_coriolis": "fem.operators",
     "with_point_mass": "fem.operators",
 }
 
@@ -111,6 +112,7 @@ __all__ = [
     "reduce_at",
     "reduce_over",
     "solve_modes",
+    "with_coriolis",
     "with_point_mass",
 ]
 

@@ -60,6 +60,7 @@ class Choice:
     size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
     errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
     size with its largest error. rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
+    states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
     """
 
     operators: Operators
@@ -69,6 +70,7 @@ class Choice:
     tolerance: float
     tried: tuple[tuple[int, float], ...] = field(default=())
     rates: Array = field(default_factory=lambda: np.full((1, 1), np.nan))
+    states: tuple[tuple[float, Array], ...] = field(default=(), repr=False)
 
     @property
     def met(self) -> bool:
@@ -136,7 +138,8 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
     errors = np.where(np.isfinite(errors), errors, np.nan)
     probes = np.array(search.probes)[alive]
     rates = 2.0 * np.pi * search.frequencies(size)[alive]
-    return Choice(search.operators(size), size, probes, errors, tolerance, tuple(sorted(search.tried.items())), rates)
+    tried, states = tuple(sorted(search.tried.items())), search.states(size)
+    return Choice(search.operators(size), size, probes, errors, tolerance, tried, rates, states)
 
 
 def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:

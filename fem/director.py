@@ -104,11 +104,17 @@ class SectionStress:
         felt = self.stress[:, None, :] @ self.turned
         return self.energy.fields.load(_fieldwise((felt @ self.jacobian)[:, 0], self.energy.fields))
 
-    def terms(self) -> Terms:
-        """Fields and coefficients of the tangent stiffness."""
-        felt = (self.stress[:, None, :] @ self.turned)[:, 0] * self.thickness
+    def ahead(self, step: Array) -> Array:
+        """The stress (npoint, 6) that a step (n,) leads to, to first order."""
+        moved = _pointwise(self.energy.fields.evaluate(step))[:, :, None]
+        return np.asarray(self.stress + (self.modulus @ (self.turned @ (self.jacobian @ moved)))[:, :, 0])
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
+        stress = self.stress if stress is None else stress
+        felt = (stress[:, None, :] @ self.turned)[:, 0] * self.thickness
         inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
-        inner += np.tensordot(self.stress, FORMS, 1)
+        inner += np.tensordot(stress, FORMS, 1)
         total = self.jacobian.transpose(0, 2, 1) @ inner @ self.jacobian
         for b, height in enumerate((felt[:, 8], felt[:, 11])):
             first, second = np.meshgrid(*[_lifting(b)] * 2, indexing="ij")

@@ -47,11 +47,15 @@ class Shear:
         edges = values[:6].reshape(3, 2, *height.shape).copy()
         edges[:2] += self.sides
         covariant = np.einsum("kmcs,kcs->csm", edges, director)
+        return ShearStress(self, director, edges, self.felt(covariant))
+
+    def felt(self, covariant: Array) -> Array:
+        """The energy's derivative by the samples' covariant shears (ncell, nsample, 2): (2, ncell, nsample)."""
         ncell, npoint = self.dx.shape
         shear = self._reduction @ covariant.reshape(ncell, -1, 1)
         stress = (self.modulus * self.dx)[:, :, None] * shear.reshape(ncell, npoint, 2)
         felt = stress.reshape(ncell, 1, -1) @ self._reduction
-        return ShearStress(self, director, edges, felt.reshape(ncell, -1, 2).transpose(2, 0, 1))
+        return np.asarray(felt.reshape(ncell, -1, 2).transpose(2, 0, 1))
 
     @property
     def _reduction(self) -> Array:
@@ -76,13 +80,18 @@ class ShearStress:
         """The internal force (n,)."""
         return self.energy.samples.load(np.einsum("mfcs,mcs->fcs", self._variation, self.felt))
 
-    def terms(self) -> Terms:
-        """Fields and coefficients of the tangent stiffness."""
+    def ahead(self, step: Array) -> Array:
+        """What the samples would feel after a step (n,), to first order: (2, ncell, nsample)."""
+        moved = np.einsum("mfcs,fcs->csm", self._variation, self.energy.samples.evaluate(step))
+        return self.felt + self.energy.felt(moved)
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, where the samples feel something else if that is given."""
         samples = self.energy.samples
         blocks = tuple(Block(t, block.dofs) for t, block in zip(self._tables(), samples.blocks, strict=True))
         fields = Fields(blocks, self.energy.dx, samples.dofs)
         material = np.tile(np.eye(2), 2 * [len(blocks)])[:, :, None, None] * self.energy.modulus
-        return (fields, material), (samples, self._curvature())
+        return (fields, material), (samples, self._curvature(self.felt if stress is None else stress))
 
     @property
     def _variation(self) -> Array:
@@ -108,14 +117,14 @@ class ShearStress:
             yield shear.reshape(ncell, npoint, 2, -1)
             start += block.size
 
-    def _curvature(self) -> Array:
-        """What the shears' second derivatives carry, (8, 8, ncell, nsample)."""
-        total = np.zeros((8, 8, *self.felt.shape[1:]))
-        for m, felt in enumerate(self.felt):
-            total[m, 6] = total[2 + m, 7] = -felt
-            total[4 + m, 6:] = felt * self._slope
+    def _curvature(self, felt: Array) -> Array:
+        """What the shears' second derivatives carry where the samples feel (2, ncell, nsample): (8, 8, ...)."""
+        total = np.zeros((8, 8, *felt.shape[1:]))
+        for m, part in enumerate(felt):
+            total[m, 6] = total[2 + m, 7] = -part
+            total[4 + m, 6:] = part * self._slope
         total += total.transpose(1, 0, 2, 3)
         unit = np.eye(2)[:, :, None, None] / self.director[2]
         bend = unit + self._slope[:, None] * self._slope[None] / self.director[2]
-        total[6:, 6:] -= (self.felt * self.edges[2]).sum(axis=0) * bend
+        total[6:, 6:] -= (felt * self.edges[2]).sum(axis=0) * bend
         return total

@@ -80,7 +80,8 @@ class Estimates:
         self._drifts: dict[int, Array] = {}
         self._layers: dict[int, Array] = {}
         self._alone = False
-        self._latest: tuple[Operators, tuple[Array | None, ...]] | None = None
+        self._states: dict[int, tuple[Array | None, ...]] = {}
+        self._latest: int | None = None
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated relative errors (probes, count) on a coarse mesh and on a finer one.
@@ -107,7 +108,7 @@ class Estimates:
                 if operators.model.theory.startswith("mindlin"):
                     layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
             self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
-            self._latest = operators, tuple(modes.state for modes in found)
+            self._states[size], self._latest = tuple(modes.state for modes in found), size
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
@@ -122,6 +123,11 @@ class Estimates:
     def operators(self, size: int) -> Operators:
         """The matrices of a mesh tried."""
         return self._operators[size]
+
+    def states(self, size: int) -> tuple[tuple[float, Array], ...]:
+        """Speeds in rad/s with the state (n,) in which a mesh tried rests there, where the deflection is large."""
+        known = zip(self.probes, self._states[size], strict=False)
+        return tuple((speed, state) for speed, state in known if state is not None)
 
     def unknowns(self, size: int) -> int:
         """How many unknowns a mesh tried has."""
@@ -149,7 +155,7 @@ class Estimates:
         """Where large deflections begin: at those on the mesh tried last."""
         if self._latest is None:
             return ()
-        known, states = self._latest
+        known, states = self._operators[self._latest], self._states[self._latest]
         return tuple(
             None if state is None or speed == 0.0 else transfer(state, known, operators)
             for speed, state in zip(self.probes, states, strict=False)

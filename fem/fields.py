@@ -81,7 +81,7 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
     """
     from scipy.sparse import coo_array
 
-    parts: dict[tuple[int, int], tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = {}
+    parts: dict[tuple[int, int], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]] = {}
     for fields, coefficients in terms:
         starts = np.cumsum([0, *(block.size for block in fields.blocks)])
         for a, left in enumerate(fields.blocks):
@@ -91,7 +91,10 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
                     continue
                 cells = _cell_matrices(left.table, c, right.table, fields.dx)
                 same = id(left.dofs), id(right.dofs)
-                parts[same] = (left.dofs, right.dofs, parts[same][2] + cells if same in parts else cells)
+                if same in parts:
+                    parts[same][2][...] += cells
+                else:
+                    parts[same] = left.dofs.astype(np.int32), right.dofs.astype(np.int32), cells
     n = terms[0][0].dofs
     if not parts:
         return coo_array((n, n)).tocsc()

@@ -90,12 +90,13 @@ def solve_modes(
     count: int = 6,
     *,
     start: Array | None = None,
+    state: Array | None = None,
     damping_ratio: float = 0.0,
 ) -> Modes:
     """Find the count lowest modes at a speed omega (rad/s).
 
-    start: the state at a neighbouring speed, to warm-start a large deflection. damping_ratio: viscous
-    damping of each mode of the plate, below 1, which Coriolis forces then share out.
+    start: the state at a neighbouring speed, to warm-start a large deflection. state: that at this speed, if known.
+    damping_ratio: viscous damping of each mode of the plate, below 1, which Coriolis forces then share out.
     Raises ValueError for a speed that is not one finite number, a count that the plate does not have, and a ratio
     at which modes do not oscillate; Divergence past the critical speed, NoEquilibrium where a large deflection
     has none, and Unresolved for a plate too thin for the theory.
@@ -109,7 +110,7 @@ def solve_modes(
 
     check_count(operators, count)
     check_damping(damping_ratio)
-    stiffness, state = linearise(operators, omega, start)
+    stiffness, state = linearise(operators, omega, start, state)
     if operators.gyroscopic is not None and omega != 0.0:
         return solve_gyroscopic(operators, omega, stiffness, count, state, damping_ratio)
     return solve_real(operators, omega, stiffness, count, state, damping_ratio)
@@ -173,10 +174,12 @@ def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: 
     return np.where(values < shift, values, shifted - shift), vectors
 
 
-def linearise(operators: Operators, omega: float, start: Array | None = None) -> tuple[csc_array, Array | None]:
+def linearise(
+    operators: Operators, omega: float, start: Array | None = None, state: Array | None = None
+) -> tuple[csc_array, Array | None]:
     """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
 
-    Raises ValueError for a speed that is not one finite number.
+    start, state: see `solve_modes`. Raises ValueError for a speed that is not one finite number.
     """
     from fem.statics import equilibrium, tangent
 
@@ -185,7 +188,8 @@ def linearise(operators: Operators, omega: float, start: Array | None = None) ->
         return operators.at(omega), None
     if omega == 0.0:
         return operators.stiffness, np.zeros_like(operators.load)
-    state = equilibrium(operators, omega, start)
+    if state is None:
+        state = equilibrium(operators, omega, start)
     return tangent(operators, omega, state), state
 
 

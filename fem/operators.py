@@ -146,6 +146,15 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     return replace(operators, **changed)
 
 
+def with_coriolis(operators: Operators) -> Operators:
+    """Count the Coriolis forces in, those of the plate's own point mass too."""
+    plate, through = operators.plate, 2.0 * operators.rotor.spin
+    gyroscopic = forms.inertia(operators.model, plate.material.density, through)
+    if plate.tip_mass > 0.0 and plate.tip_at is not None:
+        gyroscopic = gyroscopic + plate.tip_mass * _through(point_rows(operators.model, plate.tip_at), through)
+    return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
+
+
 def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
     """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
     from scipy.sparse import coo_array

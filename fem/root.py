@@ -162,8 +162,13 @@ class LinearForce:
         pairs = "fg,gcp->fcp" if stiffness.ndim == 2 else "fgcp,gcp->fcp"
         return self.energy.fields.load(np.einsum(pairs, stiffness, self.values))
 
-    def terms(self) -> Terms:
-        """Fields and coefficients of the tangent stiffness."""
+    def ahead(self, step: Array) -> Array:
+        """The forces that a step (n,) leads to, of which the stiffness has no part."""
+        return self.values + self.energy.fields.evaluate(step)
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, the same under any stress."""
+        del stress
         return ((self.energy.fields, self.energy.stiffness),)
 
 

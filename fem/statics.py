@@ -2,7 +2,9 @@
 
 The strains are the theory's own (`fem.strains`, `fem.director`). The centrifugal load is that of the displaced mass
 when softening is counted. Newton's method starts from the stretched plate or from the state at a neighbouring speed,
-and takes the load in parts when that is too far.
+and takes the load in parts when that is too far. A thin plate that bends is stretched by far too much in a step that is
+linear, and the stiffness under that stress leads astray: each step's stiffness is therefore under the stress that the
+step before led to, to first order (Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Engrg 313 (2017) 986).
 """
 
 from __future__ import annotations
@@ -37,8 +39,14 @@ ON_THE_WAY = 1e-4
 STALLED = 1e-10
 """Energy from which a step that gains nothing on the one before counts as rounding."""
 
+ROUNDED = 1e-20
+"""The same of one with a known factor: a new factor would find no more than rounding either."""
+
 AT_ONCE = 0.01
 """Energy of a step with a known factor, relative to that of the step before, up to which the factor is still good."""
+
+CLOSE = 1e-3
+"""Energy of a step, relative to that of the load, up to which its factor is used again."""
 
 SMALLEST_PART = 1e-4
 """Smallest part of the load that is tried before giving up."""
@@ -111,17 +119,17 @@ def _newton(
 ) -> tuple[Array, Factor] | None:
     """Equilibrium near a state with the last factor used, or None.
 
-    Between its steps a factor is used again as long as that brings the energy down at once. Unless an unstable
+    Close to the end a factor is used again as long as that brings the energy down at once. Unless an unstable
     equilibrium will do, it is given up as soon as it strays: off the stable branch, or on to another one, Newton's
     method is as content as on it; smaller parts of the load are not.
     """
-    before = np.inf
+    before, ahead = np.inf, None
     for number in range(ITERATIONS):
         stressed = _stressed(operators.model, state)
         residual = _unbalanced(operators, load, state, stressed)
         if not np.isfinite(residual).all():  # further than the theory reaches
             return None
-        factor = factorise(_stiffness(operators, load, stressed))
+        factor = factorise(_stiffness(operators, load, stressed, ahead))
         if factor.negative and not unstable:
             return None
         step = factor.solve(residual)
@@ -135,28 +143,32 @@ def _newton(
         if number >= WILD and energy > before and not unstable:
             return None
         before = energy
-        state, settled = _again(operators, load, state, factor, energy, converged**2 * work)
+        further, settled = state, False
+        if energy <= CLOSE * work:
+            further, settled = _again(operators, load, state, factor, energy, work, converged)
         if settled:
-            return state, factor
+            return further, factor
+        ahead = [part.ahead(step) for part in stressed] if further is state else None
+        state = further
     return None
 
 
 def _again(
-    operators: Operators, load: float, state: Array, factor: Factor, energy: float, enough: float
+    operators: Operators, load: float, state: Array, factor: Factor, energy: float, work: float, converged: float
 ) -> tuple[Array, bool]:
     """Steps with a factor that is known, while each has but a small part of the energy of the one before.
 
-    What is left after one falls only by as much again: it ends at the square of what Newton's step ends at. Returns
-    the state and whether it has come so far.
+    What is left after one falls only by as much again: it ends at the square of what Newton's step ends at, or at
+    rounding. Returns the state and whether it has come so far.
     """
     while True:
         residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
         if not following <= AT_ONCE * energy:
-            return state, False
+            return state, following <= ROUNDED * work
         state, energy = state + step, following
-        if energy <= enough:
+        if energy <= max(converged**2, ROUNDED) * work:
             return state, True
 
 
@@ -175,9 +187,12 @@ def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[
     return np.asarray(residual)
 
 
-def _stiffness(operators: Operators, load: float, stressed: list[Stressed]) -> csc_array:
-    """Tangent stiffness (n, n) of parts under stress, under load times the unit load."""
-    stiffness = gram(*(term for part in stressed for term in part.terms()))
+def _stiffness(
+    operators: Operators, load: float, stressed: list[Stressed], stresses: list[Array] | None = None
+) -> csc_array:
+    """Tangent stiffness (n, n) of parts under their stress, or another, under load times the unit load."""
+    under: list[Array | None] = [None] * len(stressed) if stresses is None else [*stresses]
+    stiffness = gram(*(term for part, stress in zip(stressed, under, strict=True) for term in part.terms(stress)))
     if operators.softening is not None:
         stiffness = (stiffness - load * operators.softening).tocsc()
     return stiffness

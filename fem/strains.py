@@ -32,8 +32,12 @@ class Stressed(Protocol):
         """The internal force (n,), the energy's derivative."""
         ...
 
-    def terms(self) -> Terms:
-        """Fields and coefficients of which `fem.fields.gram` makes the tangent stiffness."""
+    def ahead(self, step: Array) -> Array:
+        """The stress that a step (n,) leads to, to first order."""
+        ...
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness (`fem.fields.gram`), or of that under a given stress."""
         ...
 
 
@@ -74,11 +78,17 @@ class QuadraticStress:
         """The internal force (n,)."""
         return self.energy.fields.load(np.einsum("sgcp,scp->gcp", self.variation, self.stress))
 
-    def terms(self) -> Terms:
-        """Fields and coefficients of the tangent stiffness."""
+    def ahead(self, step: Array) -> Array:
+        """The stress (nstrain, ncell, npoint) that a step (n,) leads to, to first order."""
+        strain = np.einsum("sgcp,gcp->scp", self.variation, self.energy.fields.evaluate(step))
+        return np.asarray(self.stress + np.tensordot(self.energy.modulus, strain, 1))
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
+        stress = self.stress if stress is None else stress
         stiff = np.tensordot(self.energy.modulus, self.variation, 1)
         material = np.einsum("sgcp,shcp->ghcp", self.variation, stiff, optimize=True)
-        return ((self.energy.fields, material + np.tensordot(self.energy.products.transpose(1, 2, 0), self.stress, 1)),)
+        return ((self.energy.fields, material + np.tensordot(self.energy.products.transpose(1, 2, 0), stress, 1)),)
 
 
 def of_layers(fields: Fields, layers: tuple[Layer, ...], stiffness: Array) -> Quadratic:

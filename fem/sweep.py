@@ -89,11 +89,13 @@ def campbell(
     *,
     tolerance: float = 1e-6,
     damping_ratio: float = 0.0,
+    states: tuple[tuple[float, Array], ...] = (),
 ) -> Campbell:
     """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
 
-    damping_ratio: as in `solve_modes`, to first order. What was achieved is in `bounds`, for the caller to see: they
-    exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
+    damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
+    speeds, where the deflection is large and they are known. What was achieved is in `bounds`, for the caller to see:
+    they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
     Raises ValueError for no speeds or a count, tolerance or ratio out of range, Divergence when every speed is at or
     beyond the critical one, NoEquilibrium, and Unresolved for a plate too thin for the theory.
     """
@@ -105,7 +107,7 @@ def campbell(
     check_count(operators, count)
     check_damping(damping_ratio)
     if operators.effects.large_deflection or _hardly_any(asked.size, count):
-        parts = _speed_by_speed(operators, asked, count, damping_ratio)
+        parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states))
     else:
         found = _below_critical(operators, asked, count, tolerance, damping_ratio)
         parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
@@ -156,13 +158,17 @@ def _mended(operators: Operators, part: Answer, count: int, damping_ratio: float
     return pieces
 
 
-def _speed_by_speed(operators: Operators, omega: Array, count: int, damping_ratio: float) -> list[Answer]:
-    """Solve each speed (k,) in full, its static state starting from the one before, until one diverges."""
+def _speed_by_speed(
+    operators: Operators, omega: Array, count: int, damping_ratio: float, states: dict[float, Array] | None = None
+) -> list[Answer]:
+    """Solve each speed (k,) in full until one diverges, its static state known or from those before."""
     parts: list[Answer] = []
     path: list[tuple[float, Array]] = []
+    known = states or {}
     for speed in map(float, omega):
         try:
-            modes = solve_modes(operators, speed, count + 1, start=_ahead(path, speed), damping_ratio=damping_ratio)
+            own = {"start": _ahead(path, speed), "state": known.get(speed)}
+            modes = solve_modes(operators, speed, count + 1, damping_ratio=damping_ratio, **own)
         except (Divergence, NoEquilibrium):
             if not parts:
                 raise

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput
+from workflows.plate_records import SHAPES_AT_MOST
 from workflows.scene import Scene
 from workflows.scene_file import SceneFile
 
@@ -51,9 +52,6 @@ _BYTES_OF_A_CELL = 200
 _ADDRESSES = 2.5
 """Bytes of address space that the program and its libraries map for each that they use."""
 
-_SHAPES_AT_MOST = 20
-"""Speeds whose mode shapes are kept."""
-
 
 @dataclass(frozen=True)
 class Part:
@@ -77,7 +75,7 @@ def parts(source: SceneFile) -> list[Part]:
         if source.mesh is not None:
             cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
         found.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), 0.0, *cause))
-        shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, _SHAPES_AT_MOST))
+        shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
         found.append(Part(shapes, modes * unknowns * 2e-6, "[rotor] modes", modes, "ask for fewer modes"))
         lines = speeds * (modes + 4.0)
         found.append(

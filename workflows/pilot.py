@@ -69,16 +69,17 @@ def in_words(found: Need) -> str:
 
 
 def may_be_large(source: SceneFile, decided: Decided) -> bool:
-    """Whether a run of a scene may take a minute or half of the memory, so that it is worth a `need`.
+    """Whether a run of a scene may take a minute, or its first meshes much memory, so that it is worth a `need`.
 
-    Reckoned from the scene alone, which takes next to nothing.
+    Reckoned from the scene alone, which takes next to nothing. Finer meshes end where the memory does.
     """
-    scene, memory, seconds = source.scene, needs.BASE, 0.0
+    scene, memory, seconds = source.scene, 0.0, 0.0
     if decided.form is not None:
         model = plate.model(source, decided)
-        memory, seconds = reckoned.reckon(
-            source, decided.effects, model, reckoned.usual_unknowns(source, decided, model), 1.0
-        )
+        first = reckoned.first_unknowns(source, decided.form, model)
+        usual = reckoned.usual_unknowns(source, decided, model)
+        memory, _ = reckoned.reckon(source, decided.effects, model, first, 1.0)
+        _, seconds = reckoned.reckon(source, decided.effects, model, usual, 1.0)
     cycles = 0 if scene.release is None or isinstance(scene.release.cycles, str) else scene.release.cycles
     speeds = len(scene.rotor.speeds)
     many = speeds > _MANY or speeds * cycles > _MANY_CYCLES

@@ -112,34 +112,35 @@ def discretise(
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `most`: unknowns
     beyond which no finer mesh is tried, if not those that the memory holds.
     """
-    from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh
+    from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
 
     scene, effects = source.scene, decided.effects
     form, theory = decided.plate
-    names = ("stress_stiffening", "spin_softening", "coriolis", "large_deflection", "rotary_inertia")
-    switches = Effects(**{name: effects[name].on for name in names})
+    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
+    names = ("stress_stiffening", "spin_softening", "large_deflection", "rotary_inertia")
+    plain = Effects(**{name: effects[name].on for name in names})
     rotor = plate_mesh.rotor(scene)
     model, layers = _with_layers(source, form, theory)
 
-    def build(size: int, effects: fem.Effects) -> fem.Operators:
+    def build(size: int) -> fem.Operators:
         with stages("mesh"):
             plate = plate_mesh.plate(source, form.mesh(size), form)
         with stages("prestress"):
-            return assemble(plate, rotor, effects, model)
+            return assemble(plate, rotor, plain, model)
 
-    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
-    plain = replace(switches, coriolis=False)
+    def whole(operators: fem.Operators) -> fem.Operators:
+        return with_coriolis(operators) if effects["coriolis"].on else operators
+
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
-        choice = Choice(build(size, switches), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
+        choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
     try:
         tolerance = _of_the_mesh(scene.accuracy.frequency, layers + (theory.model_error or 0.0), effects)
-        fit = needs.most_unknowns(source, form, model, switches.large_deflection)
+        fit = needs.most_unknowns(source, form, model, plain.large_deflection)
         speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
-        choice = choose_mesh(form, lambda size: build(size, plain), speeds, modes, tolerance, limit)
-        if switches != plain:
-            choice = replace(choice, operators=build(choice.size, switches))
+        choice = choose_mesh(form, build, speeds, modes, tolerance, limit)
+        choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
         raise BadInput(str(error), file=source.name, key="[plate]") from error
     except PlaceError as error:
@@ -184,7 +185,8 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     if not one_by_one(scene, operators):
         speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return campbell(operators, speeds, count, tolerance=max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS))
+    tolerance = max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS)
+    return campbell(operators, speeds, count, tolerance=tolerance, states=discrete.choice.states)
 
 
 def one_by_one(scene: Scene, operators: fem.Operators) -> bool:

@@ -17,7 +17,7 @@ from workflows.theorising import Theory
 if TYPE_CHECKING:
     import fem
 
-_SHAPES_AT_MOST = 20
+SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
 
@@ -157,6 +157,6 @@ def _upright(shapes: Floats) -> Floats:
 
 def _kept(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
-    if count <= _SHAPES_AT_MOST:
+    if count <= SHAPES_AT_MOST:
         return tuple(range(count))
-    return tuple(np.unique(np.linspace(0, count - 1, _SHAPES_AT_MOST).round().astype(int)).tolist())
+    return tuple(np.unique(np.linspace(0, count - 1, SHAPES_AT_MOST).round().astype(int)).tolist())

@@ -80,6 +80,7 @@ def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None, precone
         node = int(np.argmin(np.linalg.norm(nodes - [x, y, 0.0], axis=1))) + 1
         lines += ["*ELEMENT, TYPE=MASS, ELSET=BOB", f"{len(bricks) + 1}, {node}"]
         lines += ["*MASS, ELSET=BOB", f"{kg:.12g}"]
+        lines += _softened(len(bricks) + 2, node, kg * omega**2, stagger, precone)
         loads.append("BOB")
     lines += ["*BOUNDARY", "ROOT, 1, 3"]
     if omega > 0.0:
@@ -92,6 +93,21 @@ def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None, precone
         lines += ["*STEP"]
     lines += ["*FREQUENCY", f"{count}", "*END STEP", ""]
     return "\n".join(lines)
+
+
+def _softened(first, node, stiffness, stagger, precone):
+    """Springs of negative stiffness (N/m) across the axis at a node, numbered from first.
+
+    CalculiX pulls at a mass element, and gives it no spin softening as it does solid ones.
+    """
+    if stiffness == 0.0:
+        return []
+    x, y = (_in_the_plate(vector, stagger, precone) for vector in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    lines = ["*ORIENTATION, NAME=HUB", ", ".join(f"{value:.15g}" for value in (*x, *y))]
+    for number, direction in enumerate((1, 2), first):
+        lines += [f"*ELEMENT, TYPE=SPRING1, ELSET=SOFT{direction}", f"{number}, {node}"]
+        lines += [f"*SPRING, ELSET=SOFT{direction}, ORIENTATION=HUB", f"{direction}", f"{-stiffness:.15g}"]
+    return lines
 
 
 def _in_the_plate(vector, stagger, precone):

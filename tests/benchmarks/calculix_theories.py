@@ -36,7 +36,7 @@ class Oblong:
 
 @dataclass(frozen=True)
 class Armed:
-    """An arm (length, width) that carries a tip (length, width), on both sides or on one, or with a hole in the tip."""
+    """An arm (length, width) that carries a tip (length, width) on both sides, a T, or on one, an L."""
 
     arm: tuple
     tip: tuple
@@ -53,8 +53,7 @@ class Armed:
             y = [(low, -0.5 * narrow, n), *y]
         whole = MeshQuad.init_tensor(_joined(x), _joined(y))
         a, b = whole.p[:, whole.t].mean(axis=1)
-        inside = np.abs(b) < 0.5 * narrow
-        return whole.restrict(np.flatnonzero((a < long) != inside if self.shape == "frame" else (a > long) | inside))
+        return whole.restrict(np.flatnonzero((a > long) | (np.abs(b) < 0.5 * narrow)))
 
 
 def _joined(stretches):

@@ -5,7 +5,18 @@ import pytest
 import scipy.linalg
 from fem_cases import STEEL, paper_plate, rpm
 
-from fem import Divergence, Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
+from fem import (
+    Divergence,
+    Effects,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    rectangle,
+    solve_modes,
+    with_coriolis,
+)
 from fem.operators import point_rows
 
 CORIOLIS = Effects(coriolis=True)
@@ -29,6 +40,15 @@ def test_gyroscopic_matrix_is_skew():
     operators = assemble(paper_plate(4, 2), Rotor(0.1, 0.4), CORIOLIS)
     assert abs(operators.gyroscopic + operators.gyroscopic.T).max() < 1e-15
     assert assemble(paper_plate(4, 2), Rotor(), Effects()).gyroscopic is None
+
+
+def test_counted_in_later_they_are_the_same():
+    """Those of the plate's own point mass too."""
+    plate = Plate(rectangle(0.2, 0.08, 4, 2), 0.01, STEEL, 0.3, (0.13, 0.02))
+    at_once, plain = (assemble(plate, Rotor(0.1, 0.4), effects) for effects in (CORIOLIS, Effects()))
+    later = with_coriolis(plain)
+    assert later.effects == CORIOLIS
+    assert abs(later.gyroscopic - at_once.gyroscopic).max() <= 1e-15 * abs(at_once.gyroscopic).max()
 
 
 def test_heavy_bob_in_the_plane():

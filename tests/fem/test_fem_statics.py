@@ -6,8 +6,22 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, distorted, paper_plate, rpm
 from scipy.spatial.transform import Rotation
+from skfem import MeshQuad
 
-from fem import Effects, Material, Plate, Rotor, assemble, displacement, equilibrium, rectangle, solve_modes
+from fem import (
+    Effects,
+    ElasticRoot,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    displacement,
+    equilibrium,
+    rectangle,
+    solve_modes,
+    statics,
+)
 from fem.statics import _stressed, _unbalanced, tangent
 
 BENT = Effects(large_deflection=True)
@@ -32,6 +46,21 @@ def test_tangent_is_the_derivative_of_the_force(theory):
     ahead, behind = (unbalanced(operators, omega, state + sign * step) for sign in (1.0, -1.0))
     difference, linear = 0.5 * (behind - ahead), tangent(operators, omega, state) @ step
     assert np.linalg.norm(difference - linear) < 1e-6 * np.linalg.norm(linear)
+
+
+@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
+def test_the_stress_ahead_is_the_derivative_of_the_stress(theory):
+    """To first order in the step; also of springs at the root, whose part is their displacement."""
+    plate = Plate(rectangle(0.2, 0.08, 4, 2), 0.004, STEEL, elastic_root=ElasticRoot(1e10, 1e5))
+    operators = assemble(plate, Rotor(0.1, 0.7), BENT, theory)
+    state = equilibrium(operators, rpm(9000))
+    step = np.random.default_rng(0).standard_normal(state.size) * np.abs(state).max() * 1e-5
+    names = {"ShearStress": "felt", "LinearForce": "values"}
+    for energy in operators.model.energies:
+        here, ahead, behind = (energy.at(state + sign * step) for sign in (0.0, 1.0, -1.0))
+        of = lambda part: getattr(part, names.get(type(part).__name__, "stress"))  # noqa: E731
+        difference, linear = 0.5 * (of(ahead) - of(behind)), here.ahead(step) - of(here)
+        assert np.linalg.norm(difference - linear) < 1e-6 * np.linalg.norm(linear)
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
@@ -111,6 +140,37 @@ def test_warm_start_finds_the_same_state():
     near = equilibrium(operators, rpm(8000))
     cold, warm = equilibrium(operators, rpm(9000)), equilibrium(operators, rpm(9000), near)
     np.testing.assert_allclose(warm, cold, atol=1e-10 * np.abs(cold).max())
+
+
+def thin_ell(stagger=0.4):
+    """An arm of 20 x 150 mm that carries, on one side, a tip of 50 x 120 mm; 1 mm thick."""
+    whole = MeshQuad.init_tensor(np.linspace(0.0, 0.2, 9), np.append([-0.01], np.linspace(0.01, 0.11, 5)))
+    x, y = whole.p[:, whole.t].mean(axis=1)
+    plate = Plate(whole.restrict(np.flatnonzero((x > 0.15) | (y < 0.01))), 0.001, STEEL)
+    return assemble(plate, Rotor(0.05, stagger), BENT)
+
+
+def test_few_factors_where_the_load_turns_a_thin_plate_far(monkeypatch):
+    """From rest at once, and to the state that many small parts of the load lead to."""
+    operators, omega, factors = thin_ell(), rpm(1500), []
+    small = None
+    for part in np.linspace(0.0, 1.0, 41)[1:]:
+        small = equilibrium(operators, omega * part**0.5, small)
+    plain = statics.factorise
+    monkeypatch.setattr(statics, "factorise", lambda matrix: factors.append(1) or plain(matrix))
+    state = equilibrium(operators, omega)
+    assert np.abs(displacement(operators, state)[:, 2]).max() > 10 * 0.001
+    np.testing.assert_allclose(state, small, atol=1e-9 * np.abs(small).max())
+    assert len(factors) <= 6
+
+
+def test_a_state_that_is_known_is_not_sought_again(monkeypatch):
+    operators, speeds = thin_ell(), np.array([rpm(500), rpm(1500)])
+    states = tuple((float(omega), equilibrium(operators, float(omega))) for omega in speeds)
+    cold = campbell(operators, speeds, 4)
+    monkeypatch.setattr(statics, "settle", None)
+    warm = campbell(operators, speeds, 4, states=states)
+    np.testing.assert_allclose(warm.frequencies_hz, cold.frequencies_hz, rtol=1e-9)
 
 
 def test_scaling_of_modulus_and_speed():
