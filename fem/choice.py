@@ -132,7 +132,7 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
     alive = search.alive(size)
     if search.lost is not None and not alive.any():
         raise search.lost
-    errors = np.maximum(errors, search.drifts(size))[alive]
+    errors = (errors + search.drifts(size))[alive]
     errors = np.where(np.isfinite(errors), errors, np.nan)
     probes = np.array(search.probes)[alive]
     rates = 2.0 * np.pi * search.frequencies(size)[alive]

@@ -101,9 +101,9 @@ class Estimates:
             frequencies, drifts, layered = (
                 np.full((len(self.probes), self._count), empty) for empty in (np.nan, 0.0, 0.0)
             )
-            for row, modes in enumerate(found):
+            for row, (omega, modes) in enumerate(zip(self.probes, found, strict=False)):
                 frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
-                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes)
+                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
                 if operators.model.theory.startswith("mindlin"):
                     layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
             self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
