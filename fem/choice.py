@@ -106,6 +106,9 @@ def choose_mesh(
     while True:
         before, errors = search.errors(coarse, fine)
         safe = tolerance * _trust(search)
+        if errors.max() <= safe:
+            before, errors = before - errors, search.doubted(errors, coarse, fine)
+            before = before + errors
         if before.max() <= safe:
             return _end(search, coarse, before, tolerance)
         if errors.max() <= safe:
