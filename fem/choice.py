@@ -108,6 +108,9 @@ def choose_mesh(
     while True:
         before, errors = search.errors(coarse, fine)
         safe = tolerance * _trust(search)
+        if errors.max() <= safe:
+            before, errors = before - errors, search.doubted(errors, coarse, fine)
+            before = before + errors
         if before.max() <= safe:
             return _end(search, coarse, before, tolerance)
         if errors.max() <= safe:
@@ -134,7 +137,7 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
     alive = search.alive(size)
     if search.lost is not None and not alive.any():
         raise search.lost
-    errors = np.maximum(errors, search.drifts(size))[alive]
+    errors = (errors + search.drifts(size))[alive]
     errors = np.where(np.isfinite(errors), errors, np.nan)
     probes = np.array(search.probes)[alive]
     rates = 2.0 * np.pi * search.frequencies(size)[alive]

@@ -94,6 +94,24 @@ class Estimates:
         self.tried[coarse], self.tried[fine] = float((apart + errors).max()), float(errors.max())
         return apart + errors, errors
 
+    def doubted(self, errors: Array, coarse: int, fine: int) -> Array:
+        """Errors (probes, count) that rest on two meshes, where the next coarser shows that they fall more slowly.
+
+        Shapes that the coarser of two cells hardly resolve, as the chordwise ones of a thin plate whose tension leaves
+        layers along the edges, are not yet at their order. Three meshes have shown it; errors are then as they were.
+        That coarser mesh has too few cells to show an order below `SLOW`.
+        """
+        below = max((size for size in self._planform.sizes if size < coarse), default=None)
+        if below is None or self._before(coarse) is not None or not self.alive(below, coarse, fine).any():
+            return errors
+        known = self.alive(below, coarse, fine)
+        first, second = self._apart(below, coarse)[known], self._apart(coarse, fine)[known]
+        seen = _falling(first, second, (below, coarse, fine), self._usual)
+        found = errors.copy()
+        found[known] = np.maximum(errors[known], second / ((fine / coarse) ** np.maximum(seen, SLOW) - 1.0))
+        self.tried[fine] = float(found.max())
+        return found
+
     def frequencies(self, size: int) -> Array:
         """Frequencies (probes, count) in Hz, NaN at speeds that have none."""
         if size not in self._frequencies:
@@ -102,9 +120,9 @@ class Estimates:
             frequencies, drifts, layered = (
                 np.full((len(self.probes), self._count), empty) for empty in (np.nan, 0.0, 0.0)
             )
-            for row, modes in enumerate(found):
+            for row, (omega, modes) in enumerate(zip(self.probes, found, strict=False)):
                 frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
-                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes)
+                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
                 if operators.model.theory.startswith("mindlin"):
                     layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
             self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
@@ -189,8 +207,7 @@ class Estimates:
         return errors
 
     def _by_two(self, apart: Array, coarse: int, fine: int) -> Array:
-        least, most = self._orders
-        return self._fallen(apart, min(least + USUAL * (most - least), self._singular), coarse, fine)
+        return self._fallen(apart, self._usual, coarse, fine)
 
     def _by_three(self, first: Array, second: Array, before: int, coarse: int, fine: int) -> Array:
         """Errors (k, count) on the finest of three meshes, of which the first two and the last two are so far apart.
@@ -209,10 +226,8 @@ class Estimates:
         if missed[1] > MISSED:
             self.slow = False  # for a reason that the estimate knows
             return np.maximum(layer_and_rest((first, second), missed, sizes, most), cornered)
-        orders = np.linspace(LEAST, most, 36)
-        falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
-        each = orders[np.abs(falls * second[..., None] - first[..., None]).argmin(axis=-1)]
-        together = orders[np.abs(falls * second.max() - first.max()).argmin()]
+        each = _falling(first, second, sizes, most)
+        together = float(_falling(first.max(), second.max(), sizes, most))
         self.slow = bool((each < SLOW)[second >= LARGE * second.max()].any())
         fallen = self._fallen(second, np.where(each < SLOW, each, max(together, least)), coarse, fine)
         return np.maximum(fallen, cornered)
@@ -226,6 +241,12 @@ class Estimates:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
         sizes = [size for size in self._frequencies if size < coarse]
         return max((s for s in sizes if self._pointed or enough_cells(self._planform, s, self._count)), default=None)
+
+    @property
+    def _usual(self) -> float:
+        """The order that two meshes alone are taken to follow."""
+        least, most = self._orders
+        return min(least + USUAL * (most - least), self._singular)
 
     @property
     def _orders(self) -> tuple[float, float]:
@@ -253,3 +274,12 @@ class Estimates:
         if self.theory.startswith("kirchhoff"):
             return 0.0
         return unseen(self._planform.edge(size), self._operators[size].plate.mean_thickness)
+
+
+def _falling(first: Array, second: Array, sizes: tuple[int, int, int], most: float) -> Array:
+    """Orders, from `LEAST` to a greatest, at which the differences of three meshes fall, those of any shape."""
+    before, coarse, fine = sizes
+    orders = np.linspace(LEAST, most, 36)
+    falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
+    nearest = np.abs(falls * np.asarray(second)[..., None] - np.asarray(first)[..., None]).argmin(axis=-1)
+    return np.asarray(orders[nearest])

@@ -72,13 +72,16 @@ class Planform(Protocol):
 class Rectangle:
     """0 <= x <= length, |y| <= width/2 in m, clamped at x = 0. A size is a multiple of a coarsest grid.
 
-    Raises ValueError for sides that no rectangle has.
+    node: a place (x, y) in m that is a node of every mesh, unless an edge of the plate is nearer than any other line:
+    what a point mass does to a mesh hangs on where in a cell it sits. Raises ValueError for sides that no rectangle
+    has.
     """
 
     length: float
     width: float
     orders: tuple[float, float] = (3.0, 4.0)
     sizes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32)
+    node: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         check_sides(self.length, self.width)
@@ -102,7 +105,7 @@ class Rectangle:
         """The mesh of one size, an `skfem.MeshQuad`. Raises ValueError for a size below 1."""
         if size < 1:
             raise ValueError(f"size must be a whole number from 1, got {size!r}")
-        return graded(self.length, self.width, *self.cells(size))
+        return graded(self.length, self.width, *self.cells(size), self.node)
 
     def edge(self, size: int) -> float:
         """How wide the cells along the sides are, in m."""
@@ -179,11 +182,22 @@ def corner_order(angle: float) -> float:
     return 2.0 * float(brentq(lambda k: np.sin(k * angle) + k * np.sin(angle), 0.5, np.pi / angle + 0.05))
 
 
-def graded(length: float, width: float, nx: int, ny: int) -> Any:
-    """A structured `skfem.MeshQuad` of nx by ny cells that shrink towards the plate's edges."""
+def graded(length: float, width: float, nx: int, ny: int, node: tuple[float, float] | None = None) -> Any:
+    """A structured `skfem.MeshQuad` of nx by ny cells that shrink towards the plate's edges; node: see `Rectangle`."""
     from skfem import MeshQuad
 
-    return MeshQuad.init_tensor(0.5 * length * (1.0 + crowded(nx)), 0.5 * width * crowded(ny))
+    lines = 0.5 * length * (1.0 + crowded(nx)), 0.5 * width * crowded(ny)
+    return MeshQuad.init_tensor(*(lines if node is None else map(_drawn_to, lines, node)))
+
+
+def _drawn_to(lines: NDArray[np.float64], place: float) -> NDArray[np.float64]:
+    """Lines (n,), ascending, of which the one next to a place is moved there, and the others in proportion."""
+    first, last, nearest = lines[0], lines[-1], lines[np.abs(lines - place).argmin()]
+    if nearest in (first, last, place):
+        return lines
+    before = first + (lines - first) * (place - first) / (nearest - first)
+    beyond = last - (last - lines) * (last - place) / (last - nearest)
+    return np.asarray(np.where(lines <= nearest, before, beyond))
 
 
 def crowded(count: int) -> NDArray[np.float64]:

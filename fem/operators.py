@@ -32,7 +32,7 @@ class Operators:
     K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
     gyroscopic: G, the Coriolis force is -Omega G times the velocity.
     load: the centrifugal load (n,) per Omega², zero where nothing asks for it. prestress: the displacement (n,) it
-    causes, per Omega².
+    causes, per Omega². pulled: what the point mass's load adds to geometric, None without it.
     """
 
     plate: Plate
@@ -46,9 +46,10 @@ class Operators:
     gyroscopic: csc_array | None
     load: Array
     prestress: Array | None
+    pulled: csc_array | None = None
 
     def __post_init__(self) -> None:
-        for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic):
+        for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic, self.pulled):
             if matrix is not None:
                 matrix.data.flags.writeable = False
         for vector in (self.load, self.prestress):
@@ -139,6 +140,7 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
+        changed["pulled"] = geometric
     if operators.softening is not None:
         changed["softening"] = operators.softening + mass * _through(rows, rotor.projector)
     if operators.gyroscopic is not None:

@@ -81,23 +81,104 @@ def folds(plate: Plate) -> float:
     """
     if plate.tip_mass == 0.0 or plate.tip_at is None:
         return 1.0
-    corners = plate.mesh.p[:, plate.mesh.t[:, locate(plate.mesh, plate.tip_at)[0]]]
-    width = float(np.ptp(corners, axis=1).mean())
-    return max(1.0, float(np.log(width / (SPOT * plate.thickness_at(plate.tip_at)))))
+    return max(1.0, float(np.log(_width(plate, plate.tip_at) / (SPOT * plate.thickness_at(plate.tip_at)))))
 
 
-def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any]) -> Array:
+def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float = 0.0) -> Array:
     """How much frequencies (count,) still fall, relatively, as cells around the point mass get e times smaller.
 
-    The compliance at a point of an edge grows by 2 / (pi E h) in the plane and, with shear, by 1 / (pi k G h) across;
-    the mode's inertia force is m w² times its displacement there. At a point inside the plate it is half of that.
+    The compliance at a point of an edge grows by 2 / (pi E h) in the plane and, with shear, by 1 / (pi k G h) across.
+    At a point inside the plate it is half of that across, and in the plane (1 + nu) (3 - nu) / (4 pi E h) (Kelvin's
+    solution in plane stress). omega in rad/s.
     """
     plate = operators.plate
     if plate.tip_mass == 0.0 or plate.tip_at is None:
         return np.zeros(eigenvalues.size)
-    motion = np.abs(point_rows(operators.model, plate.tip_at) @ shapes) ** 2
-    material, h = plate.material, plate.thickness_at(plate.tip_at)
-    growth = (motion[0] + motion[1]) * 2.0 / (np.pi * material.youngs_modulus * h)
-    if not operators.model.theory.startswith("kirchhoff"):
-        growth += motion[2] / (np.pi * SHEAR_CORRECTION * material.shear_modulus * h)
-    return np.asarray(0.5 * plate.tip_mass**2 * eigenvalues * growth)
+    along, across = _growth(plate, plate.tip_at)
+    if operators.model.theory.startswith("kirchhoff"):
+        across = 0.0
+    force = np.abs(_pressing(operators, eigenvalues, shapes, omega)) ** 2
+    work = (force[0] + force[1]) * along + force[2] * across
+    outwards = np.linalg.norm(_pull(operators, omega)[:2]) * along
+    moved = outwards * np.abs(_carried_outwards(operators, eigenvalues, shapes, omega))
+    return np.asarray(0.5 * (work + moved) / eigenvalues)
+
+
+def _growth(plate: Plate, place: tuple[float, float]) -> tuple[float, float]:
+    """By how much the compliance (m/N) at a place grows in the plane and across as cells get e times smaller."""
+    material, h = plate.material, plate.thickness_at(place)
+    nu, inside = material.poissons_ratio, _is_inside(plate, place)
+    along = 0.25 * (1.0 + nu) * (3.0 - nu) if inside else 2.0
+    across = 0.5 if inside else 1.0
+    return (
+        along / (np.pi * material.youngs_modulus * h),
+        across / (np.pi * SHEAR_CORRECTION * material.shear_modulus * h),
+    )
+
+
+def _pull(operators: Operators, omega: float) -> Array:
+    """The centrifugal force (3,) in N of the point mass, none where nothing asks for it."""
+    plate = operators.plate
+    if plate.tip_at is None or operators.prestress is None:
+        return np.zeros(3)
+    return np.asarray(plate.tip_mass * omega**2 * operators.rotor.projector @ operators.from_axis(plate.tip_at))
+
+
+def _at_mass(operators: Operators, shapes: NDArray[Any], derivative: tuple[int, ...] = ()) -> NDArray[Any]:
+    """Displacement (3, count) of the point mass in modes (n, count), or a derivative of it."""
+    return np.asarray(point_rows(operators.model, operators.plate.tip_at or (0.0, 0.0), derivative) @ shapes)
+
+
+def _inertia(operators: Operators, eigenvalues: Array, motion: NDArray[Any], omega: float) -> NDArray[Any]:
+    """Force (3, count) in N of the point mass where it moves (3, count), turning with the plate."""
+    force = eigenvalues * motion
+    if operators.effects.spin_softening:
+        force = force + omega**2 * operators.rotor.projector @ motion
+    return np.asarray(operators.plate.tip_mass * force)
+
+
+def _pressing(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> NDArray[Any]:
+    """The force (3, count) of the point mass on the plate in modes (n, count) at a speed in rad/s.
+
+    It is m w² times its displacement, and m Omega² times that part of it which is perpendicular to the axis. What it
+    pulls with outwards stays as it is, and where the plate turns, the stress that it makes there carries a part of it
+    sideways, as a string's does.
+    """
+    force = _inertia(operators, eigenvalues, _at_mass(operators, shapes), omega)
+    pull = _pull(operators, omega)
+    for axis in (0, 1):
+        force = force - pull[axis] * _at_mass(operators, shapes, (axis,))
+    return force
+
+
+def _carried_outwards(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> Array:
+    """By how much (count,) squared frequencies rise, per metre that the point mass gives way to its own pull.
+
+    It moves with another part of the plate, stretches what is between, and pulls more.
+    """
+    pull = _pull(operators, omega)
+    size = np.linalg.norm(pull)
+    if size == 0.0 or operators.pulled is None:
+        return np.zeros(eigenvalues.size)
+    motion = _at_mass(operators, shapes)
+    further = sum(pull[axis] / size * _at_mass(operators, shapes, (axis,)) for axis in (0, 1))
+    stiffer = omega**2 * np.real((shapes.conj() * (operators.pulled @ shapes)).sum(axis=0))
+    radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(operators.plate.tip_at or (0.0, 0.0)))
+    moved = 2.0 * np.real((motion.conj() * _inertia(operators, eigenvalues, further, omega)).sum(axis=0))
+    return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)
+
+
+def _is_inside(plate: Plate, place: tuple[float, float]) -> bool:
+    """Whether a place is farther from the plate's edges than the cell that it is in is wide."""
+    mesh = plate.mesh
+    a, b = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(1, 0, 2)
+    from_a = np.array(place)[:, None] - a
+    part = np.clip((from_a * (b - a)).sum(axis=0) / ((b - a) ** 2).sum(axis=0), 0.0, 1.0)
+    away = np.linalg.norm(from_a - part * (b - a), axis=0).min()
+    return bool(away > _width(plate, place))
+
+
+def _width(plate: Plate, place: tuple[float, float]) -> float:
+    """How wide (m) the cell is that a place is in, on average of both directions."""
+    corners = plate.mesh.p[:, plate.mesh.t[:, locate(plate.mesh, place)[0]]]
+    return float(np.ptp(corners, axis=1).mean())

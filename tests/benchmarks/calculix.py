@@ -58,8 +58,14 @@ def _run(lines, count, threads, timeout):
         listing = job.with_suffix(".dat")
         if not listing.is_file():
             raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
-        rows = re.findall(r"^\s*\d+\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", listing.read_text(), re.M)
-    return np.array([float(row[2]) for row in rows])[:count]
+        return listed(listing.read_text())[:count]
+
+
+def listed(listing):
+    """The frequencies (n,) in Hz of the first frequency step in what `ccx` lists (.dat)."""
+    first = listing.split("E I G E N V A L U E   O U T P U T")[1]
+    rows = re.findall(r"^\s*\d+\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S+)\s*$", first, re.M)
+    return np.array([float(row[2]) for row in rows])
 
 
 def deck(nodes, bricks, material, omega, hub, stagger, count, mass=None, precone=0.0):

@@ -60,6 +60,22 @@ def test_keeps_its_promise(length, width, thickness, theory, tolerance):
     assert true.max() / 3.0 <= choice.errors.max() <= 3.0 * true.max()
 
 
+@pytest.mark.parametrize(
+    ("length", "thickness", "top"), [(0.2, 0.0006, 5000), (0.17, 0.0006, 5000), (0.37, 0.0007, 4000)]
+)
+def test_two_meshes_that_hardly_resolve_a_stiffened_plate_are_doubted(length, thickness, top):
+    """Chordwise modes under tension fall by half between meshes that a bending mode falls by four between."""
+    form, omega = Rectangle(length, 0.1), rpm(top)
+
+    def build(size):
+        return assemble(Plate(form.mesh(size), thickness, STEEL), Rotor(), Effects(), "kirchhoff")
+
+    choice = choose_mesh(form, build, (omega,), 6, 1e-3)
+    limit = solve_modes(build(12), omega, 6).frequencies_hz
+    true = np.abs(solve_modes(choice.operators, omega, 6).frequencies_hz / limit - 1.0)
+    assert (true <= 1.2 * choice.errors[0] + 1e-6).all()
+
+
 def test_no_mesh_is_built_twice_and_none_is_far_finer_than_needed():
     log = []
     planform = Rectangle(0.2, 0.08)

@@ -1,6 +1,6 @@
-"""Speeds at which the plates are strained and turned as drawn: `python -m tests.survey.speeds` prints `plates.SPEEDS`.
+"""Speeds at which the plates are strained and turned as drawn: `python -m tests.survey.speeds` prints them.
 
-Found once on coarse meshes of Mindlin's theory; what CalculiX is asked afterwards does not hang on them.
+On coarse meshes of Mindlin's theory; what CalculiX is asked does not hang on them, and `plates.SPEEDS` not on these.
 """
 
 import numpy as np
