@@ -14,66 +14,68 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem.accuracy import estimate_error
-    from fem.choice import Choice, choose_mesh
-    from fem.choosing import choose_theory
-    from fem.critical import critical_speed
-    from fem.display import displacement
-    from fem.family import families
-    from fem.levels import Given, Rectangle
-    from fem.locate import PlaceError
-    from fem.meshfile import read_mesh
-    from fem.modes import Divergence, Modes, Unresolved, solve_modes
-    from fem.operators import Operators, assemble, with_coriolis, with_point_mass
-    from fem.planform import MeshError, rectangle
-    from fem.plate import Material, Plate
-    from fem.reduction import NoFlapMode, Reduced, reduce_at
-    from fem.reduction_sweep import reduce_over
-    from fem.root import ElasticRoot
-    from fem.rotor import Effects, Rotor
-    from fem.solver import NotConverged, SingularMatrix
-    from fem.statics import NoEquilibrium, equilibrium
-    from fem.sweep import Campbell, campbell
-    from fem.tracking import Veering
+    from fem.accuracy.choose_mesh import Choice, choose_mesh
+    from fem.accuracy.choose_theory import choose_theory
+    from fem.accuracy.two_meshes import estimate_error
+    from fem.linalg.lanczos import NotConverged, SingularMatrix
+    from fem.meshes.ladder import Given, Rectangle
+    from fem.meshes.locate import PlaceError
+    from fem.meshes.planform import MeshError, rectangle
+    from fem.meshes.read import read_mesh
+    from fem.modes.critical_speed import critical_speed
+    from fem.modes.family import families
+    from fem.modes.real import Divergence, Modes
+    from fem.modes.solve import solve_modes
+    from fem.operators.assembly import Operators, assemble, with_coriolis, with_point_mass
+    from fem.operators.at_vertices import displacement
+    from fem.plate.given import Material, Plate
+    from fem.plate.root import ElasticRoot
+    from fem.plate.rotor import Effects, Rotor
+    from fem.reduction.at_one_speed import NoFlapMode, Reduced, reduce_at
+    from fem.reduction.over_speeds import reduce_over
+    from fem.statics.large_deflection import NoEquilibrium, equilibrium
+    from fem.statics.rest import Unresolved
+    from fem.sweep.diagram import Campbell, campbell
+    from fem.sweep.tracking import Veering
 
 _HOMES = {
-    "Campbell": "fem.sweep",
-    "Choice": "fem.choice",
-    "Divergence": "fem.modes",
-    "Effects": "fem.rotor",
-    "ElasticRoot": "fem.root",
-    "Given": "fem.levels",
-    "Material": "fem.plate",
-    "MeshError": "fem.planform",
-    "Modes": "fem.modes",
-    "NoEquilibrium": "fem.statics",
-    "NoFlapMode": "fem.reduction",
-    "NotConverged": "fem.solver",
-    "Operators": "fem.operators",
-    "PlaceError": "fem.locate",
-    "Plate": "fem.plate",
-    "Rectangle": "fem.levels",
-    "Reduced": "fem.reduction",
-    "Rotor": "fem.rotor",
-    "SingularMatrix": "fem.solver",
-    "Unresolved": "fem.modes",
-    "Veering": "fem.tracking",
-    "assemble": "fem.operators",
-    "campbell": "fem.sweep",
-    "choose_mesh": "fem.choice",
-    "choose_theory": "fem.choosing",
-    "critical_speed": "fem.critical",
-    "displacement": "fem.display",
-    "equilibrium": "fem.statics",
-    "estimate_error": "fem.accuracy",
-    "families": "fem.family",
-    "read_mesh": "fem.meshfile",
-    "rectangle": "fem.planform",
-    "reduce_at": "fem.reduction",
-    "reduce_over": "fem.reduction_sweep",
-    "solve_modes": "fem.modes",
-    "with_coriolis": "fem.operators",
-    "with_point_mass": "fem.operators",
+    "Campbell": "fem.sweep.diagram",
+    "Choice": "fem.accuracy.choose_mesh",
+    "Divergence": "fem.modes.real",
+    "Effects": "fem.plate.rotor",
+    "ElasticRoot": "fem.plate.root",
+    "Given": "fem.meshes.ladder",
+    "Material": "fem.plate.given",
+    "MeshError": "fem.meshes.planform",
+    "Modes": "fem.modes.real",
+    "NoEquilibrium": "fem.statics.large_deflection",
+    "NoFlapMode": "fem.reduction.at_one_speed",
+    "NotConverged": "fem.linalg.lanczos",
+    "Operators": "fem.operators.assembly",
+    "PlaceError": "fem.meshes.locate",
+    "Plate": "fem.plate.given",
+    "Rectangle": "fem.meshes.ladder",
+    "Reduced": "fem.reduction.at_one_speed",
+    "Rotor": "fem.plate.rotor",
+    "SingularMatrix": "fem.linalg.lanczos",
+    "Unresolved": "fem.statics.rest",
+    "Veering": "fem.sweep.tracking",
+    "assemble": "fem.operators.assembly",
+    "campbell": "fem.sweep.diagram",
+    "choose_mesh": "fem.accuracy.choose_mesh",
+    "choose_theory": "fem.accuracy.choose_theory",
+    "critical_speed": "fem.modes.critical_speed",
+    "displacement": "fem.operators.at_vertices",
+    "equilibrium": "fem.statics.large_deflection",
+    "estimate_error": "fem.accuracy.two_meshes",
+    "families": "fem.modes.family",
+    "read_mesh": "fem.meshes.read",
+    "rectangle": "fem.meshes.planform",
+    "reduce_at": "fem.reduction.at_one_speed",
+    "reduce_over": "fem.reduction.over_speeds",
+    "solve_modes": "fem.modes.solve",
+    "with_coriolis": "fem.operators.assembly",
+    "with_point_mass": "fem.operators.assembly",
 }
 
 __all__ = [

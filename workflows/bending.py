@@ -14,7 +14,7 @@ from workflows.scene_file import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from fem.bent import Bent
+    from fem.accuracy.deflection import Bent
     from workflows.plate_mesh import Planform
 
 CERTAIN = 0.95
@@ -87,7 +87,7 @@ def _by_strain(scene: Scene, strain: float) -> float:
 
 def _solved(scene: Scene, form: Planform | None) -> Bent | None:
     from fem import Effects
-    from fem.bent import bent
+    from fem.accuracy.deflection import bent
     from workflows import plate_mesh
 
     source = SceneFile(scene, "scene", Path())

@@ -158,7 +158,7 @@ def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool =
 
 def unknowns(model: str, mesh: Any) -> float:
     """How many a theory has on a mesh, those at the clamped root included."""
-    from fem.kirchhoff import is_rectangles
+    from fem.theory.kirchhoff import is_rectangles
 
     name, _, layers = model.partition("/")
     quads = mesh.t.shape[0] == 4
@@ -205,7 +205,7 @@ def _held() -> float:
 
 def _least_size(source: SceneFile) -> tuple[float, float]:
     """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
-    from fem.estimates import CELLS_PER_MODE
+    from fem.accuracy.estimates import CELLS_PER_MODE
 
     points = float(CELLS_PER_MODE * source.scene.rotor.modes)
     if source.mesh is not None:

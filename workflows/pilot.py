@@ -178,7 +178,7 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
 
 def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
     """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
-    from fem.choice import MOST_UNKNOWNS, next_size
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
 
     choice = discrete.choice
     if choice.met or not choice.errors.max() > 0.0:

@@ -45,7 +45,7 @@ _LEAST_OF_THE_MESH = 0.25
 """Least part of the accuracy asked for that a mesh is chosen by."""
 
 _TAKEN = 0.65
-"""Part of its tolerance that the error of a chosen mesh takes (`fem.choice`)."""
+"""Part of its tolerance that the error of a chosen mesh takes (`fem.accuracy.choose_mesh`)."""
 
 _FOR_BENDING = 4
 """Modes that are looked through for the first bending mode."""
@@ -163,7 +163,7 @@ def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
 
 def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
     """The theory's name with the layers of a solid, and the error that these leave."""
-    from fem.theories import solid_theory
+    from fem.theory.by_name import solid_theory
 
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:

@@ -130,8 +130,8 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
 def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem import Given, MeshError
-    from fem.meshfile import FieldError, read_field
-    from fem.thickness import Nodal
+    from fem.meshes.read import FieldError, read_field
+    from fem.plate.thickness import Nodal
 
     plate = source.scene.plate
     if source.mesh is None or plate is None:
@@ -175,7 +175,7 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
 
 def _check_place(source: SceneFile, form: fem.Given) -> None:
     """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
-    from fem.locate import PlaceError, locate
+    from fem.meshes.locate import PlaceError, locate
 
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)

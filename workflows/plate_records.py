@@ -39,7 +39,7 @@ def points(
     source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
 ) -> tuple[SpeedPoint, ...]:
     """Modes and reduced parameters at the speeds of these numbers in the sweep."""
-    from fem.doubt import over_speeds
+    from fem.accuracy.theory_error import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
@@ -101,7 +101,7 @@ def _share(shifts: Floats | None, k: int) -> float | None:
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
-    from fem.planform import root_facets
+    from fem.meshes.planform import root_facets
 
     kept = _kept(len(numbers))
     shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))

@@ -48,7 +48,7 @@ def usual_unknowns(source: SceneFile, decided: Decided, model: str) -> float:
 
 def first_unknowns(source: SceneFile, form: Planform, model: str) -> float:
     """Unknowns of the finer of the two meshes that a search begins with, or of the only one."""
-    from fem.choice import first_pair, has_pair
+    from fem.accuracy.choose_mesh import first_pair, has_pair
 
     coarsest = needs.unknowns(model, form.mesh(form.sizes[0]))
     if not has_pair(form, coarsest, model):
@@ -58,7 +58,7 @@ def first_unknowns(source: SceneFile, form: Planform, model: str) -> float:
 
 def finest_unknowns(source: SceneFile, form: Planform, model: str, effects: dict[str, Effect]) -> float:
     """Unknowns of the finest mesh that a search for bricks may try, which it does for all but rough accuracies."""
-    from fem.choice import MOST_UNKNOWNS
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS
 
     fit = needs.most_unknowns(source, form, model, effects["large_deflection"].on)
     most = min(MOST_UNKNOWNS["solid"], fit)
@@ -85,7 +85,7 @@ def reckon(
 def pace() -> float:
     """How slow this machine is against the one that prices were taken on."""
     from fem import Effects, Material, Plate, Rectangle, Rotor, assemble
-    from fem.probing import probe
+    from fem.accuracy.probing import probe
 
     size, usual = _REFERENCE
     for _ in range(2):  # the first loads

@@ -43,7 +43,7 @@ def theory(scene: Scene, form: Planform | None, large_deflection: bool) -> Theor
     if given.theory != "auto":
         return Theory(given.theory, "asked for by the scene")
     from fem import Effects
-    from fem.choosing import choose_theory
+    from fem.accuracy.choose_theory import choose_theory
     from workflows import plate_mesh
 
     source = SceneFile(scene, "scene", Path())

@@ -12,11 +12,11 @@ from workflows.scene_file import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from fem.turned import Turned
+    from fem.accuracy.coriolis import Turned
     from workflows.plate_mesh import Planform
 
 CELLS_PER_MODE = 10
-"""Cells for each mode of a mesh on which rates are good to a percent (`fem.turned.UNCERTAIN`)."""
+"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.coriolis.UNCERTAIN`)."""
 
 
 def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
@@ -65,7 +65,7 @@ def _by_stretching(scene: Scene, form: Planform | None) -> float:
 
 def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
     from fem import Effects
-    from fem.turned import turned
+    from fem.accuracy.coriolis import turned
     from workflows import plate_mesh
 
     source = SceneFile(scene, "scene", Path())

@@ -12,8 +12,8 @@ import calculix
 import calculix_table
 import numpy as np
 
-from fem.levels import graded
-from fem.thickness import Polynomial
+from fem.meshes.ladder import graded
+from fem.plate.thickness import Polynomial
 
 DATA = Path(__file__).parents[1] / "fem" / "data" / "calculix_blades.csv"
 

@@ -17,7 +17,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.levels import crowded
+from fem.meshes.ladder import crowded
 
 COUNT = 6
 
@@ -98,7 +98,7 @@ def test_a_given_mesh_is_split_until_it_is_fine_enough():
 
 
 def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
-    monkeypatch.setattr("fem.levels.MOST_CELLS", 10)
+    monkeypatch.setattr("fem.meshes.ladder.MOST_CELLS", 10)
     planform = Given(rectangle(0.2, 0.08, 5, 2))
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-3)
     assert choice.size == 1
@@ -107,7 +107,7 @@ def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
 
 
 def test_the_finest_is_taken_where_none_will_do(monkeypatch):
-    monkeypatch.setitem(__import__("fem.choice").choice.MOST_UNKNOWNS, "mindlin", 3000)
+    monkeypatch.setitem(__import__("fem.accuracy.choose_mesh").choice.MOST_UNKNOWNS, "mindlin", 3000)
     planform = Rectangle(0.2, 0.08)
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-7)
     assert not choice.met
@@ -130,19 +130,19 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
 
 def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     """Its errors are not known until two meshes have modes there; until then the choice is not met."""
-    import fem.estimates
+    import fem.accuracy.estimates
 
-    planform, probe = Rectangle(0.2, 0.08), fem.estimates.probe
+    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.estimates.probe
 
     def gone(operators, *given):
         return probe(operators, *given)[: 1 if operators.mass.shape[0] < 3000 else 2]
 
-    monkeypatch.setattr("fem.estimates.probe", gone)
+    monkeypatch.setattr("fem.accuracy.estimates.probe", gone)
     speeds = 0.0, rpm(9000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met
     assert choice.errors.shape == (2, 2)
-    monkeypatch.setitem(__import__("fem.choice").choice.MOST_UNKNOWNS, "mindlin", 4000)
+    monkeypatch.setitem(__import__("fem.accuracy.choose_mesh").choice.MOST_UNKNOWNS, "mindlin", 4000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-5)
     assert not choice.met
     assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from fem_cases import STEEL, distorted
 
-from fem import Effects, Plate, Rotor, assemble, mindlin, rectangle, solve_modes, theories
-from fem.forms import elastic_stiffness
+from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
+from fem.theory import by_name as theories
+from fem.theory import mindlin
+from fem.theory.forms import elastic_stiffness
 
 MESHES = {
     "quads": lambda n: rectangle(1.0, 1.0, n, n),

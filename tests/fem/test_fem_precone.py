@@ -17,10 +17,10 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
-from fem.fields import gram
-from fem.operators import point_rows
-from fem.solver import factorise, lanczos
-from fem.thickness import Polynomial
+from fem.linalg.lanczos import factorise, lanczos
+from fem.operators.assembly import point_rows
+from fem.plate.thickness import Polynomial
+from fem.theory.fields import gram
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)
 WRIGHT = {0.0: 3.5160, 1.0: 3.6816, 2.0: 4.1373, 3.0: 4.7973}

@@ -6,24 +6,13 @@ import scipy.linalg
 from fem_cases import STEEL, rpm
 from scipy.sparse import csc_array
 
-from fem import (
-    Divergence,
-    Effects,
-    Given,
-    Plate,
-    Rectangle,
-    Rotor,
-    assemble,
-    choose_mesh,
-    rectangle,
-    solve_modes,
-    statics,
-)
-from fem.davidson import lowest_modes
-from fem.probing import alone, complete, probe
-from fem.solver import factorise
-from fem.together import together
-from fem.transfer import transfer
+from fem import Divergence, Effects, Given, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
+from fem.accuracy.probing import alone, complete, probe
+from fem.linalg.davidson import lowest_modes
+from fem.linalg.lanczos import factorise
+from fem.operators.transfer import transfer
+from fem.statics.large_deflection import equilibrium as statics
+from fem.theory.tabulated_element import together
 
 COUNT, EXACT = 6, 1e-7
 
@@ -84,7 +73,7 @@ def test_a_point_not_found_is_no_start_and_no_failure(monkeypatch):
     assert choose_mesh(form, build, (0.0, 300.0), 1, 1e-1).errors.shape == (2, 1)
     coarse, fine = build(1), build(2)
     state = statics.equilibrium(coarse, 300.0)
-    monkeypatch.setattr("fem.transfer._fields", lambda *_: 1 / 0)
+    monkeypatch.setattr("fem.operators.transfer._fields", lambda *_: 1 / 0)
     assert transfer(state, coarse, fine) is None
 
 
@@ -135,7 +124,7 @@ def test_a_divergence_that_the_start_does_not_lead_to_is_noticed():
 
 
 def test_speeds_that_do_not_settle_are_solved_by_themselves(monkeypatch):
-    monkeypatch.setattr("fem.davidson.ROUNDS", 1)
+    monkeypatch.setattr("fem.linalg.davidson.ROUNDS", 1)
     operators, top = plate(), rpm(20000.0)
     assert probe(operators, (0.0, top), COUNT, EXACT)[1][0] == pytest.approx(
         solve_modes(operators, top, COUNT).eigenvalues, rel=1e-10

@@ -6,10 +6,10 @@ from fem_cases import STEEL
 from scipy.optimize import brentq
 
 from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
-from fem.fields import gram
-from fem.operators import point_rows
-from fem.solver import factorise
-from fem.thickness import Polynomial
+from fem.linalg.lanczos import factorise
+from fem.operators.assembly import point_rows
+from fem.plate.thickness import Polynomial
+from fem.theory.fields import gram
 
 STRIP = Material(2e11, 0.0, 7850.0)
 FLAT, BENT = Effects(), Effects(large_deflection=True)

@@ -5,7 +5,7 @@ import pytest
 from fem_cases import STEEL, rpm
 
 from fem import Effects, Given, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
-from fem.singular import drift, folds, layer_and_rest, unseen
+from fem.accuracy.edge_layer import drift, folds, layer_and_rest, unseen
 
 COUNT = 6
 TIP = (0.2, 0.0)

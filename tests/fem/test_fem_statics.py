@@ -20,9 +20,9 @@ from fem import (
     equilibrium,
     rectangle,
     solve_modes,
-    statics,
 )
-from fem.statics import _stressed, _unbalanced, tangent
+from fem.statics.large_deflection import _stressed, _unbalanced, tangent
+from fem.statics.large_deflection import equilibrium as statics
 
 BENT = Effects(large_deflection=True)
 

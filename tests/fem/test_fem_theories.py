@@ -20,8 +20,8 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.doubt import theory_errors
-from fem.theories import solid_theory
+from fem.accuracy.theory_error import theory_errors
+from fem.theory.by_name import solid_theory
 from tests.benchmarks import calculix_theories
 
 # Euler-Bernoulli and longitudinal vibration of a bar, the smooth problems: nu = 0 has no corner singularities.
@@ -89,7 +89,7 @@ def test_thin_solid_is_a_beam(height):
 
 @pytest.mark.parametrize(("thickness", "locking"), [(0.1, 2e-3), (0.01, 1e-2)])
 def test_a_solid_hardly_locks_on_distorted_cells_unless_it_is_thin(thickness, locking):
-    """The figures that `fem.solid` warns with."""
+    """The figures that `fem.theory.solid` warns with."""
     regular = rectangle(1.0, 1.0, 8, 8)
     even, moved = (
         solve_modes(assemble(Plate(mesh, thickness, STEEL), Rotor(), Effects(), "solid"), 0.0, 3).frequencies_hz

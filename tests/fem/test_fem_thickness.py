@@ -23,14 +23,14 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.director import Section
-from fem.fields import gram
-from fem.levels import Given
-from fem.operators import point_rows
-from fem.solver import factorise
-from fem.theories import discretise
-from fem.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
-from fem.transfer import transfer
+from fem.linalg.lanczos import factorise
+from fem.meshes.ladder import Given
+from fem.operators.assembly import point_rows
+from fem.operators.transfer import transfer
+from fem.plate.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
+from fem.theory.by_name import discretise
+from fem.theory.director import Section
+from fem.theory.fields import gram
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 import calculix_blades

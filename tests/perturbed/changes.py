@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import tril
 
 from fem import Material, Operators, Plate, Rotor, assemble
-from fem.discretisation import Discretisation
-from fem.fields import Block, Fields
+from fem.theory.discretisation import Discretisation
+from fem.theory.fields import Block, Fields
 
 EPS = float(np.finfo(float).eps)
 SPREAD = 3.0
@@ -100,7 +100,7 @@ def units(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operator
 @contextmanager
 def start(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """Other vectors to start from."""
-    with mock.patch("fem.solver.SEED", int(rng.integers(1, 2**31))):
+    with mock.patch("fem.linalg.lanczos.SEED", int(rng.integers(1, 2**31))):
         yield problem.build(), SI
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem import Effects, Material, Plate, Rectangle, Rotor
-from fem.bent import bent
+from fem.accuracy.deflection import bent
 from tests.workflows.conftest import Scene, changed
 from workflows import bending, effects, plate_mesh
 from workflows.scene_file import SceneFile, load, parse

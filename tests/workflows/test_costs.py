@@ -355,10 +355,10 @@ def test_effects_that_cannot_be_switched_say_so(
 
 
 COSTS = {
-    "stress_stiffening": ("fem.operators._stiffening",),
-    "spin_softening": ("fem.rotor.Rotor.projector",),
-    "coriolis": ("fem.rotor.Rotor.spin", "fem.gyroscopic.solve_gyroscopic"),
-    "large_deflection": ("fem.statics.equilibrium", "fem.statics.tangent"),
+    "stress_stiffening": ("fem.operators.assembly._stiffening",),
+    "spin_softening": ("fem.plate.rotor.Rotor.projector",),
+    "coriolis": ("fem.plate.rotor.Rotor.spin", "fem.modes.solve.solve_gyroscopic"),
+    "large_deflection": ("fem.statics.linearised.equilibrium", "fem.statics.large_deflection._newton"),
 }
 """What an effect takes that nothing else needs."""
 
@@ -400,7 +400,7 @@ def test_the_theory_is_chosen_once(
     command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
     """Also where what a run takes is reckoned from a small one."""
-    from fem import choosing
+    from fem.accuracy import choose_theory as choosing
 
     calls: list[float] = []
     plain = choosing.choose_theory

@@ -278,7 +278,7 @@ def test_a_mesh_file_is_read_once(
     command: list[str], spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a big mesh costs to read is paid once, and all of a run is about one state of the file."""
-    from fem import meshfile
+    from fem.meshes import read as meshfile
 
     reads, read = [], meshfile.read_field
     monkeypatch.setattr(meshfile, "read_field", lambda *given: reads.append(given) or read(*given))

@@ -14,7 +14,7 @@ from tests.workflows.conftest import Scene, changed
 @pytest.fixture
 def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """How many speeds each reduced basis that is grown is for."""
-    from fem import adaptive
+    from fem.sweep import grow as adaptive
 
     speeds: list[int] = []
     plain = adaptive._grow

@@ -1,0 +1,186 @@
+"""The cheapest mesh of a planform's ladder whose frequencies are good to a tolerance.
+
+Two coarse meshes give an estimate of the error (Richardson 1911), the estimate predicts the mesh that is needed, and
+that mesh together with the one before confirms it. Coarse meshes cost next to nothing, so that the search adds
+little to the mesh it ends with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.accuracy.estimates import Estimates, enough_cells
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from fem.meshes.ladder import Planform
+    from fem.operators.assembly import Operators
+
+    Array = NDArray[np.float64]
+
+MARGIN = 1.25
+"""Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""
+
+PAIRED = 1.5
+"""Least ratio of the sizes of the first two meshes, where the ladder has it."""
+
+STEP = 2.0
+"""Largest ratio of sizes from one mesh to the next: estimates from coarse meshes reach no further."""
+
+CLOSE, APART = 1.5, 1.3
+"""Factor on the tolerance up to which an estimate may come down to it by a better order, for which a mesh in between is
+cheaper than one beyond; and the least ratio of their sizes."""
+
+PATIENCE = 4
+"""Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
+
+FIRST, SURE = 0.6, 0.75
+"""Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured, and after."""
+
+EXACT = 1e-3
+"""Part of the tolerance to which each mesh's own squared frequencies are solved for."""
+
+MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
+"""Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
+
+PAIR, LARGE = 1.5, 500
+"""By how much a mesh that only tells the error of one from a file may exceed that; cells from which this is asked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """A plate on the mesh chosen, and what is known of its errors.
+
+    size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
+    errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
+    size with its largest error. rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
+    states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
+    """
+
+    operators: Operators
+    size: int
+    probes: Array
+    errors: Array
+    tolerance: float
+    tried: tuple[tuple[int, float], ...] = field(default=())
+    rates: Array = field(default_factory=lambda: np.full((1, 1), np.nan))
+    states: tuple[tuple[float, Array], ...] = field(default=(), repr=False)
+
+    @property
+    def met(self) -> bool:
+        """Whether the estimates are known and within the tolerance; otherwise the finest mesh allowed was taken."""
+        return bool(self.errors.max() <= self.tolerance)
+
+    def errors_at(self, omega: float) -> Array:
+        """Estimated relative errors (count,) at a speed in rad/s, between the probes linear in its square."""
+        return np.array([np.interp(omega**2, self.probes**2, column) for column in self.errors.T])
+
+
+def choose_mesh(
+    planform: Planform,
+    build: Callable[[int], Operators],
+    speeds: tuple[float, ...],
+    count: int,
+    tolerance: float,
+    most: int | None = None,
+) -> Choice:
+    """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
+
+    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
+    at the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of
+    which one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
+    MOST_UNKNOWNS. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
+    ValueError for a tolerance of 0 or less.
+    """
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
+    probes = tuple(sorted({min(speeds), max(speeds)}))
+    search = Estimates(planform, build, probes, count, EXACT * tolerance)
+    if len(planform.sizes) == 1 or _alone(planform, search, most):
+        return _unknown(search, planform.sizes[0], tolerance)
+    coarse, fine = first_pair(planform, count)
+    while True:
+        before, errors = search.errors(coarse, fine)
+        safe = tolerance * _trust(search)
+        if errors.max() <= safe:
+            before, errors = before - errors, search.doubted(errors, coarse, fine)
+            before = before + errors
+        if before.max() <= safe:
+            return _end(search, coarse, before, tolerance)
+        if errors.max() <= safe:
+            return _end(search, fine, errors, tolerance)
+        between = [size for size in planform.sizes if coarse < size <= fine / APART]
+        if between and len(search.tried) > 2 and errors.max() <= CLOSE * tolerance:
+            coarse = between[-1]
+            continue
+        room = min(_most(search.theory), most or np.inf) / search.unknowns(fine)
+        following = next_size(planform, fine, float(errors.max()) / tolerance, room)
+        if following is None or (search.slow and len(search.tried) > PATIENCE):
+            return _end(search, fine, errors, tolerance)
+        coarse, fine = fine, following
+
+
+def _trust(search: Estimates) -> float:
+    """Part of the tolerance that an estimate must meet; of solids, thin on coarse cells, two meshes tell too little."""
+    if len(search.tried) > 2:
+        return SURE
+    return 0.0 if search.theory.startswith("solid") else FIRST
+
+
+def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choice:
+    alive = search.alive(size)
+    if search.lost is not None and not alive.any():
+        raise search.lost
+    errors = (errors + search.drifts(size))[alive]
+    errors = np.where(np.isfinite(errors), errors, np.nan)
+    probes = np.array(search.probes)[alive]
+    rates = 2.0 * np.pi * search.frequencies(size)[alive]
+    tried, states = tuple(sorted(search.tried.items())), search.states(size)
+    return Choice(search.operators(size), size, probes, errors, tolerance, tried, rates, states)
+
+
+def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
+    """The only mesh there is, with errors that nothing tells."""
+    return _end(search, size, np.full_like(search.frequencies(size), np.nan), tolerance)
+
+
+def _alone(planform: Planform, search: Estimates, most: int | None) -> bool:
+    """Whether a planform's coarsest mesh is so large that no other is compared with it."""
+    coarsest = planform.sizes[0]
+    if planform.mesh(coarsest).t.shape[1] < LARGE:
+        return False
+    search.frequencies(coarsest)
+    return not has_pair(planform, search.unknowns(coarsest), search.theory, most)
+
+
+def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:
+    """Whether the mesh next to a planform's coarsest, which has so many unknowns, may be solved to tell its error."""
+    following = unknowns * (planform.sizes[1] / planform.sizes[0]) ** 2 if len(planform.sizes) > 1 else np.inf
+    return bool(following <= min(PAIR * _most(theory), most or np.inf))
+
+
+def _most(theory: str) -> int:
+    return MOST_UNKNOWNS[theory.partition("/")[0]]
+
+
+def first_pair(planform: Planform, count: int) -> tuple[int, int]:
+    """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
+    sizes = planform.sizes
+    fine = next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
+    return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine
+
+
+def next_size(planform: Planform, size: int, excess: float, room: float, step: float = STEP) -> int | None:
+    """The size that should bring an error down by a factor, the largest that may be tried, or None.
+
+    room: by what factor the unknowns may grow. step: by what factor the size may at most.
+    """
+    finer = [other for other in planform.sizes if other > size and (other / size) ** 2 <= room]
+    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), step)
+    return next((other for other in finer if other >= wanted), finer[-1] if finer else None)

@@ -1,0 +1,184 @@
+"""What keeps meshes from converging at their order: the layer along free edges, and point masses.
+
+Along a free edge of a plate with shear the twisting moment is carried in a layer about as wide as the plate is thick
+(Arnold and Falk, SIAM J. Math. Anal. 27 (1996) 486). Cells wider than it do not see it: the plate twists as a thin one,
+and refinement changes that little until the cells have become as narrow.
+
+A point mass loads the plate at a point. Its displacement in the plane, and across where there is shear, has no limit:
+it grows with the logarithm of the distance that the mesh resolves (Timoshenko and Goodier, Theory of Elasticity, art.
+36 for a force on an edge).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.locate import locate
+from fem.operators.assembly import point_rows
+from fem.theory.mindlin import SHEAR_CORRECTION
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators.assembly import Operators
+    from fem.plate.given import Plate
+
+    Array = NDArray[np.float64]
+
+SPOT = 0.1
+"""Thicknesses that a point mass is taken to be wide at least."""
+
+
+def unseen(edge: float, thickness: float) -> float:
+    """Part of the edge layer's effect that quadratic cells of a width (m) miss; between 0 and 1.
+
+    In the layer the twist falls off as e^(-d/l), l = h / sqrt(12 k) with the shear correction k, as the twisting
+    stiffness E h³ / (24 (1 + nu)) and the shear stiffness k G h have it. A row of equal quadratic elements without end
+    is stiffer at the edge: the stiffness z of v'' = v obeys z = a - b² / (z + a), one more element in front, where a
+    and b are an element's once its middle is eliminated. With w = edge / l, 1 - 1/z² is w⁴ / ((12 + w²)(60 + w²)).
+    """
+    square = 12.0 * SHEAR_CORRECTION * (edge / thickness) ** 2
+    lost = square**2 / ((12.0 + square) * (60.0 + square))
+    return float(lost / (1.0 + np.sqrt(1.0 - lost)))
+
+
+def layer_errors(apart: Array, coarse: float, fine: float, whole: Array) -> Array:
+    """Relative errors on the finer of two meshes, as far as they are the layer's.
+
+    apart: relative differences of the two. coarse, fine: what their edge cells miss of the layer, see `unseen`.
+    whole: what the layer does to each frequency, see `fem.accuracy.theory_error.layers`.
+    """
+    if fine == 0.0:
+        return np.zeros_like(apart)
+    return np.minimum(apart * fine / max(coarse - fine, np.finfo(float).tiny), whole * fine)
+
+
+def layer_and_rest(
+    apart: tuple[Array, Array], missed: tuple[float, ...], sizes: tuple[int, ...], order: float
+) -> Array:
+    """Errors on the finest of three meshes, of which one part falls as the layer is seen and the rest at an order.
+
+    apart: relative differences of the first two and of the last two meshes. missed: of the layer, on each mesh, see
+    `unseen`. sizes: inverse to the cells. Neither part is negative.
+    """
+    rest = np.array(sizes, dtype=float) ** -order
+    (a, c), (b, d) = -np.diff(missed), -np.diff(rest)
+    first, second = apart
+    with np.errstate(divide="ignore", invalid="ignore"):
+        layer = (first * d - second * b) / (a * d - c * b)
+        other = (second * a - first * c) / (a * d - c * b)
+        alone = np.where(layer > 0.0, second / c * missed[2], second / d * rest[2])
+    both = layer * missed[2] + other * rest[2]
+    return np.asarray(np.where((layer > 0.0) & (other > 0.0), both, alone))
+
+
+def folds(plate: Plate) -> float:
+    """By how many factors e cells around the point mass are wider than `SPOT` thicknesses; at least one.
+
+    Nothing in a plate theory tells how wide the mass sits; as narrow as that, a solid's is no point either.
+    """
+    if plate.tip_mass == 0.0 or plate.tip_at is None:
+        return 1.0
+    return max(1.0, float(np.log(_width(plate, plate.tip_at) / (SPOT * plate.thickness_at(plate.tip_at)))))
+
+
+def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float = 0.0) -> Array:
+    """How much frequencies (count,) still fall, relatively, as cells around the point mass get e times smaller.
+
+    The compliance at a point of an edge grows by 2 / (pi E h) in the plane and, with shear, by 1 / (pi k G h) across.
+    At a point inside the plate it is half of that across, and in the plane (1 + nu) (3 - nu) / (4 pi E h) (Kelvin's
+    solution in plane stress). omega in rad/s.
+    """
+    plate = operators.plate
+    if plate.tip_mass == 0.0 or plate.tip_at is None:
+        return np.zeros(eigenvalues.size)
+    along, across = _growth(plate, plate.tip_at)
+    if operators.model.theory.startswith("kirchhoff"):
+        across = 0.0
+    force = np.abs(_pressing(operators, eigenvalues, shapes, omega)) ** 2
+    work = (force[0] + force[1]) * along + force[2] * across
+    outwards = np.linalg.norm(_pull(operators, omega)[:2]) * along
+    moved = outwards * np.abs(_carried_outwards(operators, eigenvalues, shapes, omega))
+    return np.asarray(0.5 * (work + moved) / eigenvalues)
+
+
+def _growth(plate: Plate, place: tuple[float, float]) -> tuple[float, float]:
+    """By how much the compliance (m/N) at a place grows in the plane and across as cells get e times smaller."""
+    material, h = plate.material, plate.thickness_at(place)
+    nu, inside = material.poissons_ratio, _is_inside(plate, place)
+    along = 0.25 * (1.0 + nu) * (3.0 - nu) if inside else 2.0
+    across = 0.5 if inside else 1.0
+    return (
+        along / (np.pi * material.youngs_modulus * h),
+        across / (np.pi * SHEAR_CORRECTION * material.shear_modulus * h),
+    )
+
+
+def _pull(operators: Operators, omega: float) -> Array:
+    """The centrifugal force (3,) in N of the point mass, none where nothing asks for it."""
+    plate = operators.plate
+    if plate.tip_at is None or operators.prestress is None:
+        return np.zeros(3)
+    return np.asarray(plate.tip_mass * omega**2 * operators.rotor.projector @ operators.from_axis(plate.tip_at))
+
+
+def _at_mass(operators: Operators, shapes: NDArray[Any], derivative: tuple[int, ...] = ()) -> NDArray[Any]:
+    """Displacement (3, count) of the point mass in modes (n, count), or a derivative of it."""
+    return np.asarray(point_rows(operators.model, operators.plate.tip_at or (0.0, 0.0), derivative) @ shapes)
+
+
+def _inertia(operators: Operators, eigenvalues: Array, motion: NDArray[Any], omega: float) -> NDArray[Any]:
+    """Force (3, count) in N of the point mass where it moves (3, count), turning with the plate."""
+    force = eigenvalues * motion
+    if operators.effects.spin_softening:
+        force = force + omega**2 * operators.rotor.projector @ motion
+    return np.asarray(operators.plate.tip_mass * force)
+
+
+def _pressing(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> NDArray[Any]:
+    """The force (3, count) of the point mass on the plate in modes (n, count) at a speed in rad/s.
+
+    It is m w² times its displacement, and m Omega² times that part of it which is perpendicular to the axis. What it
+    pulls with outwards stays as it is, and where the plate turns, the stress that it makes there carries a part of it
+    sideways, as a string's does.
+    """
+    force = _inertia(operators, eigenvalues, _at_mass(operators, shapes), omega)
+    pull = _pull(operators, omega)
+    for axis in (0, 1):
+        force = force - pull[axis] * _at_mass(operators, shapes, (axis,))
+    return force
+
+
+def _carried_outwards(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> Array:
+    """By how much (count,) squared frequencies rise, per metre that the point mass gives way to its own pull.
+
+    It moves with another part of the plate, stretches what is between, and pulls more.
+    """
+    pull = _pull(operators, omega)
+    size = np.linalg.norm(pull)
+    if size == 0.0 or operators.pulled is None:
+        return np.zeros(eigenvalues.size)
+    motion = _at_mass(operators, shapes)
+    further = sum(pull[axis] / size * _at_mass(operators, shapes, (axis,)) for axis in (0, 1))
+    stiffer = omega**2 * np.real((shapes.conj() * (operators.pulled @ shapes)).sum(axis=0))
+    radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(operators.plate.tip_at or (0.0, 0.0)))
+    moved = 2.0 * np.real((motion.conj() * _inertia(operators, eigenvalues, further, omega)).sum(axis=0))
+    return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)
+
+
+def _is_inside(plate: Plate, place: tuple[float, float]) -> bool:
+    """Whether a place is farther from the plate's edges than the cell that it is in is wide."""
+    mesh = plate.mesh
+    a, b = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].transpose(1, 0, 2)
+    from_a = np.array(place)[:, None] - a
+    part = np.clip((from_a * (b - a)).sum(axis=0) / ((b - a) ** 2).sum(axis=0), 0.0, 1.0)
+    away = np.linalg.norm(from_a - part * (b - a), axis=0).min()
+    return bool(away > _width(plate, place))
+
+
+def _width(plate: Plate, place: tuple[float, float]) -> float:
+    """How wide (m) the cell is that a place is in, on average of both directions."""
+    corners = plate.mesh.p[:, plate.mesh.t[:, locate(plate.mesh, place)[0]]]
+    return float(np.ptp(corners, axis=1).mean())

@@ -1,0 +1,4 @@
+"""Sparse factors and eigenvalues, of any matrices.
+
+Knows no plate; imports nothing of fem.
+"""

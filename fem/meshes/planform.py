@@ -1,0 +1,115 @@
+"""Planforms: the rectangle, and what every mesh of a plate's mid-surface must satisfy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+MERGED = 1e-9
+"""Distance relative to the plate's size within which points are one."""
+
+
+class MeshError(ValueError):
+    """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
+
+
+def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
+    """Structured `skfem.MeshQuad` of nx by ny cells on 0 <= x <= length, |y| <= width/2 (m)."""
+    from skfem import MeshQuad
+
+    check_sides(length, width)
+    if nx < 1 or ny < 1:
+        raise ValueError(f"a rectangle needs at least one cell each way, got {nx} x {ny}")
+    return MeshQuad.init_tensor(np.linspace(0.0, length, nx + 1), np.linspace(-0.5 * width, 0.5 * width, ny + 1))
+
+
+def check_sides(length: float, width: float) -> None:
+    """Raise ValueError unless a rectangle can have these sides (m)."""
+    if not (0.0 < length < np.inf and 0.0 < width < np.inf):
+        raise ValueError(f"length and width must be positive and finite, got {length!r} and {width!r}")
+
+
+def root(mesh: Any) -> float:
+    """Where the plate is clamped: the smallest x (m) of a mesh."""
+    return float(mesh.p[0].min())
+
+
+def root_facets(mesh: Any) -> NDArray[np.int64]:
+    """Numbers of the boundary facets that lie on the smallest x."""
+    x = mesh.p[0]
+    at_root = x < x.min() + 1e-6 * np.ptp(x)
+    boundary = np.asarray(mesh.boundary_facets())
+    return np.asarray(boundary[at_root[mesh.facets[:, boundary]].all(axis=0)])
+
+
+def check_mesh(mesh: Any) -> None:
+    """Raise `MeshError` unless mesh is planar, upright cells, connected without seams, with a straight root edge."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    name = type(mesh).__name__
+    if not name.startswith(("MeshTri", "MeshQuad")):
+        raise MeshError(f"a plate needs a surface mesh of triangles or quadrilaterals, got {name}")
+    p, t = mesh.p, mesh.t
+    if p.shape[0] != 2 or t.shape[1] == 0:
+        raise MeshError(f"a plate needs a mesh in the plane with at least one cell, got {t.shape[1]} cells")
+    if not np.isfinite(p).all():
+        raise MeshError("the mesh has points with coordinates that are not finite")
+    corners = np.stack([corner_areas(p, t, k) for k in range(t.shape[0])])
+    upright = corners * np.sign(corners[0])
+    _reject(upright.min(axis=0) <= 1e-12 * np.abs(corners).max(), mesh, "inverted or flat")
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    left, right = mesh.f2t[:, inner]
+    folded = _side(mesh, inner, left) * _side(mesh, inner, right) > 0.0
+    _reject(np.isin(np.arange(t.shape[1]), left[folded]), mesh, "folded over a neighbour")
+    neighbours = coo_array((np.ones(left.size), (left, right)), shape=(t.shape[1],) * 2)
+    parts = connected_components(neighbours, directed=False)[0]
+    if parts > 1:
+        raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
+    _reject_seams(mesh)
+    if root_facets(mesh).size == 0:
+        raise MeshError(
+            f"no edge lies on the smallest x ({p[0].min():.6g}), so there is nothing to clamp: "
+            "the root must be a straight edge with x constant"
+        )
+
+
+def _reject_seams(mesh: Any) -> None:
+    """Raise `MeshError` where cells meet at points that coincide but are not one: there the plate would be cracked."""
+    from scipy.spatial import KDTree
+
+    points = mesh.p[:, np.unique(mesh.t)].T
+    pairs = KDTree(points).query_pairs(MERGED * np.ptp(points, axis=0).min(), p=np.inf, output_type="ndarray")
+    if len(pairs):
+        x, y = points[pairs[0, 0]]
+        raise MeshError(
+            f"{np.unique(pairs[:, 1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
+            "merge them, or leave a gap where the plate is slit"
+        )
+
+
+def corner_areas(p: NDArray[np.float64], t: NDArray[np.int64], k: int) -> NDArray[np.float64]:
+    """Twice the signed area (ncell,) of the triangle at corner k of each cell."""
+    n = t.shape[0]
+    a, b, c = p[:, t[k]], p[:, t[(k + 1) % n]], p[:, t[(k - 1) % n]]
+    return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _side(mesh: Any, facets: NDArray[np.int64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    """On which side (sign) of each facet the middle of a cell lies."""
+    a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    c = mesh.p[:, mesh.t[:, cells]].mean(axis=1)
+    return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _reject(bad: NDArray[np.bool_], mesh: Any, what: str) -> None:
+    if bad.any():
+        x, y = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
+        raise MeshError(
+            f"{np.count_nonzero(bad)} of {bad.size} cells are {what}, the first one near ({x:.6g}, {y:.6g})"
+        )

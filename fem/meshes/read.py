@@ -1,0 +1,150 @@
+"""Mid-surface meshes from files, through meshio: Gmsh .msh, VTU, Abaqus .inp, Nastran .bdf and the rest.
+
+Straight-sided cells are used: of second-order cells the corners are taken. One kind of cell a mesh: where a
+file mixes triangles and quadrilaterals, the quadrilaterals are split.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.planform import MeshError, check_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TRIANGLES = ("triangle", "triangle6", "triangle7")
+QUADS = ("quad", "quad8", "quad9")
+IGNORED = ("vertex", "line", "line3")
+FLATNESS = 1e-6
+"""Largest departure from a plane of constant z, relative to the size of the mesh."""
+
+
+class FieldError(ValueError):
+    """Point data of a mesh file that is not what is asked for; the message says why."""
+
+
+def read_mesh(path: str | Path) -> Any:
+    """Read the mesh of a file; see `read_field`, of which this is the first part."""
+    return read_field(path, None)[0]
+
+
+def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.float64] | None]:
+    """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across, and a field on it.
+
+    field: name of point data with one number a point; these (npoint,) come with the mesh.
+
+    Coordinates are kept. The plate is clamped at its smallest x, wherever that is: there a rotor's hub_radius ends.
+
+    Raises `MeshError` with the file's name for a file that cannot be read, that holds no surface, or whose
+    surface is not flat, not upright, not in one piece or without a straight root edge; FieldError for a field that is
+    not there, or has not one finite number a point.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    try:
+        raw = _read(path)
+        mesh, points = _surface(raw)
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from None
+    return mesh, None if field is None else _values(raw, field, points)
+
+
+def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Values of point data at some of the file's points."""
+    if field not in raw.point_data:
+        known = ", ".join(sorted(raw.point_data)) or "none"
+        raise FieldError(f"the mesh file holds no point data {field!r}: it holds {known}")
+    values = np.asarray(raw.point_data[field])
+    if values.size != len(raw.points) or values.dtype.kind not in "fiu":
+        raise FieldError(f"point data {field!r} is of shape {values.shape}: expected one number for each point")
+    found = values.reshape(-1).astype(float)[points]
+    if not np.isfinite(found).all():
+        raise FieldError(f"point data {field!r} has values that are not finite")
+    return found
+
+
+def _read(path: Path) -> Any:
+    import meshio
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except SystemExit:
+        raise MeshError("not a mesh file that meshio can read") from None
+    except meshio.ReadError as error:
+        raise MeshError(f"not a readable mesh file ({str(error) or 'damaged'})") from None
+    except ImportError as error:
+        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
+    except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
+        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
+
+
+def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
+    """The mesh, and which of the file's points it has."""
+    from skfem import MeshQuad, MeshTri
+
+    kinds = {block.type for block in raw.cells}
+    others = ", ".join(sorted(kinds - set(TRIANGLES + QUADS + IGNORED)))
+    if others:
+        raise MeshError(f"a plate needs a mesh of its mid-surface, but the file holds {others}")
+    triangles = _cells(raw, TRIANGLES, 3)
+    quads = _cells(raw, QUADS, 4)
+    if not len(triangles) and not len(quads):
+        raise MeshError("the file holds no triangles and no quadrilaterals")
+    if min(triangles.min(initial=0), quads.min(initial=0)) < 0 or (
+        max(triangles.max(initial=0), quads.max(initial=0)) >= len(raw.points)
+    ):
+        raise MeshError("a cell names a point that the file does not hold")
+    split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
+    cells = np.vstack(split) if len(triangles) else quads
+    used, renumbered = np.unique(cells, return_inverse=True)
+    points = np.asarray(raw.points, dtype=float)[used]
+    if not np.isfinite(points).all():
+        raise MeshError("the mesh has points with coordinates that are not finite")
+    points = _flat(points)
+    cells = _oriented(points, renumbered.reshape(cells.shape))
+    kind = MeshTri if cells.shape[1] == 3 else MeshQuad
+    mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
+    check_mesh(mesh)
+    return mesh, used
+
+
+def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
+        raise MeshError(
+            f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}"
+        )
+    return points[:, :2]
+
+
+def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
+    blocks = [block.data[:, :corners] for block in raw.cells if block.type in kinds]
+    return np.vstack(blocks).astype(np.int64) if blocks else np.empty((0, corners), dtype=np.int64)
+
+
+def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells counter-clockwise; a mesh seen from below is turned over, a mixed one is an error.
+
+    Where each triangle's vertices are in ascending order the writer has sorted them (scikit-fem does), and
+    their sense says nothing; `check_mesh` still sees cells that overlap.
+    """
+    x, y = points[cells].transpose(2, 0, 1)
+    area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    senseless = cells.shape[1] == 3 and bool((np.diff(cells, axis=1) > 0).all())
+    usual = 1.0 if np.count_nonzero(area > 0.0) >= np.count_nonzero(area < 0.0) else -1.0
+    bad = area == 0.0 if senseless else usual * area <= 0.0
+    if bad.any():
+        first = int(np.flatnonzero(bad)[0])
+        raise MeshError(
+            f"{np.count_nonzero(bad)} of {area.size} cells are inverted or flat, the first one near "
+            f"({x[first].mean():.6g}, {y[first].mean():.6g})"
+        )
+    return np.where(area[:, None] > 0.0, cells, cells[:, ::-1])

@@ -1,0 +1,125 @@
+"""Modes without Coriolis forces: what they are, and how a stiffness has them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.linalg.lanczos import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
+from fem.statics.rest import LOST, check_rest
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.operators.assembly import Operators
+
+    Array = NDArray[np.float64]
+
+
+SHIFTED = 1e-6
+"""Residual of the eigenvalue that a divergence is reported with."""
+
+
+class Divergence(ArithmeticError):
+    """Spin softening has overcome the stiffness: the plate leaves its equilibrium without oscillating.
+
+    That holds for the plate on its mesh: where stiffening and softening nearly cancel, as in the plane of rotation
+    without a hub, it is the mesh that decides, until it is fine.
+    omega: the speed in rad/s. eigenvalue: the lowest omega_n², negative, in rad²/s². count: how many are.
+    """
+
+    def __init__(self, omega: float, eigenvalue: float, count: int = 1) -> None:
+        super().__init__(
+            f"the plate diverges at {omega * 30 / np.pi:.6g} rpm: {count} mode(s) without a frequency, "
+            f"eigenvalue {eigenvalue:.6g} rad²/s²"
+        )
+        self.omega = omega
+        self.eigenvalue = eigenvalue
+        self.count = count
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes at a speed omega (rad/s).
+
+    eigenvalues: (count,) squared circular frequencies in rad²/s², ascending.
+    shapes: (n, count), mass-normalised; complex with Coriolis, displacement Re(shape e^{i omega_n t}).
+    damping_ratios: (count,), zero without a damper of the plate's own.
+    factor: of K at this speed. state: the displacement (n,) about which the plate vibrates, where the
+    deflection is large.
+    """
+
+    omega: float
+    eigenvalues: Array
+    shapes: NDArray[Any]
+    damping_ratios: Array
+    factor: Factor = field(repr=False, compare=False)
+    state: Array | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def frequencies_hz(self) -> Array:
+        """Natural frequencies (count,) in Hz, ascending."""
+        return np.asarray(np.sqrt(self.eigenvalues) / (2.0 * np.pi))
+
+
+def check_count(operators: Operators, count: int) -> None:
+    """Raise ValueError unless count is a whole number of modes that the model can have."""
+    n = operators.mass.shape[0]
+    if not hasattr(count, "__index__") or not 1 <= count <= n:
+        raise ValueError(f"count of modes must be a whole number from 1 to the model's {n} unknowns, got {count!r}")
+
+
+def check_damping(ratio: float) -> None:
+    """Raise ValueError unless modes of a damping ratio oscillate."""
+    if not 0.0 <= ratio < 1.0:
+        raise ValueError(f"damping_ratio must be zero or more and below 1, got {ratio!r}")
+
+
+def solve_real(
+    operators: Operators,
+    omega: float,
+    stiffness: csc_array,
+    count: int,
+    state: Array | None = None,
+    damping_ratio: float = 0.0,
+    tolerance: float = CONVERGED,
+) -> Modes:
+    """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence and Unresolved."""
+    try:
+        factor = factorise(stiffness)
+    except SingularMatrix:
+        check_rest(operators)
+        raise Divergence(omega, 0.0) from None
+    values, vectors = lanczos(factor, operators.mass, count, tolerance)
+    if factor.negative:
+        check_rest(operators)
+        raise Divergence(omega, lowest(stiffness, operators.mass, values), factor.negative)
+    if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
+        values, vectors = _undrowned(stiffness, operators.mass, values, tolerance)
+    order = np.argsort(values)
+    first = order[:1]
+    if rounding(stiffness, vectors[:, first], values[first])[0] > LOST:
+        check_rest(operators)
+    ratios = np.full(order.size, damping_ratio)
+    return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
+
+
+def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:
+    """Modes of which the lowest is so low that its inverse eigenvalue, as values have it, drowns the others'.
+
+    From a shift between them the others keep their digits; the lowest has its own from the inverse.
+    """
+    shift = float(np.sqrt(values[0] * values[-1]))
+    shifted, vectors = lanczos(factorise((stiffness + shift * mass).tocsc()), mass, values.size, tolerance)
+    return np.where(values < shift, values, shifted - shift), vectors
+
+
+def lowest(stiffness: csc_array, mass: csc_array, values: Array) -> float:
+    """Find the lowest of eigenvalues that are known to reach below zero, by shifting all above it."""
+    shift = 2.0 * float(np.abs(values).max())
+    while (factor := factorise((stiffness + shift * mass).tocsc())).negative:
+        shift *= 4.0
+    return float(lanczos(factor, mass, 1, SHIFTED)[0][0] - shift)

@@ -1,0 +1,187 @@
+"""From a plate on a rotor to its matrices: everything that does not depend on the speed, made once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.linalg.lanczos import factorise
+from fem.meshes.locate import locate
+from fem.meshes.planform import root
+from fem.theory import forms
+from fem.theory.by_name import discretise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.plate.given import Plate
+    from fem.plate.rotor import Effects, Rotor
+    from fem.theory.discretisation import Discretisation
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Operators:
+    """A plate's matrices over its n free unknowns, SI units; Omega in rad/s. They are read-only.
+
+    K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
+    gyroscopic: G, the Coriolis force is -Omega G times the velocity.
+    load: the centrifugal load (n,) per Omega², zero where nothing asks for it. prestress: the displacement (n,) it
+    causes, per Omega². pulled: what the point mass's load adds to geometric, None without it.
+    """
+
+    plate: Plate
+    rotor: Rotor
+    effects: Effects
+    model: Discretisation
+    stiffness: csc_array
+    mass: csc_array
+    geometric: csc_array | None
+    softening: csc_array | None
+    gyroscopic: csc_array | None
+    load: Array
+    prestress: Array | None
+    pulled: csc_array | None = None
+
+    def __post_init__(self) -> None:
+        for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic, self.pulled):
+            if matrix is not None:
+                matrix.data.flags.writeable = False
+        for vector in (self.load, self.prestress):
+            if vector is not None:
+                vector.flags.writeable = False
+
+    @cached_property
+    def spinning(self) -> csc_array:
+        """What Omega² multiplies in K(Omega), (n, n)."""
+        from scipy.sparse import csc_array as sparse
+
+        total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
+        return total if self.softening is None else sparse(total - self.softening)
+
+    def from_axis(self, at: tuple[float, float]) -> Array:
+        """A place (x, y) in m in the mesh's coordinates, (3,) in m from a point of the spin axis."""
+        along = np.array([at[0] - root(self.plate.mesh), at[1], 0.0])
+        return np.asarray(self.rotor.hub_radius * self.rotor.outwards + along)
+
+    def radius(self, x: float, y: float = 0.0) -> float:
+        """How far outside the spin axis (m) a place (x, y) in m lies, along the radius of the root's middle."""
+        return float(self.rotor.outwards @ self.from_axis((x, y)))
+
+    def pull(self, at: tuple[float, float]) -> float:
+        """The centrifugal load (m) along the plate's x at a place (x, y) in m, per mass and Omega²."""
+        return float(self.rotor.projector[0] @ self.from_axis(at))
+
+    def at(self, omega: float) -> csc_array:
+        """K(Omega), (n, n), its prestress linear in Omega²; `tangent` has that of a large deflection."""
+        if self.geometric is None and self.softening is None:
+            return self.stiffness
+        total: csc_array = (self.stiffness + omega**2 * self.spinning).tocsc()
+        return total
+
+
+def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
+    """Matrices of a plate on a rotor; the prestress is solved once, at 1 rad/s.
+
+    Raises ValueError for an unknown theory, or one that the mesh does not allow.
+    """
+    model = discretise(plate, theory, effects.rotary_inertia)
+    density = plate.material.density
+    stiffness = forms.elastic_stiffness(model)
+    load = np.zeros(model.dofs)
+    prestress = geometric = softening = gyroscopic = None
+    if effects.stress_stiffening:
+        load = forms.centrifugal_load(model, density, rotor)
+        prestress, geometric = _stiffening(model, stiffness, load)
+    if effects.spin_softening:
+        softening = forms.inertia(model, density, rotor.projector)
+    if effects.coriolis:
+        gyroscopic = forms.inertia(model, density, 2.0 * rotor.spin)
+    mass = forms.inertia(model, density, np.eye(3))
+    operators = Operators(
+        plate,
+        rotor,
+        effects,
+        model,
+        stiffness,
+        mass,
+        geometric,
+        softening,
+        gyroscopic,
+        load,
+        prestress,
+    )
+    if plate.tip_mass > 0.0 and plate.tip_at is not None:
+        return with_point_mass(operators, plate.tip_at, plate.tip_mass)
+    return operators
+
+
+def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
+    """Stick a point mass (kg) to the plate at a place (x, y) in m.
+
+    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate, and
+    for a mass that is negative or not finite.
+    """
+    if not (np.isfinite(mass) and mass >= 0.0):
+        raise ValueError(f"mass must be zero or more kg, got {mass!r}")
+    model, rotor = operators.model, operators.rotor
+    rows = point_rows(model, at)
+    load = mass * (rows.T @ (rotor.projector @ operators.from_axis(at)))
+    changed: dict[str, Any] = {
+        "mass": operators.mass + mass * _through(rows, np.eye(3)),
+    }
+    if operators.prestress is not None and operators.geometric is not None:
+        prestress, geometric = _stiffening(model, operators.stiffness, load)
+        changed["load"] = operators.load + load
+        changed["prestress"] = operators.prestress + prestress
+        changed["geometric"] = operators.geometric + geometric
+        changed["pulled"] = geometric
+    if operators.softening is not None:
+        changed["softening"] = operators.softening + mass * _through(rows, rotor.projector)
+    if operators.gyroscopic is not None:
+        changed["gyroscopic"] = operators.gyroscopic + mass * _through(rows, 2.0 * rotor.spin)
+    return replace(operators, **changed)
+
+
+def with_coriolis(operators: Operators) -> Operators:
+    """Count the Coriolis forces in, those of the plate's own point mass too."""
+    plate, through = operators.plate, 2.0 * operators.rotor.spin
+    gyroscopic = forms.inertia(operators.model, plate.material.density, through)
+    if plate.tip_mass > 0.0 and plate.tip_at is not None:
+        gyroscopic = gyroscopic + plate.tip_mass * _through(point_rows(operators.model, plate.tip_at), through)
+    return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
+
+
+def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
+    """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
+    from scipy.sparse import coo_array
+
+    cell, reference = locate(model.mesh, at)
+    rows, columns, weights = [], [], []
+    for k, space in enumerate(model.spaces):
+        weight, dofs = space.probe(np.array([cell]), reference[:, None], derivative)
+        free = dofs[0] >= 0
+        rows.append(np.full(np.count_nonzero(free), k))
+        columns.append(dofs[0][free])
+        weights.append(weight[0][free])
+    where = (np.concatenate(rows), np.concatenate(columns))
+    return coo_array((np.concatenate(weights), where), shape=(3, model.dofs)).tocsc()
+
+
+def _through(rows: csc_array, matrix: Array) -> csc_array:
+    from scipy.sparse import csc_array as sparse
+
+    return sparse(rows.T @ sparse(matrix) @ rows)
+
+
+def _stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:
+    """Solve for the displacement of a load and the geometric stiffness of its stress."""
+    held = model.membrane
+    displacement = np.zeros(model.dofs)
+    displacement[held] = factorise(stiffness[held][:, held].tocsc()).solve(load[held])
+    return displacement, forms.geometric_stiffness(model, forms.linear_stress(model, displacement))

@@ -1,0 +1,4 @@
+"""What is given: material, plate, thickness, root, rotor.
+
+May import meshes.
+"""

@@ -1,0 +1,4 @@
+"""The plate as the damper feels it: one mass on one spring.
+
+May import sweep and what that may.
+"""

@@ -1,0 +1,198 @@
+"""Static equilibrium with large deflection, and the stiffness about it.
+
+The strains are the theory's own (`fem.theory.strains`, `fem.theory.director`). The centrifugal load is that of the
+displaced mass when softening is counted. Newton's method starts from the stretched plate or from the state at a
+neighbouring speed, and takes the load in parts when that is too far. A thin plate that bends is stretched by far too
+much in a step that is linear, and the stiffness under that stress leads astray: each step's stiffness is therefore
+under the stress that the step before led to, to first order (Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech.
+Engrg 313 (2017) 986).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.linalg.lanczos import factorise
+from fem.statics.rest import check_rest, check_speed
+from fem.theory.fields import gram
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.linalg.lanczos import Factor
+    from fem.operators.assembly import Operators
+    from fem.theory.discretisation import Discretisation
+    from fem.theory.strains import Stressed
+
+    Array = NDArray[np.float64]
+
+ITERATIONS = 25
+"""Newton steps before the load is taken in smaller parts."""
+
+CONVERGED = 1e-14
+"""Energy of the last Newton step relative to that of the load; what is then left is of the order of its square."""
+
+ON_THE_WAY = 1e-4
+"""The same while the load is not yet whole."""
+
+STALLED = 1e-10
+"""Energy from which a step that gains nothing on the one before counts as rounding."""
+
+ROUNDED = 1e-20
+"""The same of one with a known factor: a new factor would find no more than rounding either."""
+
+AT_ONCE = 0.01
+"""Energy of a step with a known factor, relative to that of the step before, up to which the factor is still good."""
+
+CLOSE = 1e-3
+"""Energy of a step, relative to that of the load, up to which its factor is used again."""
+
+SMALLEST_PART = 1e-4
+"""Smallest part of the load that is tried before giving up."""
+
+WILD = 3
+"""Newton steps after which energies must fall; before, a plate bent too far at first is pulled back by its stretch."""
+
+
+class NoEquilibrium(ArithmeticError):
+    """Newton's method found no static equilibrium at a speed omega (rad/s), even in small steps."""
+
+    def __init__(self, omega: float) -> None:
+        super().__init__(f"no static equilibrium was found at {omega * 30 / np.pi:.6g} rpm")
+        self.omega = omega
+
+
+def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
+    """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
+
+    start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
+    otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a plate too thin for
+    its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
+    """
+    return settle(operators, omega, start)[0]
+
+
+def settle(
+    operators: Operators, omega: float, start: Array | None = None, converged: float = CONVERGED
+) -> tuple[Array, Factor]:
+    """The same, with the factor of a stiffness near that of the state.
+
+    converged: energy of the last Newton step relative to that of the load; what is left is of the order of its square.
+    """
+    check_speed(omega)
+    if start is not None and np.shape(start) != operators.load.shape:
+        raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
+    target = omega**2
+    if start is not None and (found := _newton(operators, target, start, converged=converged)) is not None:
+        return found
+    state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
+    while True:
+        attempt = min(1.0, reached + part)
+        begin = state
+        if operators.prestress is not None:
+            begin = state + (attempt - reached) * target * operators.prestress
+        found = _newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
+        if found is not None and attempt == 1.0:
+            return found
+        if found is not None:
+            state, reached, part = found[0], attempt, 2.0 * part
+            continue
+        part *= 0.25
+        if part < SMALLEST_PART:
+            found = _newton(operators, target, state, unstable=True)
+            if found is None:
+                check_rest(operators)
+                raise NoEquilibrium(omega)
+            return found
+
+
+def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
+    """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
+    return _stiffness(operators, omega**2, _stressed(operators.model, state))
+
+
+def _newton(
+    operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = CONVERGED
+) -> tuple[Array, Factor] | None:
+    """Equilibrium near a state with the last factor used, or None.
+
+    Close to the end a factor is used again as long as that brings the energy down at once. Unless an unstable
+    equilibrium will do, it is given up as soon as it strays: off the stable branch, or on to another one, Newton's
+    method is as content as on it; smaller parts of the load are not.
+    """
+    before, ahead = np.inf, None
+    for number in range(ITERATIONS):
+        stressed = _stressed(operators.model, state)
+        residual = _unbalanced(operators, load, state, stressed)
+        if not np.isfinite(residual).all():  # further than the theory reaches
+            return None
+        factor = factorise(_stiffness(operators, load, stressed, ahead))
+        if factor.negative and not unstable:
+            return None
+        step = factor.solve(residual)
+        if not np.isfinite(step).all():
+            return None
+        state = state + step
+        work = float(abs(load * operators.load @ state))
+        energy = float(abs(step @ residual))
+        if energy <= converged * work or (0.1 * before <= energy <= STALLED * work):
+            return state, factor
+        if number >= WILD and energy > before and not unstable:
+            return None
+        before = energy
+        further, settled = state, False
+        if energy <= CLOSE * work:
+            further, settled = _again(operators, load, state, factor, energy, work, converged)
+        if settled:
+            return further, factor
+        ahead = [part.ahead(step) for part in stressed] if further is state else None
+        state = further
+    return None
+
+
+def _again(
+    operators: Operators, load: float, state: Array, factor: Factor, energy: float, work: float, converged: float
+) -> tuple[Array, bool]:
+    """Steps with a factor that is known, while each has but a small part of the energy of the one before.
+
+    What is left after one falls only by as much again: it ends at the square of what Newton's step ends at, or at
+    rounding. Returns the state and whether it has come so far.
+    """
+    while True:
+        residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
+        step = factor.solve(residual)
+        following = float(abs(step @ residual))
+        if not following <= AT_ONCE * energy:
+            return state, following <= ROUNDED * work
+        state, energy = state + step, following
+        if energy <= max(converged**2, ROUNDED) * work:
+            return state, True
+
+
+def _stressed(model: Discretisation, state: Array) -> list[Stressed]:
+    """The parts of the elastic energy at a state (n,)."""
+    return [energy.at(state) for energy in model.energies]
+
+
+def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[Stressed]) -> Array:
+    """Force (n,) that is not balanced at a state under load times the unit load."""
+    residual = load * operators.load
+    for part in stressed:
+        residual = residual - part.force()
+    if operators.softening is not None:
+        residual += load * (operators.softening @ state)
+    return np.asarray(residual)
+
+
+def _stiffness(
+    operators: Operators, load: float, stressed: list[Stressed], stresses: list[Array] | None = None
+) -> csc_array:
+    """Tangent stiffness (n, n) of parts under their stress, or another, under load times the unit load."""
+    under: list[Array | None] = [None] * len(stressed) if stresses is None else [*stresses]
+    stiffness = gram(*(term for part, stress in zip(stressed, under, strict=True) for term in part.terms(stress)))
+    if operators.softening is not None:
+        stiffness = (stiffness - load * operators.softening).tocsc()
+    return stiffness

@@ -1,0 +1,239 @@
+"""The Campbell diagram: frequencies over speed, for about the price of one modal analysis.
+
+With a linear prestress every speed is answered by a reduced basis (`fem.sweep.grow`) with a bound on the error
+of every frequency. With large deflection the modes are solved speed by speed, each from the state before; so they are
+for many modes at few speeds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.linalg.lanczos import CONVERGED, rounding
+from fem.modes.critical_speed import critical_speed
+from fem.modes.family import FAMILIES, energy_shares
+from fem.modes.real import Divergence, check_count, check_damping
+from fem.modes.solve import solve_modes
+from fem.statics.large_deflection import NoEquilibrium, tangent
+from fem.sweep.grow import Answer, answer
+from fem.sweep.tracking import Veering, follow
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators.assembly import Operators
+
+    Array = NDArray[np.float64]
+
+
+SHY = 1e-9
+"""Relative distance from the critical speed within which a speed counts as critical."""
+
+
+FEW = 12
+"""Modes up to which a reduced basis is cheaper than solving as many speeds one by one; beyond, its bounds are dear."""
+
+
+MOST_MENDED = 50
+"""Speeds of a part that are solved by themselves at most, where bounds of a reduced basis stay above the tolerance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Campbell:
+    """Modes over speed.
+
+    omega: (k,) speeds in rad/s, ascending, below the critical one. frequencies_hz: (k, count), ascending at
+    each speed. bounds: (k, count), on their relative error against the full model. damping_ratios: (k, count).
+    branches: (k, count), which mode of the first speed each one continues. shares: (k, 5, count), see
+    `fem.modes.family`. veerings: where this is ambiguous. diverged: the speeds asked for that lie at or beyond the
+    critical one. sizes: vectors in each reduced basis used. parts: what the shapes are made from.
+    """
+
+    omega: Array
+    frequencies_hz: Array
+    bounds: Array
+    damping_ratios: Array
+    branches: NDArray[np.int64]
+    shares: Array
+    veerings: tuple[Veering, ...]
+    diverged: Array
+    sizes: tuple[int, ...]
+    parts: tuple[Answer, ...] = field(repr=False)
+
+    def shapes(self, number: int) -> NDArray[Any]:
+        """Mass-normalised shapes (n, count) at speed number; complex with Coriolis."""
+        for part in self.parts:
+            if number < part.rates.shape[0]:
+                shapes: NDArray[Any] = part.basis @ part.vectors[number][:, : self.frequencies_hz.shape[1]]
+                return shapes
+            number -= part.rates.shape[0]
+        raise IndexError(f"there are only {self.omega.size} speeds")
+
+    @property
+    def states(self) -> list[Array | None]:
+        """The displacement (n,) vibrated about at each speed, where the deflection is large."""
+        return [part.state for part in self.parts for _ in range(part.rates.shape[0])]
+
+    @property
+    def families(self) -> list[list[str]]:
+        """The family of every mode at every speed."""
+        return [[FAMILIES[k] for k in row] for row in self.shares.argmax(axis=1)]
+
+
+def campbell(
+    operators: Operators,
+    omega: Array,
+    count: int = 6,
+    *,
+    tolerance: float = 1e-6,
+    damping_ratio: float = 0.0,
+    states: tuple[tuple[float, Array], ...] = (),
+) -> Campbell:
+    """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
+
+    damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
+    speeds, where the deflection is large and they are known. What was achieved is in `bounds`, for the caller to see:
+    they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
+    Raises ValueError for no speeds or a count, tolerance or ratio out of range, Divergence when every speed is at or
+    beyond the critical one, NoEquilibrium, and Unresolved for a plate too thin for the theory.
+    """
+    asked = np.unique(np.asarray(omega, dtype=float))
+    if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
+        raise ValueError("campbell needs at least one speed, finite and not negative")
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
+    check_count(operators, count)
+    check_damping(damping_ratio)
+    if operators.effects.large_deflection or _hardly_any(asked.size, count):
+        parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states))
+    else:
+        found = _below_critical(operators, asked, count, tolerance, damping_ratio)
+        parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
+    below = asked[: sum(part.rates.shape[0] for part in parts)]
+    branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
+    return Campbell(
+        omega=below,
+        frequencies_hz=np.vstack([part.rates for part in parts]) / (2.0 * np.pi),
+        bounds=np.vstack([part.bounds for part in parts]),
+        damping_ratios=np.vstack([part.damping for part in parts]),
+        branches=branches,
+        shares=np.concatenate([part.shares for part in parts]),
+        veerings=veerings,
+        diverged=asked[below.size :],
+        sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
+        parts=tuple(parts),
+    )
+
+
+def _hardly_any(speeds: int, count: int) -> bool:
+    """Whether so few speeds are asked for that each is best solved by itself."""
+    return speeds == 1 or (count > FEW and speeds <= count)
+
+
+def _below_critical(
+    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float
+) -> list[Answer]:
+    """Answer the speeds (k,) below the critical one. Raises Divergence when there are none."""
+    try:
+        return answer(operators, omega, count, tolerance, damping_ratio)
+    except Divergence:
+        below = omega[omega < (1.0 - SHY) * critical_speed(operators)]
+        if below.size in (0, omega.size):
+            raise
+        return answer(operators, below, count, tolerance, damping_ratio)
+
+
+def _mended(operators: Operators, part: Answer, count: int, damping_ratio: float) -> list[Answer]:
+    """A part of the answer, in which speeds that no basis answered well enough are solved by themselves, if few."""
+    if part.met.all() or np.count_nonzero(~part.met) > MOST_MENDED:
+        return [part]
+    pieces: list[Answer] = []
+    for rows in np.split(np.arange(part.omega.size), np.flatnonzero(np.diff(part.met)) + 1):
+        if part.met[rows[0]]:
+            pieces.append(part.only(rows))
+        else:
+            pieces += _speed_by_speed(operators, part.omega[rows], count, damping_ratio)
+    return pieces
+
+
+def _speed_by_speed(
+    operators: Operators, omega: Array, count: int, damping_ratio: float, states: dict[float, Array] | None = None
+) -> list[Answer]:
+    """Solve each speed (k,) in full until one diverges, its static state known or from those before."""
+    parts: list[Answer] = []
+    path: list[tuple[float, Array]] = []
+    known = states or {}
+    for speed in map(float, omega):
+        try:
+            own = {"start": _ahead(path, speed), "state": known.get(speed)}
+            modes = solve_modes(operators, speed, count + 1, damping_ratio=damping_ratio, **own)
+        except (Divergence, NoEquilibrium):
+            if not parts:
+                raise
+            break
+        if modes.state is not None:
+            path = [*path[-1:], (speed**2, modes.state)]
+        rates = np.sqrt(modes.eigenvalues)[None, :count]
+        kept = modes.shapes[:, :count]
+        error = CONVERGED + rounding(operators.at(speed), np.abs(kept), modes.eigenvalues[:count])[None]
+        shares = energy_shares(operators, kept)[None]
+        damping = modes.damping_ratios[None, :count]
+        one = np.eye(modes.shapes.shape[1])[None]
+        parts.append(
+            Answer(
+                np.array([speed]),
+                rates,
+                error,
+                damping,
+                shares,
+                one,
+                modes.shapes,
+                False,
+                np.ones(1, dtype=bool),
+                modes.state,
+            )
+        )
+    return parts
+
+
+def _ahead(path: list[tuple[float, Array]], speed: float) -> Array | None:
+    """Where the last one or two states, each with its Omega², lead to at a speed in rad/s."""
+    if len(path) < 2:
+        return path[-1][1] if path else None
+    (before, first), (now, second) = path
+    return second + (speed**2 - now) / (now - before) * (second - first)
+
+
+def _likeness(operators: Operators, parts: list[Answer]) -> Array:
+    """MAC (k - 1, q, q) between the modes at each speed and those at the next."""
+    q = min(part.vectors.shape[2] for part in parts)
+    steps = []
+    for here, following in zip(parts, [*parts[1:], None], strict=True):
+        vectors = here.vectors[:, :, :q]
+        mass = here.basis.conj().T @ (operators.mass @ here.basis)
+        steps.append(np.swapaxes(vectors[:-1].conj(), 1, 2) @ mass @ vectors[1:])
+        if following is not None:
+            cross = here.basis.conj().T @ (operators.mass @ following.basis)
+            steps.append((vectors[-1].conj().T @ cross @ following.vectors[0, :, :q])[None])
+    return np.asarray(np.abs(np.concatenate(steps)) ** 2)
+
+
+def _coupling(operators: Operators, parts: list[Answer], step: int) -> Array:
+    """What a step's change of speed does between the modes (count, q) before it, relative to each one's stiffness."""
+    ends = [(part, row) for part in parts for row in range(part.omega.size)][step : step + 2]
+    (here, row), (there, following) = ends
+    slow, fast = here.omega[row], there.omega[following]
+    shapes = here.basis @ here.vectors[row]
+    rates = here.rates[row][:, None]
+    if here.state is not None and there.state is not None:
+        moved = (tangent(operators, fast, there.state) - tangent(operators, slow, here.state)) @ shapes
+    else:
+        moved = (fast**2 - slow**2) * (operators.spinning @ shapes)
+    coupled = shapes[:, : rates.size].conj().T @ moved
+    if operators.gyroscopic is not None:
+        turned = shapes[:, : rates.size].conj().T @ (operators.gyroscopic @ shapes)
+        coupled = coupled + 1j * (fast - slow) * rates * turned
+    return np.asarray(np.abs(coupled) / rates**2)

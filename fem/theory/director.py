@@ -1,0 +1,171 @@
+"""The Mindlin plate at finite rotations: a surface that carries a director of unit length.
+
+A point (x, y, z) goes to r + z d, where r = (x + u, y + v, w) and d = (-theta_x, -theta_y, s), s² = 1 - theta².
+Green's strains are those of r and d alone, so that turning the plate as a whole, however far, does not strain it:
+    membrane (r,a . r,b - delta_ab) / 2,  bending (r,a . d,b + r,b . d,a) / 2,  shear r,a . d
+and, of second order in z, d,a . d,b / 2, whose part that is even over the thickness joins the membrane's. What is
+stretched gets thinner: bending strains are multiplied by what plane stress leaves of the thickness, whose square is
+1 - 2 nu / (1 - nu) (E_xx + E_yy) of the membrane's; in shear, small beside them, that is left out. At small rotations
+this is `fem.theory.mindlin`; a director may turn by up to 90 degrees. The strains are those of Simo and Fox, Comput.
+Methods Appl. Mech. Engng 72 (1989) 267. Shear is in `fem.theory.director_shear`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate.given import Material
+    from fem.theory.fields import Fields
+    from fem.theory.strains import Terms
+
+    Array = NDArray[np.float64]
+
+TURNS = (6, 9)
+"""Where theta_x and theta_y stand among a section's fields; their derivatives follow each."""
+
+
+def _forms() -> Array:
+    x, y = np.eye(2)
+    pairs = [np.outer(x, x), np.outer(y, y), np.outer(x, y) + np.outer(y, x)]
+    even, odd = np.diag([1.0, 1.0 / 12.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
+    return np.array([np.kron(part, np.kron(pair, np.eye(3))) for part in (even, odd) for pair in pairs])
+
+
+FORMS = _forms()
+"""The strains (Voigt; membrane, then bending times the thickness h) as forms (6, 12, 12): half their products with
+r,x r,y h d,x h d,y."""
+
+FLAT = np.array([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, *[0.0] * 6])
+"""r,x r,y h d,x h d,y at rest, h the thickness."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Membrane and bending energy over the fields u,x u,y v,x v,y w,x w,y and theta_x, its derivatives, theta_y, its.
+
+    material: in plane stress. thickness in m, one or (ncell, npoint).
+    """
+
+    fields: Fields
+    material: Material
+    thickness: float | Array
+
+    def at(self, state: Array) -> SectionStress:
+        """The energy at a state (n,); not a number where a director would turn beyond 90 degrees."""
+        known = self.fields.evaluate(state)
+        values, thickness = _pointwise(known), np.broadcast_to(self.thickness, known.shape[1:]).reshape(-1, 1)
+        moved, jacobian = _vectors(values, thickness)
+        rest, added = FORMS @ FLAT, np.tensordot(moved, FORMS, (1, 2))
+        # not half of r,a . r,b - delta_ab, of which rounding would leave nothing where strains are small
+        strain = ((rest + 0.5 * added) @ moved[:, :, None])[:, :, 0]
+        return SectionStress(self, thickness, values, jacobian, rest + added, *self._law(strain, thickness))
+
+    def _law(self, strain: Array, h: Array) -> tuple[Array, Array]:
+        """Stress (npoint, 6) and modulus (npoint, 6, 6) at strains (npoint, 6), of membrane and bending."""
+        nu, plane = self.material.poissons_ratio, self.material.plane_stress
+        thinner = -2.0 * nu / (1.0 - nu) * np.array([1.0, 1.0, 0.0])
+        square = 1.0 + strain[:, :3] @ thinner
+        moment = h / 12.0 * (strain[:, 3:] @ plane)
+        energy = 0.5 * (strain[:, 3:] * moment).sum(axis=1)
+        stress = np.hstack([h * (strain[:, :3] @ plane) + energy[:, None] * thinner, square[:, None] * moment])
+        modulus = np.empty((len(strain), 6, 6))
+        modulus[:, :3, :3] = h[:, :, None] * plane
+        modulus[:, 3:, 3:] = (h[:, 0] / 12.0 * square)[:, None, None] * plane
+        modulus[:, :3, 3:] = thinner[:, None] * moment[:, None, :]
+        modulus[:, 3:, :3] = modulus[:, :3, 3:].transpose(0, 2, 1)
+        return stress, modulus
+
+
+@dataclass(frozen=True, eq=False)
+class SectionStress:
+    """A section's energy at a state, by point.
+
+    thickness: (npoint, 1) in m. values: of the fields (npoint, 12). jacobian: of r,x r,y h d,x h d,y by the fields,
+    (npoint, 12, 12). turned: of the strains by these, (npoint, 6, 12). stress: (npoint, 6), and its derivative by the
+    strain (npoint, 6, 6).
+    """
+
+    energy: Section
+    thickness: Array
+    values: Array
+    jacobian: Array
+    turned: Array
+    stress: Array
+    modulus: Array
+
+    def force(self) -> Array:
+        """The internal force (n,)."""
+        felt = self.stress[:, None, :] @ self.turned
+        return self.energy.fields.load(_fieldwise((felt @ self.jacobian)[:, 0], self.energy.fields))
+
+    def ahead(self, step: Array) -> Array:
+        """The stress (npoint, 6) that a step (n,) leads to, to first order."""
+        moved = _pointwise(self.energy.fields.evaluate(step))[:, :, None]
+        return np.asarray(self.stress + (self.modulus @ (self.turned @ (self.jacobian @ moved)))[:, :, 0])
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
+        stress = self.stress if stress is None else stress
+        felt = (stress[:, None, :] @ self.turned)[:, 0] * self.thickness
+        inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
+        inner += np.tensordot(stress, FORMS, 1)
+        total = self.jacobian.transpose(0, 2, 1) @ inner @ self.jacobian
+        for b, height in enumerate((felt[:, 8], felt[:, 11])):
+            first, second = np.meshgrid(*[_lifting(b)] * 2, indexing="ij")
+            total[:, first, second] += height[:, None, None] * _lift(self.values[:, _lifting(b)])[2]
+        return ((self.energy.fields, _fieldwise(total, self.energy.fields)),)
+
+
+def _vectors(values: Array, thickness: Array) -> tuple[Array, Array]:
+    """Return by how much r,x r,y h d,x h d,y differ from `FLAT` (npoint, 12), and their derivatives by the fields."""
+    vectors, jacobian = np.zeros((2, len(values), 12, 12))
+    vectors = vectors[:, :, 0]
+    for b in range(2):
+        for k in range(3):
+            jacobian[:, 3 * b + k, 2 * k + b] = 1.0
+        for k, turn in enumerate(TURNS):
+            jacobian[:, 6 + 3 * b + k, turn + 1 + b] = -1.0
+    vectors[:] = (jacobian @ values[:, :, None])[:, :, 0]
+    for b in range(2):
+        vectors[:, 8 + 3 * b], jacobian[:, 8 + 3 * b, _lifting(b)], _ = _lift(values[:, _lifting(b)])
+    vectors[:, 6:] *= thickness
+    jacobian[:, 6:] *= thickness[:, :, None]
+    return vectors, jacobian
+
+
+def _lifting(b: int) -> list[int]:
+    """The fields that the height's derivative by x (b = 0) or y is made of: theta_x, theta_y and their derivatives."""
+    return [*TURNS, *(turn + 1 + b for turn in TURNS)]
+
+
+def _lift(values: Array) -> tuple[Array, Array, Array]:
+    """The height's derivative s' = -t.t' / s at turns t and t' (npoint, 4), its gradient and second derivatives."""
+    turn, slope = values[:, :2], values[:, 2:]
+    with np.errstate(invalid="ignore"):
+        height = np.sqrt(1.0 - (turn**2).sum(axis=1))[:, None]
+    along = (turn * slope).sum(axis=1)[:, None]
+    lift = -along / height
+    gradient = np.hstack([lift * turn / height**2 - slope / height, -turn / height])
+    unit, outer = np.eye(2), turn[:, :, None] * turn[:, None, :]
+    height, along = height[:, :, None], along[:, :, None]
+    mixed = -unit / height - outer / height**3
+    cross = turn[:, :, None] * slope[:, None, :]
+    both = -(cross + cross.transpose(0, 2, 1) + along * unit) / height**3 - 3.0 * along * outer / height**5
+    second = np.concatenate([np.concatenate([both, mixed], 2), np.concatenate([mixed, np.zeros_like(both)], 2)], 1)
+    return lift[:, 0], gradient, second
+
+
+def _pointwise(values: Array) -> Array:
+    """From fields (nfield, ncell, npoint) to (ncell npoint, nfield)."""
+    return np.ascontiguousarray(values.reshape(len(values), -1).T)
+
+
+def _fieldwise(values: Array, fields: Fields) -> Array:
+    """From (ncell npoint, ...) to (..., ncell, npoint)."""
+    return np.moveaxis(values.reshape(*fields.dx.shape, *values.shape[1:]), (0, 1), (-2, -1))

@@ -1,0 +1,126 @@
+"""What every plate theory hands to the rest: fields in the plane and how these move a point in space.
+
+A point X = (x, y, z) moves by U = T(z) f, where f are the displacement fields of the plane, and the gradient
+of U is H = D(z) g with the gradient fields g. A theory is its fields and its layers (z, weight, T, D); loads,
+inertia, softening, Coriolis and prestress are then the same few integrals for every theory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.planform import root_facets
+from fem.theory.fields import CLAMPED, Block, Fields
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate.given import Plate
+    from fem.theory.sections import Layer
+    from fem.theory.strains import Energy
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """A scalar finite-element space: a scikit-fem basis and the numbers of its unknowns.
+
+    dofs: (ncell, ndof). height: for bricks, the reference height of the mid-surface in the first bricks.
+    scale: length in m of the basis's own unit. signs: (ncell, ndof), -1 where a cell's shape function
+    counts an unknown backwards, as normal slopes are on one of two neighbours. combined: (nbasis, ndof), what each
+    unknown moves of the basis's own functions, where that is more than one.
+    """
+
+    basis: Any
+    dofs: NDArray[np.int64]
+    height: float | None = None
+    scale: float = 1.0
+    signs: Array | None = None
+    combined: Array | None = None
+
+    def block(self, derivatives: tuple[tuple[int, ...], ...]) -> Block:
+        """Tabulate derivatives as one block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
+        functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
+        table = np.stack([np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1)
+        if self.combined is not None:
+            table = table @ self.combined
+        if self.signs is not None:
+            table = table * self.signs[:, None, None, :]
+        return Block(np.ascontiguousarray(table), self.dofs)
+
+    def probe(
+        self, cells: NDArray[np.int64], reference: Array, derivative: tuple[int, ...] = ()
+    ) -> tuple[Array, NDArray[np.int64]]:
+        """Weights and unknowns (npoint, ndof) of a derivative at planar reference points (2, npoint)."""
+        if self.height is not None:
+            reference = np.vstack([reference, np.full(reference.shape[1], self.height)])
+        at, mapping = reference[:, :, None], self.basis.mapping
+        functions = [self.basis.elem.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
+        weights = np.stack([self._component(f, derivative)[:, 0] for f in functions], axis=-1)
+        weights = weights if self.combined is None else weights @ self.combined
+        return weights if self.signs is None else weights * self.signs[cells], self.dofs[cells]
+
+    def _component(self, field: Any, derivative: tuple[int, ...]) -> Array:
+        source = (np.asarray(field), field.grad, field.hess)[len(derivative)]
+        component = source[derivative] if derivative else source
+        return np.asarray(component) / self.scale ** len(derivative)
+
+
+def number(
+    spaces: list[tuple[Any, NDArray[np.int64]]],
+) -> tuple[list[NDArray[np.int64]], int]:
+    """Free unknowns of several bases in one numbering.
+
+    spaces: (basis, clamped unknowns of that basis). Returns the (ncell, ndof) tables and the total.
+    """
+    tables, start = [], 0
+    for basis, clamped in spaces:
+        free = np.ones(basis.N, dtype=bool)
+        free[clamped] = False
+        numbers = np.where(free, start + np.cumsum(free) - 1, CLAMPED)
+        tables.append(np.ascontiguousarray(numbers[basis.element_dofs].T))
+        start += int(free.sum())
+    return tables, start
+
+
+def clamped(basis: Any, plate: Plate) -> NDArray[np.int64]:
+    """Unknowns of a scalar basis that the plate's root holds."""
+    if plate.elastic_root is not None:
+        return np.empty(0, dtype=np.int64)
+    return np.asarray(basis.get_dofs(root_facets(basis.mesh)).flatten())
+
+
+@dataclass(frozen=True, eq=False)
+class Discretisation:
+    """A plate in one theory.
+
+    points: (3, ncell, npoint) in m, z = 0 for plates.
+    displacement, gradient: the fields f and g. inertia, elastic: layers that carry mass and stiffness.
+    stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
+    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear, springs at the root.
+    energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
+    membrane: numbers of the unknowns that a linear prestress may move.
+    spaces: the spaces of u, v and w, for values at points. mesh: the planform they live on.
+    """
+
+    theory: str
+    points: Array
+    displacement: Fields
+    gradient: Fields
+    inertia: tuple[Layer, ...]
+    elastic: tuple[Layer, ...]
+    stiffness: Array
+    extra: tuple[tuple[Fields, Array], ...]
+    energies: tuple[Energy, ...]
+    membrane: NDArray[np.int64]
+    spaces: tuple[Space, Space, Space]
+    mesh: Any
+
+    @property
+    def dofs(self) -> int:
+        """Number of free unknowns."""
+        return self.displacement.dofs

@@ -1,0 +1,69 @@
+"""The forms of a spinning elastic body, each a small coefficient matrix over the fields of a theory.
+
+In the frame that turns with the rotor about the axis n, P = I - n n^T, and at Omega = 1:
+mass rho U.U, softening rho U.P U, Coriolis 2 rho U.(n x U), centrifugal load rho P X, and the geometric
+stiffness S_ab H_ka H_kb of a stress S (the second-order part of the Green-Lagrange strain; in a plate it
+holds N:(grad w grad w), N:(grad u grad u), which carries the in-plane modes, and the rotary part).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.meshes.planform import root
+from fem.theory.fields import gram
+from fem.theory.sections import products, strain_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.plate.rotor import Rotor
+    from fem.theory.discretisation import Discretisation
+
+    Array = NDArray[np.float64]
+
+
+def elastic_stiffness(model: Discretisation) -> csc_array:
+    """Return the linear elastic stiffness, N/m."""
+    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
+    coefficients = np.sum([w * b.T @ model.stiffness @ b for w, b in strains], axis=0)
+    return gram((model.gradient, coefficients), *model.extra)
+
+
+def inertia(model: Discretisation, density: float, through: Array) -> csc_array:
+    """Return the matrix of density * U.(through U): mass (identity), softening (P), Coriolis (2 n x)."""
+    layers = [(layer.weight, layer.displacement) for layer in model.inertia]
+    coefficients = density * np.sum([w * t.T @ through @ t for w, t in layers], axis=0)
+    return gram((model.displacement, coefficients))
+
+
+def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Array:
+    """Load vector (dofs,) of density * P X at 1 rad/s."""
+    total = np.zeros((model.displacement.size, *model.points.shape[1:]))
+    for layer in model.inertia:
+        from_axis = model.points + (rotor.hub_radius * rotor.outwards)[:, None, None]
+        from_axis[0] -= root(model.mesh)
+        from_axis[2] += layer.z
+        force = layer.weight * density * layer.displacement.T @ rotor.projector
+        total += np.einsum("fk,kcp->fcp", force, from_axis)
+    return model.displacement.load(total)
+
+
+def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
+    """Stress (nstrain, ncell, npoint) in Pa at each elastic layer, to first order in the displacement."""
+    gradients = model.gradient.evaluate(unknowns)
+    return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
+
+
+def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:
+    """Return the geometric stiffness of a stress given at each elastic layer, N/m."""
+    n = model.gradient.size
+    coefficients = np.zeros((n, n, *model.gradient.dx.shape))
+    for layer, s in zip(model.elastic, stress, strict=True):
+        second = products(layer)
+        i, j = np.nonzero(second.any(axis=0))
+        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, s, 1)
+    return gram((model.gradient, coefficients))

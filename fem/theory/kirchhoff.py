@@ -1,0 +1,116 @@
+"""The thin (Kirchhoff) plate with its membrane: U = (u - z w_x, v - z w_y, w), no transverse shear.
+
+w needs continuous slopes. Rectangles carry the Bogner-Fox-Schmit element (1965), triangles Argyris's of degree
+five (Argyris, Fried and Scharpf, Aeronaut. J. 72 (1968) 701); Morley's (Aeronaut. Quart. 19 (1968) 149) is the
+cheapest and has discontinuous w, so its frequencies come from below. u and v are quadratic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.planform import root_facets
+from fem.plate.thickness import of
+from fem.theory.discretisation import Discretisation, Space, clamped, number
+from fem.theory.fields import Fields
+from fem.theory.sections import layers, stretched, weighed
+from fem.theory.springs import energies, springs
+from fem.theory.strains import of_layers
+from fem.theory.tabulated_element import together
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate.given import Plate
+
+ELEMENTS = ("bfs", "argyris", "morley")
+"""Names of the elements for w."""
+
+ORDER = {"bfs": 7, "argyris": 8, "morley": 5}
+"""Degree to which integrals are exact."""
+
+
+def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = None) -> Discretisation:
+    """Make the Kirchhoff model of a plate; without a named element, the best one for the mesh.
+
+    Raises ValueError for an element that the mesh does not allow.
+    """
+    from skfem import Basis, ElementQuad2, ElementTriP2
+    from skfem.quadrature import get_quadrature
+
+    element = element or ("bfs" if is_rectangles(plate.mesh) else "argyris")
+    if element == "bfs" and not is_rectangles(plate.mesh):
+        raise ValueError("the bfs element needs a mesh of rectangles along x and y; use argyris or morley")
+    mesh = plate.mesh if element == "bfs" or plate.mesh.t.shape[0] == 3 else plate.mesh.to_meshtri()
+    quadrature = get_quadrature(mesh.elem.refdom, ORDER[element])
+    membrane = Basis(mesh, ElementQuad2() if element == "bfs" else ElementTriP2(), quadrature=quadrature)
+    size = float(np.sqrt(membrane.dx.sum(axis=1).mean()))
+    bending, held, bare = _bending(mesh, element, quadrature, size)
+    if plate.elastic_root is not None:
+        held = held[:0]
+    root = clamped(membrane, plate)
+    tables, total = number([(membrane, root), (membrane, root), (bending, held)])
+    u, v = (Space(membrane, t) for t in tables[:2])
+    w = replace(bare, dofs=tables[2])
+
+    planar = np.asarray(membrane.global_coordinates())
+    thickness = of(plate.thickness, planar)
+    dx, elastic = weighed(np.asarray(membrane.dx), thickness), layers(thickness)
+    slopes = ((0,), (1,))
+    fields = ((u, ()), (v, ()), (w, ()), (w, (0,)), (w, (1,)))
+    held_by = springs(plate.elastic_root, mesh, fields, total, conforming=element != "morley")
+    planes = [s.block(slopes) for s in (u, v)]
+    bent = stretched(w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1))), thickness, start=2)
+    gradient = Fields((*planes, bent), dx, total)
+    moved = (u.block(((),)), v.block(((),)), stretched(w.block(((), *slopes)), thickness, start=1))
+    return Discretisation(
+        theory=f"kirchhoff/{element}",
+        points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
+        displacement=Fields(moved, dx, total),
+        gradient=gradient,
+        inertia=elastic if rotary_inertia else layers(thickness, flat=True),
+        elastic=elastic,
+        stiffness=plate.material.plane_stress,
+        extra=held_by,
+        energies=(of_layers(gradient, elastic, plate.material.plane_stress), *energies(held_by)),
+        membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
+        spaces=(u, v, w),
+        mesh=mesh,
+    )
+
+
+def is_rectangles(mesh: Any) -> bool:
+    """Whether every cell is a rectangle with sides along x and y."""
+    if mesh.t.shape[0] != 4:
+        return False
+    sides = np.diff(mesh.p[:, mesh.t[[0, 1, 2, 3, 0]]], axis=1)
+    return bool((np.abs(sides).min(axis=0) <= 1e-9 * np.abs(sides).max()).all())
+
+
+def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any, NDArray[np.int64], Space]:
+    """The unknowns of w, those that are clamped, and a space over them that still lacks its numbers.
+
+    The shape functions are computed cell by cell in coordinates centred on the cell and measured in cell
+    sizes, where the monomials they are made of are far better conditioned than in global ones.
+    """
+    from skfem import Basis, Dofs, ElementQuadBFS, ElementTriArgyris, ElementTriMorley
+
+    kind = {"bfs": ElementQuadBFS, "argyris": ElementTriArgyris, "morley": ElementTriMorley}[element]
+    dofs = Dofs(mesh, kind())
+    held = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
+    corners = mesh.p[:, mesh.t]
+    local = (corners - corners.mean(axis=1, keepdims=True)) / size
+    count, ncell = mesh.t.shape
+    numbers = np.arange(count * ncell).reshape(ncell, count).T
+    apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
+    basis = Basis(apart, together(kind), quadrature=quadrature)
+    signs = np.ones((ncell, basis.Nbfun))
+    if element != "bfs":
+        # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.
+        second = mesh.f2t[1, mesh.t2f] == np.arange(ncell)
+        signs[:, -3:] = np.where(second, -1.0, 1.0).T
+    unnumbered = np.empty((0, 0), dtype=np.int64)
+    return dofs, held, Space(basis, unnumbered, scale=size, signs=signs)

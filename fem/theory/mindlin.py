@@ -1,0 +1,129 @@
+"""The Mindlin plate with its membrane: u, v, w and the rotations, all quadratic, with assumed shear.
+
+U = (u - z theta_x, v - z theta_y, w). Direct strains in plane stress; transverse shear g = grad w - theta
+with the correction factor 5/6 (Reissner 1945; Mindlin, J. Appl. Mech. 18 (1951) 31). Quadrilaterals carry Q2
+throughout, triangles P2 with a cubic bubble in the rotations; see `fem.theory.assumed_shear` for the shear.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.plate.thickness import of
+from fem.theory import assumed_shear as tying
+from fem.theory import director, director_shear
+from fem.theory import springs as root
+from fem.theory.discretisation import Discretisation, Space, clamped, number
+from fem.theory.fields import Block, Fields
+from fem.theory.sections import layers, stretched, weighed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate.given import Plate
+
+    Array = NDArray[np.float64]
+
+SHEAR_CORRECTION = 5.0 / 6.0
+"""Reissner's factor for a homogeneous section."""
+
+SHEAR_FLOOR = 1e-5
+"""Least shear compliance, as (a/h)² of the cell size a that is added to 1.
+
+The shear stiffness of a thin plate exceeds the bending stiffness by (a/h)² on a cell and drowns it in
+rounding (2e-4 of a frequency at h/L = 1e-5). Capping it makes a plate no softer in shear than one of thickness
+0.003 a, an error that falls with the mesh and stays orders below that of the mesh.
+"""
+
+
+def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
+    """Make the Mindlin model of a plate."""
+    from skfem import Basis, ElementQuad2, ElementTriP2, ElementTriP2B
+    from skfem.quadrature import get_quadrature
+
+    mesh = plate.mesh
+    quads = mesh.t.shape[0] == 4
+    element = ElementQuad2() if quads else ElementTriP2()
+    quadrature = get_quadrature(mesh.elem.refdom, 5)
+    basis = Basis(mesh, element, quadrature=quadrature)
+    rotation = basis if quads else Basis(mesh, ElementTriP2B(), quadrature=quadrature)
+    bases = [basis, basis, basis, rotation, rotation]
+    tables, total = number([(b, clamped(b, plate)) for b in bases])
+    spaces = u, v, w, tx, ty = tuple(Space(b, t) for b, t in zip(bases, tables, strict=True))
+
+    dx = np.asarray(basis.dx)
+    value, gradient = ((),), ((0,), (1,))
+    places, reduction = _reduction(basis)
+    planar = np.asarray(basis.global_coordinates())
+    thickness = of(plate.thickness, planar)
+    shear = Fields((_shear(w, tx, ty, places, reduction),), dx, total)
+    floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / thickness**2
+    modulus = SHEAR_CORRECTION * plate.material.shear_modulus * thickness / floor
+    elastic, whole = layers(thickness), weighed(dx, thickness)
+    moved, strained = ([s.block(d) for s in spaces] for d in (value, gradient))
+    for blocks in (moved, strained):
+        blocks[3:] = [stretched(block, thickness) for block in blocks[3:]]
+    turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
+    springs = root.springs(plate.elastic_root, mesh, tuple((space, ()) for space in spaces), total)
+    samples = _samples(spaces, places, total)
+    return Discretisation(
+        theory="mindlin",
+        points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),
+        displacement=Fields(tuple(moved), whole, total),
+        gradient=Fields(tuple(strained), whole, total),
+        inertia=elastic if rotary_inertia else layers(thickness, flat=True),
+        elastic=elastic,
+        stiffness=plate.material.plane_stress,
+        extra=((shear, np.eye(2)[:, :, None, None] * modulus), *springs),
+        energies=(
+            director.Section(turned, plate.material, thickness),
+            director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            *root.energies(springs),
+        ),
+        membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
+        spaces=(u, v, w),
+        mesh=mesh,
+    )
+
+
+def _reduction(basis: Any) -> tuple[Array, Array]:
+    """Places of the shear samples (2, nsample), and what makes of their covariant shears those at the points.
+
+    The latter is (ncell, npoint, 2, nsample, 2).
+    """
+    rule = tying.quadrilateral() if basis.mesh.t.shape[0] == 4 else tying.triangle()
+    covariant = rule.reduction(basis.X)
+    return rule.points, np.einsum("abcm,masn->cmbsn", basis.mapping.invDF(basis.X), covariant, optimize=True)
+
+
+def _shear(w: Space, tx: Space, ty: Space, places: Array, reduction: Array) -> Block:
+    """Tabulate the assumed shear strain as one block over the unknowns of w and theta."""
+    slope, turn = _slopes(w, places), _values(tx, places)
+    jacobian = w.basis.mapping.DF(places)
+    from_w = np.einsum("cmbsn,snj->cmbj", reduction, slope, optimize=True)
+    from_turn = np.einsum("cmbsn,kncs,sj->kcmbj", reduction, jacobian, turn, optimize=True)
+    table = np.concatenate([from_w, -from_turn[0], -from_turn[1]], axis=-1)
+    dofs: NDArray[Any] = np.concatenate([w.dofs, tx.dofs, ty.dofs], axis=1)
+    return Block(np.ascontiguousarray(table), dofs)
+
+
+def _samples(spaces: tuple[Space, ...], places: Array, total: int) -> Fields:
+    """The fields u, v, w by the reference coordinates and the turns where shear is sampled, for the director."""
+    ncell = len(spaces[0].dofs)
+    tables = [*(_slopes(s, places) for s in spaces[:3]), *(_values(s, places)[:, None] for s in spaces[3:])]
+    blocks = (Block(np.broadcast_to(t, (ncell, *t.shape)), s.dofs) for t, s in zip(tables, spaces, strict=True))
+    return Fields(tuple(blocks), np.ones((ncell, places.shape[1])), total)
+
+
+def _slopes(space: Space, places: Array) -> Array:
+    """Derivatives (nplace, 2, ndof) of a space's functions by the reference coordinates."""
+    basis = space.basis
+    found = np.stack([basis.elem.lbasis(places, j)[1] for j in range(basis.Nbfun)], axis=-1)
+    return np.ascontiguousarray(found.transpose(1, 0, 2))
+
+
+def _values(space: Space, places: Array) -> Array:
+    """Values (nplace, ndof) of a space's functions."""
+    return np.stack([space.basis.elem.lbasis(places, j)[0] for j in range(space.basis.Nbfun)], axis=-1)

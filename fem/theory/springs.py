@@ -1,0 +1,178 @@
+"""A root that yields: springs along the root edge in place of the clamp.
+
+Their energy per length is k (u² + v² + w²) / 2 + c (theta_x² + theta_y²) / 2, in the mid-surface's displacements and
+the section's rotations. It is part of the elastic energy, the root's unknowns are free, and the balance of forces there
+follows as a natural boundary condition. In a solid the springs are spread over the root's face such that a section that
+stays plane feels the same forces and moments: k / h on displacements at each of its points, h the thickness, and what
+then lacks to c, which may be negative, on the mean rotation (12 / h³) integral of z u.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.planform import root_facets
+from fem.theory.fields import Block, Fields
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.plate.root import ElasticRoot
+    from fem.theory.discretisation import Space
+
+    Array = NDArray[np.float64]
+    Terms = tuple[tuple[Fields, Array], ...]
+    Sampled = tuple[Space, tuple[int, ...]]
+
+GAUSS = 5
+"""Points on each edge and through each brick: exact for products of quintics."""
+
+TRAPEZOID = np.array([0.0, 1.0]), np.array([0.5, 0.5])
+MIDPOINT = np.array([0.5]), np.array([1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """The root edge of a mesh: its cells (nedge,), reference points (2, nedge, npoint), and weights (nedge, npoint)."""
+
+    cells: NDArray[np.int64]
+    reference: Array
+    dx: Array
+
+
+def edge(mesh: Any, rule: tuple[Array, Array]) -> Edge:
+    """The root edge of a mesh of triangles or quadrilaterals; rule: points and weights on [0, 1]."""
+    facets = root_facets(mesh)
+    cells = mesh.f2t[0, facets]
+    local = [(mesh.t[:, cells] == ends).argmax(axis=0) for ends in mesh.facets[:, facets]]
+    start, end = (mesh.elem.refdom.p[:, k] for k in local)
+    t, weights = rule
+    length = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
+    return Edge(cells, start[:, :, None] + (end - start)[:, :, None] * t, length[:, None] * weights)
+
+
+def springs(
+    root: ElasticRoot | None, mesh: Any, fields: tuple[Sampled, ...], total: int, conforming: bool = True
+) -> Terms:
+    """Fields u, v, w and two rotations on the root of a plate, given as spaces and derivatives, and their stiffness.
+
+    An element for w that does not conform is sampled where neighbours agree: w at nodes, slopes in the middle of edges.
+    """
+    if root is None:
+        return ()
+    ends, middle = (_gauss(), _gauss()) if conforming else (TRAPEZOID, MIDPOINT)
+    return (
+        _sampled(root.stiffness, mesh, fields[:2], total, _gauss()),
+        _sampled(root.stiffness, mesh, fields[2:3], total, ends),
+        _sampled(root.rotational, mesh, fields[3:], total, middle),
+    )
+
+
+def _sampled(
+    stiffness: float, mesh: Any, fields: tuple[Sampled, ...], total: int, rule: tuple[Array, Array]
+) -> tuple[Fields, Array]:
+    at = edge(mesh, rule)
+    cells, flat = np.repeat(at.cells, at.dx.shape[1]), at.reference.reshape(2, -1)
+    blocks = []
+    for space, derivative in fields:
+        weights, _ = space.probe(cells, flat, derivative)
+        blocks.append(Block(weights.reshape(*at.dx.shape, 1, -1), space.dofs[at.cells]))
+    return Fields(tuple(blocks), at.dx, total), stiffness * np.eye(len(blocks))
+
+
+def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, ...], layers: int, total: int) -> Terms:
+    """The same on the root's face of a solid: u, v and w at its points, and the two mean rotations."""
+    if root is None:
+        return ()
+    zeta, weights = _gauss()
+    at = edge(planform, (zeta, weights))
+    nedge, npoint = at.dx.shape
+    basis, ncell = spaces[0].basis, planform.t.shape[1]
+    bricks = at.cells + ncell * np.arange(layers)[:, None]
+    reference = np.empty((3, nedge, npoint, GAUSS))
+    reference[:2], reference[2] = at.reference[:, :, :, None], zeta
+    flat = reference.reshape(3, nedge, -1)
+    low, high = flat.copy(), flat.copy()
+    low[2], high[2] = 0.0, 1.0
+    z, bottom, top = (_heights(basis, points, bricks) for points in (flat, low, high))
+    dz = (top - bottom) * weights
+    h = dz.sum(axis=(0, 3))
+
+    table = _values(spaces[0], flat).reshape(nedge, npoint, GAUSS, -1)
+    everywhere = np.broadcast_to(table, (layers, *table.shape)).reshape(layers * nedge, npoint * GAUSS, 1, -1)
+    points = Fields(
+        tuple(Block(everywhere, space.dofs[bricks.ravel()]) for space in spaces),
+        (dz * at.dx[:, :, None]).reshape(layers * nedge, -1),
+        total,
+    )
+    spread = np.broadcast_to((root.stiffness / h)[:, :, None], dz.shape).reshape(layers * nedge, -1)
+    mean = np.einsum("lepk,epkd->eldp", 12.0 * dz * z / h[:, :, None] ** 3, table).reshape(nedge, -1, npoint)
+    turned = np.ascontiguousarray(mean.transpose(0, 2, 1)[:, :, None])
+    rotations = Fields(
+        tuple(Block(turned, space.dofs[bricks].transpose(1, 0, 2).reshape(nedge, -1)) for space in spaces[:2]),
+        at.dx,
+        total,
+    )
+    lacking = root.rotational - root.stiffness * h**2 / 12.0
+    return (points, np.eye(3)[:, :, None, None] * spread), (rotations, np.eye(2)[:, :, None, None] * lacking)
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """The springs' energy, whose forces stay linear at large displacements."""
+
+    fields: Fields
+    stiffness: Array
+
+    def at(self, state: Array) -> LinearForce:
+        """The energy at a state (n,)."""
+        return LinearForce(self, self.fields.evaluate(state))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearForce:
+    """The same at a state, of which the fields' values are known."""
+
+    energy: Linear
+    values: Array
+
+    def force(self) -> Array:
+        """The internal force (n,)."""
+        stiffness = self.energy.stiffness
+        pairs = "fg,gcp->fcp" if stiffness.ndim == 2 else "fgcp,gcp->fcp"
+        return self.energy.fields.load(np.einsum(pairs, stiffness, self.values))
+
+    def ahead(self, step: Array) -> Array:
+        """The forces that a step (n,) leads to, of which the stiffness has no part."""
+        return self.values + self.energy.fields.evaluate(step)
+
+    def terms(self, stress: Array | None = None) -> Terms:
+        """Fields and coefficients of the tangent stiffness, the same under any stress."""
+        del stress
+        return ((self.energy.fields, self.energy.stiffness),)
+
+
+def energies(terms: Terms) -> tuple[Linear, ...]:
+    """The energies of springs."""
+    return tuple(Linear(fields, stiffness) for fields, stiffness in terms)
+
+
+def _gauss() -> tuple[Array, Array]:
+    t, weights = np.polynomial.legendre.leggauss(GAUSS)
+    return 0.5 * (1.0 + t), 0.5 * weights
+
+
+def _heights(basis: Any, reference: Array, bricks: NDArray[np.int64]) -> Array:
+    """Heights (layer, nedge, npoint, GAUSS) in m at reference points (3, nedge, npoint GAUSS) of bricks."""
+    found = [basis.mapping.F(reference, tind=layer)[2] for layer in bricks]
+    return np.stack(found).reshape(*bricks.shape, -1, GAUSS)
+
+
+def _values(space: Space, reference: Array) -> Array:
+    """Values (nedge, npoint, ndof) of a space's functions at reference points of bricks."""
+    basis = space.basis
+    table = np.stack([basis.elem.lbasis(reference, j)[0] for j in range(basis.Nbfun)], axis=-1)
+    return table if space.combined is None else np.asarray(table @ space.combined)
