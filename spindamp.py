@@ -23,18 +23,18 @@ from os import PathLike
 from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
-from workflows.scene import Scene
-from workflows.scene_file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
+from workflows.scene.file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
+from workflows.scene.tables import Scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import xarray
 
-    from workflows.costs.ladder import Study
-    from workflows.costs.switching import Switches
-    from workflows.records import Results
-    from workflows.reproduction import Reproduction
+    from workflows.solve.records import Results
+    from workflows.studies.costs.ladder import Study
+    from workflows.studies.costs.switching import Switches
+    from workflows.studies.reproduction import Reproduction
 
 __all__ = [
     "BadInput",
@@ -90,41 +90,41 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
 
 def reproduce() -> Reproduction:
     """The paper's every claim against this code."""
-    from workflows import reproduction
+    from workflows.studies import reproduction
 
     return reproduction.reproduce()
 
 
 def accuracy(scene: SceneLike = DEFAULT) -> Study:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
-    from workflows.costs.study import study
+    from workflows.studies.costs.study import study
 
     return study(opened(scene))
 
 
 def effects(scene: SceneLike = DEFAULT) -> Switches:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
-    from workflows.costs.switching import switching
+    from workflows.studies.costs.switching import switching
 
     return switching(opened(scene))
 
 
 def dataset(results: Results) -> xarray.Dataset:
     """The same numbers as labelled arrays; see :func:`workflows.dataset`."""
-    from workflows import results_files
+    from workflows.results import files as results_files
 
     return results_files.dataset(results)
 
 
 def save(results: Results, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run` writes; see :func:`workflows.save`."""
-    from workflows import publish
+    from workflows.report import publish
 
     return publish.save(results, folder)
 
 
 def report(results: Results, path: str | PathLike[str]) -> Path:
     """Write the report, one page; see :func:`workflows.save_report`."""
-    from workflows import publish
+    from workflows.report import publish
 
     return publish.save_report(results, path)

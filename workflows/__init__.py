@@ -17,29 +17,29 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
     from workflows.pipeline import run
-    from workflows.publish import save, save_report
-    from workflows.records import Results
-    from workflows.results_files import dataset
-    from workflows.results_json import document
-    from workflows.scene import Scene
-    from workflows.scene_file import SceneFile, load, parse, shipped
+    from workflows.report.publish import save, save_report
+    from workflows.results.document import document
+    from workflows.results.files import dataset
+    from workflows.scene.file import SceneFile, load, parse, shipped
+    from workflows.scene.tables import Scene
+    from workflows.solve.records import Results
 
 _HOMES = {
     "BadInput": "workflows.errors",
     "NoAnswer": "workflows.errors",
     "NotAvailable": "workflows.errors",
-    "Results": "workflows.records",
-    "Scene": "workflows.scene",
-    "SceneFile": "workflows.scene_file",
+    "Results": "workflows.solve.records",
+    "Scene": "workflows.scene.tables",
+    "SceneFile": "workflows.scene.file",
     "SpindampError": "workflows.errors",
-    "dataset": "workflows.results_files",
-    "document": "workflows.results_json",
-    "load": "workflows.scene_file",
-    "parse": "workflows.scene_file",
+    "dataset": "workflows.results.files",
+    "document": "workflows.results.document",
+    "load": "workflows.scene.file",
+    "parse": "workflows.scene.file",
     "run": "workflows.pipeline",
-    "save": "workflows.publish",
-    "save_report": "workflows.publish",
-    "shipped": "workflows.scene_file",
+    "save": "workflows.report.publish",
+    "save_report": "workflows.report.publish",
+    "shipped": "workflows.scene.file",
 }
 
 __all__ = [

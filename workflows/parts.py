@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from workflows.errors import BadInput
-from workflows.scene_fields import FASTEST
-from workflows.scene_file import SceneFile
+from workflows.scene.fields import FASTEST
+from workflows.scene.file import SceneFile
 from workflows.wording import whole
 
 

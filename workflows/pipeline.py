@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from workflows import needs, plate, ringdowns
-from workflows.decided import Decided, decide
-from workflows.effects import Effect
-from workflows.notes import remarks
-from workflows.plate import PlateAnswer
-from workflows.records import Results, SpeedPoint
-from workflows.scene_file import DEFAULT, SceneFile, SceneLike, opened
+from workflows.decisions.decided import Decided, decide
+from workflows.decisions.effects import Effect
+from workflows.findings.of_the_damper import remarks
+from workflows.report.brief import Shown
+from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
+from workflows.solve import damper_stage as ringdowns
+from workflows.solve import needs, records
+from workflows.solve import plate_stage as plate
+from workflows.solve.plate_stage import PlateAnswer
+from workflows.solve.records import Results, SpeedPoint
 from workflows.stages import Stages
 
 
@@ -35,10 +38,10 @@ def structure(
 ) -> Structure:
     """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
-    `decided`: what :func:`workflows.decided.decide` says of the source, where that is known.
+    `decided`: what :func:`workflows.decisions.decided.decide` says of the source, where that is known.
 
     Raises:
-        BadInput, NoAnswer: see :func:`workflows.plate.solve`.
+        BadInput, NoAnswer: see :func:`workflows.solve.plate_stage.solve`.
     """
     found = decided or decide(source, stages)
     if found.form is None:
@@ -53,14 +56,14 @@ def damped(found: Structure, stages: Stages) -> Structure:
     scene = found.source.scene
     if scene.damper is None:
         return found
-    points = ringdowns.simulate(scene, found.effects, found.points, stages, shown(found.points))
+    points = ringdowns.simulate(scene, found.effects, found.points, stages, records.shown(found.points))
     return replace(found, points=points)
 
 
 def results(found: Structure, stages: Stages) -> Results:
     """Gather what a run found, with the remarks it calls for."""
     answer = found.plate
-    gathered = Results(
+    gathered = Shown(
         scene=found.source.scene,
         effects=found.effects,
         speeds=found.points,
@@ -89,8 +92,3 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
     needs.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)
-
-
-def shown(points: tuple[SpeedPoint, ...]) -> int:
-    """Which speed the pictures show: the middle one."""
-    return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]

@@ -20,8 +20,8 @@ from collections import Counter
 from pathlib import Path
 
 from tests.limits import HANG
-from workflows.scene_file import SHIPPED
-from workflows.store import MANIFEST
+from workflows.output.store import MANIFEST
+from workflows.scene.file import SHIPPED
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
 MOMENTS = ("anywhere", "while writing", "at the exchange")

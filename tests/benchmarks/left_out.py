@@ -14,8 +14,8 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from fem import Divergence, Effects, Material, NoEquilibrium, Plate, Rectangle, Rotor, assemble, solve_modes
-from workflows import effects
-from workflows.scene import Scene
+from workflows.decisions import effects
+from workflows.scene.tables import Scene
 
 COUNT = 6
 SIZE = 4

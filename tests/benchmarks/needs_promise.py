@@ -96,9 +96,9 @@ def measured(command: list[str], folder: Path) -> tuple[int, float, float, str, 
 MEASURED = """
 import os, resource, sys
 if os.environ.get("CPU"):
-    import time, workflows.pilot
-    workflows.pilot.perf_counter = time.process_time
-from workflows import cli
+    import time, workflows.solve.pilot
+    workflows.solve.pilot.perf_counter = time.process_time
+from workflows.cli import entry as cli
 status = cli.main(sys.argv[1:])
 print(f"peak={1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss}", file=sys.stderr)
 sys.exit(status)

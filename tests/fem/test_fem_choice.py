@@ -17,6 +17,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
+from fem.accuracy.choose_mesh import MOST_UNKNOWNS
 from fem.meshes.ladder import crowded
 
 COUNT = 6
@@ -107,7 +108,7 @@ def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
 
 
 def test_the_finest_is_taken_where_none_will_do(monkeypatch):
-    monkeypatch.setitem(__import__("fem.accuracy.choose_mesh").choice.MOST_UNKNOWNS, "mindlin", 3000)
+    monkeypatch.setitem(MOST_UNKNOWNS, "mindlin", 3000)
     planform = Rectangle(0.2, 0.08)
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-7)
     assert not choice.met
@@ -142,7 +143,7 @@ def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met
     assert choice.errors.shape == (2, 2)
-    monkeypatch.setitem(__import__("fem.accuracy.choose_mesh").choice.MOST_UNKNOWNS, "mindlin", 4000)
+    monkeypatch.setitem(MOST_UNKNOWNS, "mindlin", 4000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-5)
     assert not choice.met
     assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()

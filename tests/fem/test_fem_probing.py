@@ -11,7 +11,7 @@ from fem.accuracy.probing import alone, complete, probe
 from fem.linalg.davidson import lowest_modes
 from fem.linalg.lanczos import factorise
 from fem.operators.transfer import transfer
-from fem.statics.large_deflection import equilibrium as statics
+from fem.statics import large_deflection as statics
 from fem.theory.tabulated_element import together
 
 COUNT, EXACT = 6, 1e-7

@@ -155,7 +155,9 @@ def test_choice_follows_thickness():
     assert all(c.why for c in chosen.values())
     assert choose(0.01, accuracy=0.2).name == "kirchhoff"
     plate = paper_plate(4, 2)
-    assert assemble(plate, Rotor(), Effects(), "auto").model.theory == "mindlin"
+    assert choose_theory(plate).name == "mindlin"
+    with pytest.raises(ValueError, match="choose_theory"):
+        assemble(plate, Rotor(), Effects(), "auto")
 
 
 def test_choice_keeps_its_word():

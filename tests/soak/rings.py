@@ -10,9 +10,9 @@ import numpy as np
 
 from damper import Batch, Outcome, ParticleDamper, ringdown, ringdowns, sample
 from tests.soak.dice import Dice, power, sometimes
-from workflows.effects import resolve
-from workflows.ringdowns import known_structure, particle_damper, released_at
-from workflows.scene_file import parse
+from workflows.decisions.effects import resolve
+from workflows.scene.file import parse
+from workflows.solve.damper_stage import known_structure, particle_damper, released_at
 
 Scene = dict[str, Any]
 

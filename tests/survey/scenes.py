@@ -10,7 +10,7 @@ from tests.survey import plates
 
 def varying_is_known():
     """Whether a scene can have a thickness that varies."""
-    from workflows import scene
+    from workflows.scene import tables as scene
 
     return hasattr(scene, "Thickness")
 

@@ -17,8 +17,8 @@ from typing import Any
 import pytest
 
 from tests.limits import HANG
-from workflows.cli import main
-from workflows.scene_file import SHIPPED
+from workflows.cli.entry import main
+from workflows.scene.file import SHIPPED
 
 Scene = dict[str, Any]
 

@@ -10,9 +10,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed
-from workflows import worth
-from workflows.answer import answer
-from workflows.records import Results, SpeedPoint
+from workflows.findings import worth
+from workflows.findings.answer import answer
+from workflows.solve.records import Results, SpeedPoint
 
 BASE = """
 title = "words"

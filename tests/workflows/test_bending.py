@@ -10,8 +10,9 @@ import pytest
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.deflection import bent
 from tests.workflows.conftest import Scene, changed
-from workflows import bending, effects, plate_mesh
-from workflows.scene_file import SceneFile, load, parse
+from workflows.decisions import bending, effects
+from workflows.scene import plate_mesh
+from workflows.scene.file import SceneFile, load, parse
 
 ELL = """
 [plate]

@@ -12,9 +12,11 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows import effects, plate_mesh, resolved, thicknesses
+from workflows.decisions import effects
 from workflows.errors import BadInput
-from workflows.scene_file import SceneFile, load, parse
+from workflows.results import resolved
+from workflows.scene import plate_mesh, thicknesses
+from workflows.scene.file import SceneFile, load, parse
 
 TAPER: Scene = {
     "title": "taper",

@@ -16,8 +16,8 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import cli
-from workflows.commands import COMMANDS
+from workflows.cli import entry as cli
+from workflows.cli.commands import COMMANDS
 from workflows.errors import NoAnswer
 
 USAGE = [
@@ -140,7 +140,7 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("a bug\nof ours")
 
-    monkeypatch.setattr("workflows.scene_file.load", broken)
+    monkeypatch.setattr("workflows.scene.file.load", broken)
     outcome = spindamp("run")
     assert outcome.status == 1
     assert len(outcome.err.splitlines()) == 1

@@ -15,19 +15,20 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import pilot, scene_file
-from workflows.costs import dampers, page, pipelines, plates, plots, timing
-from workflows.costs.by_ivp import by_ivp
-from workflows.costs.changes import changes
-from workflows.costs.ladder import Ladder, Row, Study, measure
-from workflows.costs.study import study
-from workflows.costs.switching import Switched, Switches, switching
-from workflows.decided import decide
-from workflows.drawing import WIDE
-from workflows.effects import NAMES, OF_THE_PLATE
-from workflows.records import Damping, Energy, Mode, SpeedPoint
-from workflows.scene import Accuracy
+from workflows.decisions.decided import decide
+from workflows.decisions.effects import NAMES, OF_THE_PLATE
+from workflows.report.drawing import WIDE
+from workflows.scene import file as scene_file
+from workflows.scene.tables import Accuracy
+from workflows.solve import pilot
+from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
 from workflows.stages import Stages
+from workflows.studies.costs import dampers, page, pipelines, plates, plots, timing
+from workflows.studies.costs.by_ivp import by_ivp
+from workflows.studies.costs.changes import changes
+from workflows.studies.costs.ladder import Ladder, Row, Study, measure
+from workflows.studies.costs.study import study
+from workflows.studies.costs.switching import Switched, Switches, switching
 
 RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
@@ -425,7 +426,7 @@ def test_only_what_may_take_long_is_tried_beforehand(
     changes: dict[str, Any], tried: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A small run would pay for itself twice."""
-    monkeypatch.setattr("workflows.needs.available", lambda: 16e9)
+    monkeypatch.setattr("workflows.solve.needs.available", lambda: 16e9)
     source = scene_file.opened(changed(paper, **changes)).plate_alone()
     assert pilot.may_be_large(source, decide(source, QUIET)) == tried
 
@@ -583,7 +584,7 @@ def test_from_nothing_to_something_is_no_number() -> None:
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
     monkeypatch.setattr(
-        "workflows.costs.switching.compared",
+        "workflows.studies.costs.switching.compared",
         lambda work, _: timing.Compared(work(), extra=1.0, low=0.5, high=2.0, seconds=3.0, others=2.0),
     )
     rows = {row.effect: row for row in switching(scene_file.load("structure"), QUIET).rows}

@@ -14,9 +14,11 @@ import pytest
 from tests.benchmarks.kill_runs import Trial, contents
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
-from workflows import cli, folders, store
+from workflows.cli import entry as cli
 from workflows.errors import BadInput
-from workflows.scene_file import SHIPPED
+from workflows.output import store
+from workflows.output import swap as folders
+from workflows.scene.file import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
 
@@ -60,7 +62,9 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
     assert list(tmp_path.iterdir()) == [endless]
 
 
-@pytest.mark.parametrize("where", ["workflows.app", "workflows.pipeline.structure", "workflows.publish.publish"])
+@pytest.mark.parametrize(
+    "where", ["workflows.cli.app", "workflows.pipeline.structure", "workflows.report.publish.publish"]
+)
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyboardInterrupt(), 130), (cli.Terminated("SIGTERM"), 143), (MemoryError(), 2)]
 )
@@ -75,8 +79,8 @@ def test_wherever_it_happens(
     def ended(*_: object, **__: object) -> None:
         raise error
 
-    if where == "workflows.app":
-        monkeypatch.setattr("workflows.app.app", ended)
+    if where == "workflows.cli.app":
+        monkeypatch.setattr("workflows.cli.app.app", ended)
     else:
         monkeypatch.setattr(where, ended)
     outcome = spindamp("run", "structure", "--out", "out")
@@ -94,9 +98,9 @@ def test_signals_are_given_back(spindamp: Callable[..., Outcome]) -> None:
 
 def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     code = (
-        "import os, signal, sys\nfrom workflows import cli\nfrom workflows.commands import check\n"
+        "import os, signal, sys\nfrom workflows import cli\nfrom workflows.cli.commands import check\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "import workflows.resolved as r\nold = r.as_toml\n"
+        "import workflows.results.resolved as r\nold = r.as_toml\n"
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
         "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
     )
@@ -106,7 +110,8 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
 
 PUBLISHED = """
 import atexit, os, signal, sys
-from workflows import cli, summary
+from workflows.cli import entry as cli
+from workflows.report import text as summary
 number, before = int(sys.argv.pop()), summary.text
 def again(*given):
     os.kill(os.getpid(), number)
@@ -136,7 +141,7 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
     code = (
         "import atexit, os, signal, sys\nfrom workflows import cli\n"
         "atexit.register(os.kill, os.getpid(), signal.SIGINT)\n"
-        "import workflows.ringdowns as r\n"
+        "import workflows.solve.damper_stage as r\n"
         "r._look_up = lambda _: os.kill(os.getpid(), signal.SIGTERM)\n"
         "sys.exit(cli.main())"
     )
@@ -148,7 +153,8 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
 
 FULL = """
 import resource, sys
-from workflows import cli, publish
+from workflows.cli import entry as cli
+from workflows.report import publish
 assert cli.main(["ringdown", "structure", "--out", "out"]) == 0
 before = publish.publish
 def without_room(*given):
@@ -182,7 +188,7 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
     code = """
 import sys
 from pathlib import Path
-from workflows import store
+from workflows.output import store
 me = sys.argv[2]
 for turn in range(40):
     with store.replacing(Path(sys.argv[1])) as scratch:

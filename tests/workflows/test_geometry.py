@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import cavity, pipeline, plate_mesh
+from workflows import pipeline
 from workflows.errors import BadInput
-from workflows.scene_file import load, parse
+from workflows.scene import cavity, plate_mesh
+from workflows.scene.file import load, parse
 from workflows.stages import Stages
 
 
@@ -193,7 +194,7 @@ def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
 
 def load_of(scene: Scene) -> Any:
     """A scene as if it came from a file."""
-    from workflows.scene_file import SceneFile
+    from workflows.scene.file import SceneFile
 
     return SceneFile(parse(scene), "scene", Path())
 

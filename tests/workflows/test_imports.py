@@ -82,15 +82,15 @@ def test_a_package_alone_loads_nothing_heavy(package: str) -> None:
 
 @pytest.mark.parametrize("arguments", [["--version"], ["--help"]])
 def test_light_commands_load_nothing_heavy(arguments: list[str]) -> None:
-    assert not _loaded(f"from workflows.cli import main\nmain({arguments})") & HEAVY
+    assert not _loaded(f"from workflows.cli.entry import main\nmain({arguments})") & HEAVY
 
 
 @pytest.mark.parametrize("arguments", [["check", "paper"], ["check", "paper", "--json"]])
 def test_check_solves_a_little_and_draws_nothing(arguments: list[str]) -> None:
     solving = {"llvmlite", "numba", "scipy.linalg", "scipy.sparse", "skfem", "meshio"}
-    assert not _loaded(f"from workflows.cli import main\nmain({arguments})") & (HEAVY - solving)
+    assert not _loaded(f"from workflows.cli.entry import main\nmain({arguments})") & (HEAVY - solving)
 
 
 def test_a_damper_alone_loads_no_plate() -> None:
-    loaded = _loaded("from workflows.cli import main\nmain(['ringdown', 'structure', '--json'])")
+    loaded = _loaded("from workflows.cli.entry import main\nmain(['ringdown', 'structure', '--json'])")
     assert not loaded & {"skfem", "matplotlib", "xarray", "pyvista", "jinja2"}

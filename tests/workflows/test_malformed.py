@@ -18,9 +18,9 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, toml
-from workflows.scene import Effects, Scene, Table
-from workflows.scene_errors import key_name
-from workflows.scene_file import SHIPPED
+from workflows.scene.explained import key_name
+from workflows.scene.file import SHIPPED
+from workflows.scene.tables import Effects, Scene, Table
 
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""

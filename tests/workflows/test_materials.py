@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import effects, provenance, resolved, ringdowns
+from workflows.decisions import effects
 from workflows.errors import BadInput
-from workflows.materials import BALLS, KNOWN, PLATES
-from workflows.records import Results
-from workflows.scene_file import parse
+from workflows.results import provenance, resolved
+from workflows.scene.file import parse
+from workflows.scene.materials import BALLS, KNOWN, PLATES
+from workflows.solve import damper_stage as ringdowns
+from workflows.solve.records import Results
 
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 

@@ -14,9 +14,10 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import needs, pilot, plate
-from workflows.decided import decide
-from workflows.scene_file import load, shipped
+from workflows.decisions.decided import decide
+from workflows.scene.file import load, shipped
+from workflows.solve import needs, pilot
+from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
 GB = 1e9
@@ -113,7 +114,7 @@ def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> No
 LIMITED = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv.pop())),) * 2)
-from workflows import cli
+from workflows.cli import entry as cli
 sys.exit(cli.main())
 """
 
@@ -202,7 +203,7 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
 
 MEASURED = """
 import pathlib, sys
-from workflows import cli
+from workflows.cli import entry as cli
 status = cli.main(sys.argv[1:])
 print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
 sys.exit(status)

@@ -18,8 +18,10 @@ import pytest
 import spindamp
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import curves, publish, store
-from workflows.records import Results
+from workflows.output import store
+from workflows.report import publish
+from workflows.results import curves
+from workflows.solve.records import Results
 
 ROOT = Path(__file__).parents[2]
 

@@ -19,11 +19,12 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
-from workflows import drawing, mode_picture, mode_shape, report
-from workflows.costs import page, plots
-from workflows.costs.ladder import Chosen, Ladder, Row, Study
-from workflows.costs.switching import Switched, Switches
-from workflows.records import Results
+from workflows.report import drawing, mode_picture, mode_shape
+from workflows.report import page as report
+from workflows.solve.records import Results
+from workflows.studies.costs import page, plots
+from workflows.studies.costs.ladder import Chosen, Ladder, Row, Study
+from workflows.studies.costs.switching import Switched, Switches
 
 MESHES = Path(__file__).parents[2] / "meshes"
 WORKING = [*np.geomspace(1e-3, 300.0, 8)]
@@ -240,7 +241,7 @@ def test_nothing_is_a_solid_block(spinning_up: tuple[Results, list[Any]]) -> Non
 def test_envelopes_hold_the_curve(spinning_up: tuple[Results, list[Any]]) -> None:
     """What is drawn instead of every cycle reaches as far as the cycles do, and its mean is theirs."""
     results, _ = spinning_up
-    from workflows.envelope import envelope
+    from workflows.report.envelope import envelope
 
     damping = results.speeds[0].damping
     assert damping is not None

@@ -19,7 +19,7 @@ from tests.workflows.conftest import (
     width_on_a_phone,
     write,
 )
-from workflows import mode_shape
+from workflows.report import mode_shape
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.workflows.conftest import PHONE, needs_chromium, width_on_a_phone
-from workflows.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
-from workflows.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
+from workflows.studies.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
+from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,

@@ -17,9 +17,10 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import effects, provenance
-from workflows.records import Results
-from workflows.scene_file import parse
+from workflows.decisions import effects
+from workflows.results import provenance
+from workflows.scene.file import parse
+from workflows.solve.records import Results
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
 """What may differ between two runs."""

@@ -13,10 +13,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed, write
-from workflows import results_json
-from workflows.scene_file import SceneFile, load, parse
+from workflows.scene.file import SceneFile, load, parse
 
-SCHEMA = json.loads(Path(results_json.__file__).with_name("results.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads(Path(workflows.__file__).with_name("results.schema.json").read_text(encoding="utf-8"))
 STAGES = {"mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"}
 TABLE_II = [208.9, 218.8, 241.3, 269.5, 301.7, 336.7, 373.5]
 

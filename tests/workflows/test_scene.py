@@ -11,14 +11,18 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows import effects, pipeline, plate_mesh, resolved
-from workflows.scene_file import SHIPPED, load, parse, shipped, slug
-from workflows.scene_schema import schema
+from workflows import pipeline
+from workflows.decisions import effects
+from workflows.results import resolved
+from workflows.scene import plate_mesh
+from workflows.scene.file import SHIPPED, load, parse, shipped, slug
+from workflows.scene.schema import schema
 from workflows.stages import Stages
 
 ROOT = Path(__file__).parents[2]
-PUBLISHED = Path(effects.__file__).with_name("scene.schema.json")
+PUBLISHED = Path(workflows.__file__).with_name("scene.schema.json")
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -133,7 +137,7 @@ def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
 
 
 def test_published_schema_comes_from_the_model() -> None:
-    assert json.loads(PUBLISHED.read_text(encoding="utf-8")) == schema(), "run python -m workflows.scene_schema"
+    assert json.loads(PUBLISHED.read_text(encoding="utf-8")) == schema(), "run python -m workflows.scene.schema"
 
 
 def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit() -> None:

@@ -15,8 +15,10 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
-from workflows import curves, folders, store
 from workflows.errors import BadInput
+from workflows.output import store
+from workflows.output import swap as folders
+from workflows.results import curves
 
 
 def _fill(folder: Path, text: str, *names: str) -> None:
@@ -158,7 +160,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
 WRITER = """
 import sys, time
 from pathlib import Path
-from workflows import store
+from workflows.output import store
 with store.replacing(Path(sys.argv[1])) as scratch:
     (scratch / "results.json").write_text("half")
     print("writing", flush=True)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflows import ticks
+from workflows.report import ticks
 
 THIN, MINUS = "\u2009", "\u2212"
 

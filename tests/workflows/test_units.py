@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflows import units
-from workflows.units import Kind, UnitError, to_si
+from workflows.scene import units
+from workflows.scene.units import Kind, UnitError, to_si
 
 RIGHT = [
     ("20 cm", units.LENGTH, 0.2),

@@ -26,8 +26,10 @@ import psutil
 import pytest
 
 from tests.workflows.conftest import Outcome
-from workflows import folders, needs, signals, store
 from workflows.errors import BadInput
+from workflows.output import signals, store
+from workflows.output import swap as folders
+from workflows.solve import needs
 
 
 def _publish(folder: Path, text: str) -> None:
@@ -186,7 +188,8 @@ import sys
 import filelock
 from pathlib import Path
 sys.modules["fcntl"] = None
-from workflows import folders, store
+from workflows.output import swap as folders
+from workflows.output import store
 folders._exchange = lambda one, other: False
 me = sys.argv[2]
 for turn in range(25):
@@ -244,7 +247,7 @@ def test_output_into_a_file_of_another_encoding(command: list[str], encoding: st
 
 def test_output_into_a_file_is_utf_8(monkeypatch: pytest.MonkeyPatch) -> None:
     """JSON is: whatever letters a console there knows."""
-    from workflows import cli
+    from workflows.cli import entry as cli
 
     for asked, encoding in ((None, "utf-8"), ("cp1252", "cp1252")):
         monkeypatch.setattr(sys, "platform", "win32")

@@ -1,0 +1,8 @@
+"""The command line, and nothing that it alone could do.
+
+May import every room.
+"""
+
+from workflows.cli.entry import main
+
+__all__ = ["main"]

@@ -1,0 +1,34 @@
+"""The commands put together; imported by the command line once it can answer for what goes wrong."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from workflows.cli.commands import COMMANDS
+from workflows.errors import BadInput
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+for _name in COMMANDS:
+    app.command(_name)(getattr(import_module(f"workflows.cli.commands.{_name}"), _name))
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"spindamp {version('spindamp')}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def _spindamp(
+    context: typer.Context,
+    show: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+    if context.invoked_subcommand is None:
+        raise BadInput(f"missing command: expected one of {', '.join(COMMANDS)}; spindamp --help says what they do")

@@ -1,0 +1,33 @@
+"""`spindamp effects`: what each effect changes, and what it costs."""
+
+from __future__ import annotations
+
+import typer
+
+from workflows.cli.commands.options import Json, Out, SceneArgument
+
+
+def effects(scene: SceneArgument = "paper", out: Out = None, json: Json = False) -> None:
+    """What each effect changes, and what it costs.
+
+    Without --out nothing is written.
+    """
+    from workflows.output import store
+    from workflows.scene import file as scene_file
+    from workflows.stages import Stages
+    from workflows.studies.costs import page
+    from workflows.studies.costs.switching import switching
+
+    source = scene_file.load(scene)
+    if out is not None:
+        store.check(out, r"effects\.(json|csv|svg)")
+    with Stages() as stages:
+        found = switching(source, stages)
+        if out is not None:
+            page.write_effects(found, out)
+    if json:
+        typer.echo(page.dumps(found.document()))
+        return
+    typer.echo(page.effects_text(found))
+    if out is not None:
+        typer.echo(f"\nopen {out / 'report.html'}")

@@ -1,0 +1,99 @@
+"""The command line. Only here is anything printed on failure, and only here does the program exit.
+
+Nothing slow is imported at the top: a Ctrl-C while the rest loads finds its handler here.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+
+from workflows.errors import SpindampError, one_line
+from workflows.output import signals
+from workflows.output.signals import Terminated
+
+DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
+_AGAIN = "nothing is half-written; the same command starts over"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit status; without arguments, those of this process, which then ends."""
+    _open_streams()
+    try:
+        with signals.heard(to_the_end=arguments is None):
+            return _run(arguments)
+    except KeyboardInterrupt:
+        return _fail(f"stopped; {_AGAIN}", STOPPED)
+    except Terminated as error:
+        return _fail(f"ended by {error}; {_AGAIN}", 128 + signal.Signals[str(error)])
+
+
+def _run(arguments: list[str] | None) -> int:
+    try:
+        import typer
+
+        from workflows.cli.app import app
+    except ImportError as error:
+        return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
+    try:
+        status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
+        if status == STOPPED:  # some versions of typer swallow a Ctrl-C
+            raise KeyboardInterrupt
+        sys.stdout.flush()
+    except SpindampError as error:
+        return _fail(str(error), error.exit_status)
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    except SystemExit as error:  # typer's answer to a closed pipe
+        _silence("stdout")
+        return PIPE_CLOSED if error.code == DEFECT else BAD_INPUT
+    except BrokenPipeError:
+        _silence("stdout")
+        return PIPE_CLOSED
+    except MemoryError:
+        return _fail("not enough memory: take a coarser mesh, fewer modes or fewer speeds", BAD_INPUT)
+    except OSError as error:
+        _silence("stdout")
+        return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
+    except Exception as error:
+        usage = getattr(error, "format_message", None)
+        if usage is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT:
+            return _fail(one_line(usage()), BAD_INPUT)
+        if os.environ.get("SPINDAMP_DEBUG"):
+            raise
+        return _fail(
+            f"a defect of ours: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
+            " what SPINDAMP_DEBUG=1 shows",
+            DEFECT,
+        )
+    return status if isinstance(status, int) else DONE
+
+
+def _fail(message: str, status: int) -> int:
+    try:
+        print(f"spindamp: {message}", file=sys.stderr, flush=True)
+    except OSError:  # no room for the message: the status still says it
+        _silence("stderr")
+    return status
+
+
+def _open_streams() -> None:
+    """Give a program started without output or error stream a place to write to, and every letter a way out."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            # A file on Windows is not to be in the old encoding of a console.
+            into_a_file = sys.platform == "win32" and not stream.isatty() and "PYTHONIOENCODING" not in os.environ
+            stream.reconfigure(encoding="utf-8" if into_a_file else None, errors="backslashreplace")
+
+
+def _silence(name: str) -> None:
+    """Keep the interpreter from flushing what is left into a stream that no one takes from."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), getattr(sys, name).fileno())
+    except (OSError, ValueError):
+        setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115

@@ -1,0 +1,55 @@
+"""What a scene calls for, before any of it is solved; settled once, and handed on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from workflows.decisions import effects as rules
+from workflows.decisions.answering import answering
+from workflows.decisions.effects import Effect
+from workflows.decisions.theorising import Theory
+from workflows.scene import plate_mesh
+from workflows.scene.file import SceneFile
+from workflows.stages import Stages
+
+if TYPE_CHECKING:
+    from workflows.scene.plate_mesh import Planform
+
+
+@dataclass(frozen=True, eq=False)
+class Decided:
+    """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file."""
+
+    form: Planform | None
+    effects: dict[str, Effect]
+    theory: Theory | None = None
+    mesh_sha256: str | None = None
+
+    @property
+    def plate(self) -> tuple[Planform, Theory]:
+        """The planform and the theory of a scene that has a plate.
+
+        Raises:
+            ValueError: it has none.
+        """
+        if self.form is None or self.theory is None:
+            raise ValueError("the scene has no plate")
+        return self.form, self.theory
+
+
+def decide(source: SceneFile, stages: Stages) -> Decided:
+    """Read the scene's mesh, decide its effects and choose the theory of its plate.
+
+    Raises:
+        BadInput: the mesh or an effect asked for is no good.
+        NoAnswer: the plate is too thin for its theory in double precision.
+    """
+    scene = source.scene
+    if scene.plate is None:
+        return Decided(None, rules.resolve(scene, source.name))
+    with stages("mesh"):
+        sha256, form = source.mesh_sha256, plate_mesh.planform(source)
+    with stages("prestress"), answering(source):
+        found = rules.resolve(scene, source.name, form)
+        return Decided(form, found, rules.theory(scene, form, found["large_deflection"].on), sha256)

@@ -1,0 +1,56 @@
+"""Which plate theory a scene takes: the cheapest that is close enough to a solid in the modes asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workflows.scene.file import SceneFile
+from workflows.scene.tables import Scene
+
+if TYPE_CHECKING:
+    from workflows.scene.plate_mesh import Planform
+
+CELLS_PER_MODE = 5
+"""Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
+
+
+def model(theory: str, scene: Scene) -> str:
+    """What a scene's theory is in `fem`: Mindlin's plates are clamped as solids are, on a root that holds them."""
+    clamped = scene.plate is not None and scene.plate.root is None
+    return "mindlin/held" if theory == "mindlin" and clamped else theory
+
+
+@dataclass(frozen=True)
+class Theory:
+    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid.
+
+    The estimate is the largest of the modes asked for, on a coarse mesh, None where nothing was to be chosen; modes
+    have their own.
+    """
+
+    name: str
+    why: str
+    model_error: float | None = None
+
+
+def theory(scene: Scene, form: Planform | None, large_deflection: bool) -> Theory:
+    """The theory of a scene with a plate: as given, or chosen."""
+    given = scene.plate
+    if given is None:
+        raise ValueError("the scene has no plate")
+    if given.theory != "auto":
+        return Theory(given.theory, "asked for by the scene")
+    from fem import Effects
+    from fem.accuracy.choose_theory import choose_theory
+    from workflows.scene import plate_mesh
+
+    source = SceneFile(scene, "scene", Path())
+    ladder = form or plate_mesh.planform(source)
+    plate = plate_mesh.plate(source, plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
+    rotor = plate_mesh.rotor(scene)
+    stiffened = scene.effects.stress_stiffening is not False
+    effects = Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
+    chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)
+    return Theory(chosen.name, chosen.why, chosen.model_error)

@@ -1,0 +1,4 @@
+"""What the numbers mean: the answer, remarks, what can be trusted, what was assumed.
+
+May import solve and what that may.
+"""

@@ -1,0 +1,237 @@
+"""The answer in a few words: does it damp, how much, up to what load."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import groupby
+
+from workflows.findings import trust, worth
+from workflows.findings.worth import AIR, ENDURED, Grade
+from workflows.scene import paper
+from workflows.solve.records import Results, SpeedPoint
+from workflows.wording import significant, span, whole
+
+_NEAR = 0.1
+"""Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
+
+_STEPS_AT_MOST = 3
+"""Grades that a verdict names one after the other with rising load; more are not told apart."""
+
+_NOTABLE_TILT = 0.01
+"""Share of the drive from which on the tilt of the floor is worth a sentence."""
+
+_WORDS = {Grade.YES: "yes", Grade.MODESTLY: "modestly", Grade.HARDLY: "hardly", Grade.NO: "not"}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A verdict, and the sentences that carry it."""
+
+    verdict: str
+    sentences: tuple[str, ...]
+
+
+def answer(results: Results) -> Answer:
+    """What the run found, most important first.
+
+    It speaks of the damper's own figures, which no release and no damping of the structure has a part in.
+    """
+    points = sorted((p for p in results.speeds if p.working is not None), key=lambda p: p.load_g)
+    if not points:
+        return _plate_only(results)
+    turning = [p for p in points if p.load_g > 0] or points
+    grades = [(p, worth.grade(results, p)) for p in turning]
+    if all(grade is Grade.NO for _, grade in grades):
+        return Answer(*_why_not(results, turning))
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    parts = (
+        _fed(points),
+        _how_much(results, turning),
+        _between(results, turning),
+        _reach(results, turning),
+        _tilt(turning),
+        _beside_the_paper(results),
+        None if trust.met(results) else trust.sentence(results),
+    )
+    verdict = "No verdict: the equations as printed do not conserve energy" if printed else _verdict(grades)
+    return Answer(verdict, tuple(part for part in parts if part))
+
+
+def first_frequency(point: SpeedPoint) -> float | None:
+    """The first bending frequency [Hz]: of the plate without the ball, or else the one given, with the ball stuck."""
+    if point.modes:
+        bending = [mode.frequency_hz for mode in point.modes if mode.family == "flap"]
+        return bending[0] if bending else None
+    return point.reduced.f1_hz if point.reduced is not None else None
+
+
+def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
+    """Acceleration over g of a vibration of that amplitude [m]."""
+    if point.reduced is None or not point.load_g:
+        return None
+    gravity = point.omega**2 * point.radius / point.load_g
+    return (2 * math.pi * point.reduced.f1_hz) ** 2 * amplitude / gravity
+
+
+def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
+    """One word for all loads, or a word for each stretch of them: yes up to these, hardly from those on."""
+    stretches = [(grade, [p for p, _ in run]) for grade, run in groupby(grades, key=lambda pair: pair[1])]
+    if len(stretches) == 1:
+        return _WORDS[stretches[0][0]].capitalize()
+    if len(stretches) > _STEPS_AT_MOST:
+        return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
+    words = [f"{_WORDS[grade]} up to {_speed(run[-1])}" for grade, run in stretches[:-1]]
+    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {_speed(stretches[-1][1][0])} on"])
+    return text[0].upper() + text[1:]
+
+
+def _how_much(results: Results, points: list[SpeedPoint]) -> str:
+    found = [(b, p) for p in points if (b := worth.best(results, p)) is not None]
+    top, at = max(found, key=lambda pair: pair[0].damping_ratio)
+    share = -math.expm1(-4 * math.pi * top.damping_ratio)
+    text = (
+        f"At its best, {_load(at)} and an amplitude of {_millimetres(top.amplitude)} mm, the ball damps like a damping"
+        f" ratio of {_percent(top.damping_ratio)} %: it takes {_percent(share)} % of the vibration's energy in a cycle."
+    )
+    least, there = min(found, key=lambda pair: pair[0].damping_ratio)
+    if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
+        within = ", within what the plate endures," if least.limited else ""
+        said = f"{_load(there)}{within} it comes to {_percent(least.damping_ratio)} % at best."
+        text += f" {said[0].upper()}{said[1:]}"
+    return f"{text} The air alone gives turbine blades {_percent(AIR[0])} to {_percent(AIR[1])} %."
+
+
+def _between(results: Results, points: list[SpeedPoint]) -> str | None:
+    """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
+    limit = worth.endured(results) or math.inf
+    felt = [(p, w) for p in points if worth.best(results, p) is not None and (w := worth.felt(p)) is not None]
+    working = [(p, w) for p, w in felt if w.half[0] < limit]
+    if not working:
+        return None
+    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
+    ranges = []
+    for point, figures in ends:
+        low, high = figures.half[0], min(figures.half[1], limit)
+        loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
+        said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
+        ends_there = ", all that the plate endures" if high < figures.half[1] else ""
+        ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
+    held = [f"{_load(p)} below {_millimetres(w.cutoff)} mm" for p, w in ends if w.cutoff > 0]
+    rests = f" The load holds it at rest {', '.join(held)}." if held else ""
+    return f"At least half of its best is left {', '.join(ranges)}.{rests}"
+
+
+def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
+    """From what load on the ball is out of reach of what the plate endures."""
+    limit = worth.endured(results)
+    lost = [(p, w) for p in points if worth.best(results, p) is None and (w := worth.felt(p)) is not None]
+    lost = [(p, w) for p, w in lost if w.peak > 0]
+    if limit is None or not lost:
+        return None
+    point, figures = lost[0]
+    said = _load(point)
+    return (
+        f"{said[0].upper()}{said[1:]} it takes {_millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
+        f" {_millimetres(limit)} mm would strain the plate's root by over {100 * ENDURED:g} %, which no blade metal"
+        " endures in vibration: there the damper is out of reach."
+    )
+
+
+def _tilt(points: list[SpeedPoint]) -> str | None:
+    """What the tilt of the cavity's floor has to do with it."""
+    shares = [p.tilt_share for p in points]
+    if max(shares) < _NOTABLE_TILT:
+        return None
+    text = (
+        "As the plate bends, the cavity's floor tilts and the load pulls the ball back down the slope: these figures"
+        f" count in the {span(100 * min(shares), 100 * max(shares))} % of the ball's drive that this opposes."
+    )
+    if max(shares) > 1:
+        text += " Beyond 100 % it is the slope that drives the ball."
+    return text
+
+
+def _fed(points: list[SpeedPoint]) -> str | None:
+    """Equations that do not conserve energy may drive the vibration instead of damping it."""
+    fed = [
+        (w.amplitude[w.damping_ratio < -1e-3 * w.peak].min(), p)
+        for p in points
+        if (w := worth.felt(p)) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
+    ]
+    if not fed:
+        return None
+    amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
+    said = _load(point)
+    return (
+        f"{said[0].upper()}{said[1:]} and above {_millimetres(amplitude)} mm they drive the vibration instead of"
+        " damping it, which no ball can do."
+    )
+
+
+def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str, ...]]:
+    """Why the damper does nothing at any speed."""
+    damper = results.scene.damper
+    if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+        return "No: the ball never moves", ("The ball fills its cavity along the bending direction.",)
+    low = points[0]
+    figures = worth.felt(low)
+    if figures is None:
+        return "No: the ball never moves", (
+            f"As the plate bends, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball down the"
+            " slope by as much as the vibration drives it up.",
+        )
+    if figures.peak > 0 and (reach := _reach(results, points)) is not None:
+        return "No: the ball never moves", tuple(part for part in (reach, _tilt(points)) if part)
+    return "No: the ball takes nothing", ("It neither rolls against a resistance nor loses speed at the walls.",)
+
+
+def _beside_the_paper(results: Results) -> str | None:
+    rows = [(row, p) for p in results.speeds if (row := paper.row(results.scene, p.load_g)) is not None]
+    if not rows:
+        return None
+    low, high = (round(100 * value) for value in paper.SDC_RANGE)
+    text = f"The paper reports losses of {low} to {high} % in a cycle for this plate. "
+    if results.scene.damper is not None and results.scene.damper.formulation == "consistent":
+        text += "The ball cannot do that: a bound on its work in this cavity rules it out."
+    else:
+        text += "The ball does not do that, even by the equations as printed."
+    off = [(abs(p.damping.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damping and p.damping.cutoff_g]
+    near = [pair for pair in off if pair[0] <= _NEAR]
+    if near:
+        loads = [load for _, load in near]
+        text += (
+            f" Its cut-offs, for a floor that does not tilt, are reproduced to {100 * max(near)[0]:.0f} % at"
+            f" {len(near)} of {len(rows)} loads"
+        )
+        text += "." if len(near) == len(rows) else f" ({span(min(loads), max(loads), 5)} g)."
+    return text
+
+
+def _load(point: SpeedPoint) -> str:
+    """Where in the range of loads, within a sentence."""
+    return f"at {whole(point.load_g)} g" if point.load_g > 0 else "at rest"
+
+
+def _speed(point: SpeedPoint) -> str:
+    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
+
+
+def _millimetres(length: float) -> str:
+    return significant(1e3 * length, 2)
+
+
+def _percent(share: float) -> str:
+    return significant(100 * share, 2)
+
+
+def _plate_only(results: Results) -> Answer:
+    first = [p.modes[0].frequency_hz for p in results.speeds if p.modes]
+    if not first:
+        return Answer("Nothing was solved", ())
+    rpm = [p.rpm for p in results.speeds]
+    speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
+    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
+    said = trust.sentence(results)
+    verdict = "The plate alone" if trust.met(results) else "The plate alone, less exact than asked for"
+    return Answer(verdict, (text,) if said is None else (text, said))

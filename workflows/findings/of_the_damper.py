@@ -1,0 +1,230 @@
+"""What a careful engineer would remark about a run: one function a remark, None where there is nothing to say.
+
+Remarks on the damper are here, those on the plate in :mod:`workflows.findings.of_the_plate`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from workflows.findings import of_the_plate as notes_plate
+from workflows.scene import thicknesses
+from workflows.scene.cavity import beside
+from workflows.scene.checks import OSMIUM
+from workflows.solve import damper_stage as ringdowns
+from workflows.solve.records import Damping, Reduced, Results, SpeedPoint
+from workflows.wording import significant, whole
+
+STEEL = 7_850.0
+"""kg/m³."""
+
+EXPLAINED = 1e-9
+"""Share of the initial energy that the books may leave unexplained without a word."""
+
+
+def remarks(results: Results) -> tuple[str, ...]:
+    """The remarks that the run calls for, those that bear most on the answer first."""
+    found = (remark(results) for remark in REMARKS)
+    return tuple(text for text in found if text)
+
+
+def _rung(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
+    """The speeds at which the damper was simulated."""
+    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+
+
+def _capped(results: Results) -> str | None:
+    for point, _, damping in _rung(results):
+        if "cap" in damping.outcome:
+            return f"At {whole(point.rpm)} rpm {damping.outcome}."
+    return None
+
+
+def _nothing_released(results: Results) -> str | None:
+    release = results.scene.release
+    still = [p.rpm for p, _, _ in _rung(results) if p.load_g == 0]
+    if release is None or release.ratio is None or not still:
+        return None
+    return f"At {whole(still[0])} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
+
+
+def _floor_tilt(results: Results) -> str | None:
+    tilt, rpm = max(((p.tilt_share, p.rpm) for p, _, _ in _rung(results)), default=(0.0, 0.0))
+    if tilt < 0.01:
+        return None
+    cause = (
+        "The ring-downs below, like the paper's model, keep the cavity's floor level: their cut-offs and losses are"
+        " those of a ball that the tilt of the floor does not pull back. The verdict and the ball's own figures count"
+        " the tilt in, to leading order in the mass ratio"
+    )
+    if abs(tilt - 1) < 0.01:
+        return f"{cause}; at {whole(rpm)} rpm it all but cancels what drives the ball."
+    times = significant(1 / abs(1 - tilt), 2)
+    return f"{cause}; at {whole(rpm)} rpm it changes the cut-off {times} times."
+
+
+def _level_structure(results: Results) -> str | None:
+    """What a scene without a plate cannot tell."""
+    if results.scene.plate is not None or not any(p.load_g > 0 for p, _, _ in _rung(results)):
+        return None
+    return (
+        "A [structure] says neither how the cavity's floor tilts as it bends, which on a plate raises the amplitude"
+        " from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor without limit."
+    )
+
+
+def _held(results: Results) -> str | None:
+    """Ring-downs in which the release is too small to set the ball rolling."""
+    held = [(p, d) for p, _, d in _rung(results) if p.working is not None and p.load_g > 0 and d.events == 0]
+    held = [(p, d) for p, d in held if p.working is not None and p.working.peak > 0]
+    if not held:
+        return None
+    point, damping = min(held, key=lambda pair: pair[0].load_g)
+    lift = significant(1e3 * math.hypot(*damping.release))
+    needed = significant(1e3 * point.working.cutoff, 2) if point.working is not None else ""
+    return (
+        f"From {point.load_g:.0f} g on, this scene's release of {lift} mm does not set the ball rolling, which takes"
+        f" {needed} mm there: those ring-downs show the structure alone."
+    )
+
+
+def _books(results: Results) -> str | None:
+    shares = [d.energy.residual / d.energy.initial for _, _, d in _rung(results) if d.energy.initial > 0]
+    worst = max(shares, key=abs, default=0.0)
+    if abs(worst) <= EXPLAINED:
+        return None
+    what = "appears from nowhere" if worst < 0 else "is lost without a cause"
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    why = ": the printed equations do not conserve energy" if printed else ""
+    return f"Up to {significant(100 * abs(worst), 2)} % of the initial energy {what}{why}."
+
+
+def _work_bound(results: Results) -> str | None:
+    from damper import work_bound
+
+    damper = results.scene.damper
+    if damper is None or damper.formulation == "printed":
+        return None  # the bound rests on conservation of energy
+    bounds = []
+    for point, _, damping in _rung(results):
+        if damping.cutoff_g:
+            system = ringdowns.particle_damper(results.scene, results.effects, point)
+            amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
+            bound = work_bound(system, amplitude)
+            limit = f"{significant(100 * bound, 2)} %" if bound <= 1 else "no bound"
+            bounds.append(f"{limit} at {whole(point.load_g)} g")
+    if not bounds:
+        return None
+    ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
+    return (
+        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
+        " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"
+        f" {', '.join(ends)}. Any damping beyond that is the structure's own."
+    )
+
+
+def _assumed_damping(results: Results) -> str | None:
+    damper, rung = results.scene.damper, _rung(results)
+    if damper is None or damper.damping_ratio == 0 or not rung:
+        return None
+    share = significant(100 * rung[0][2].intrinsic_sdc)
+    return (
+        f"The structure's own damping, ζ = {damper.damping_ratio:g}, is an input and alone loses {share} % in a cycle;"
+        " the specific damping capacity includes it, as the paper's definition does."
+    )
+
+
+def _impossible_ball(results: Results) -> str | None:
+    damper, rung = results.scene.damper, _rung(results)
+    if damper is None or not rung:
+        return None
+    heaviest = max(damping.ball_mass for _, _, damping in rung)
+    volume = 4 / 3 * math.pi * damper.radius**3
+    density = heaviest / damper.count / volume
+    if density <= OSMIUM:
+        return None
+    grams = significant(1e3 * heaviest / damper.count)
+    return (
+        f"A ball of radius {1e3 * damper.radius:g} mm and {grams} g would have {significant(density, 2)} kg/m³,"
+        f" {significant(density / OSMIUM, 2)} times osmium: read the mass as an effective one, such as"
+        f" {math.ceil(heaviest / (STEEL * volume))} steel balls, each in a cavity of its own, moving in step."
+    )
+
+
+def _rows(results: Results) -> str | None:
+    """Cavities that do not lie side by side: the innermost ones feel less load and less motion."""
+    plate, damper = results.scene.plate, results.scene.damper
+    if plate is None or plate.width is None or damper is None or damper.housing:
+        return None
+    place = damper.at or (plate.length or 0.0, 0.0)
+    most = beside(damper, thicknesses.at(plate, place), plate.width)
+    if damper.count <= most:
+        return None
+    rows = math.ceil(damper.count / most)
+    return (
+        f"At most {most} of the {damper.count} cavities lie side by side in a section of the plate: they take {rows}"
+        f" rows along the radius, {significant(2e3 * damper.radius * rows)} mm deep. The model has all of them at one"
+        " place; further in there is less load and less motion."
+    )
+
+
+def _rolling(results: Results) -> str | None:
+    damper = results.scene.damper
+    demands = [(d.largest_rolling_demand, p.rpm) for p, _, d in _rung(results) if d.largest_rolling_demand is not None]
+    demand, rpm = max(demands, default=(0.0, 0.0))
+    if damper is None or demand <= damper.friction:
+        return None
+    return (
+        f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm, more than the"
+        f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
+    )
+
+
+def _release_stress(results: Results) -> str | None:
+    plate, material, rung = results.scene.plate, results.scene.material, _rung(results)
+    if plate is None or material is None or plate.length is None or not rung:
+        return None
+    lift = max(abs(damping.release[0]) for _, _, damping in rung)
+    # Root curvature of a uniform cantilever in its first mode: 3.516 w/L².
+    thickness = thicknesses.at(plate, (0.0, 0.0))
+    stress = material.youngs_modulus * thickness / 2 * 3.516 * lift / plate.length**2
+    if stress < 1e8 and lift < thickness:
+        return None
+    large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
+    return (
+        f"A release of {significant(1e3 * lift)} mm is {significant(lift / thickness, 2)} plate thicknesses and"
+        f" bends the root to about {significant(stress / 1e6, 2)} MPa{large}."
+    )
+
+
+def _two_axes(results: Results) -> str | None:
+    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in _rung(results)):
+        return None
+    lags = [mode.frequency_hz for point in results.speeds for mode in point.modes if mode.family == "lag"]
+    known = f"; this plate's first lag mode is at about {significant(min(lags))} Hz" if lags else ""
+    return f"As in the paper, both axes have the frequency of the first bending mode{known}."
+
+
+REMARKS: tuple[Callable[[Results], str | None], ...] = (
+    notes_plate.divergence,
+    _capped,
+    _nothing_released,
+    _held,
+    _floor_tilt,
+    _level_structure,
+    _books,
+    _work_bound,
+    _assumed_damping,
+    _impossible_ball,
+    _rows,
+    _rolling,
+    _release_stress,
+    notes_plate.root_stress,
+    _two_axes,
+    notes_plate.stiffness_with_ball,
+    notes_plate.real_modes,
+    notes_plate.veering,
+    notes_plate.frequency_error,
+)
+"""In the order in which they are reported."""

@@ -1,0 +1,67 @@
+"""How far the frequencies of a run can be trusted: the whole error, its parts, and whether it is what was asked for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from workflows.solve.records import ErrorParts, Results
+from workflows.wording import significant
+
+PARTS = {
+    "mesh": "mesh",
+    "layers": "layers of the solid",
+    "basis": "reduced basis",
+    "theory": "theory",
+    "large_deflection": "large deflection left out",
+    "coriolis": "Coriolis forces left out",
+}
+"""Parts of an error, as people call them."""
+
+
+class Worst(NamedTuple):
+    """The largest error of a mode (its number, from 1) over the speeds, with its parts."""
+
+    number: int
+    whole: float
+    parts: ErrorParts
+
+
+def worst(results: Results) -> list[Worst]:
+    """Mode by mode, those whose error is known."""
+    found: dict[int, Worst] = {}
+    for point in results.speeds:
+        for number, mode in enumerate(point.modes, 1):
+            whole, parts = mode.error_estimate, mode.error_parts
+            if whole is not None and parts is not None and (number not in found or whole > found[number].whole):
+                found[number] = Worst(number, whole, parts)
+    return [found[number] for number in sorted(found)]
+
+
+def met(results: Results) -> bool:
+    """Whether no error, as far as it is known, is beyond the accuracy asked for."""
+    return all(mode.whole <= results.scene.accuracy.frequency for mode in worst(results))
+
+
+def sentence(results: Results) -> str | None:
+    """The whole error of the first frequency and of the worst, and what most of that is; None if not known."""
+    modes = worst(results)
+    if not modes:
+        return None
+    last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
+    verdict = "within" if met(results) else "more than"
+    first = f"The first frequency is good to {_percent(modes[0].whole)} %"
+    others = (
+        "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
+    )
+    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for."
+
+
+def _largest(mode: Worst) -> str:
+    """The parts that make up most of an error."""
+    sizes = {said: getattr(mode.parts, name) or 0.0 for name, said in PARTS.items()}
+    shown = [said for said, size in sizes.items() if size >= 0.1 * mode.whole]
+    return ", ".join(f"{said} {_percent(sizes[said])} %" for said in shown)
+
+
+def _percent(part: float) -> str:
+    return significant(100 * part, 2)

@@ -1,0 +1,132 @@
+"""What the damper is worth at a speed: its own figures with the tilt of its floor, within what the plate endures."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.scene import thicknesses
+from workflows.solve.records import Results, SpeedPoint
+
+if TYPE_CHECKING:
+    from damper import Working
+
+AIR = (1.4e-3, 4.0e-3)
+"""Damping ratios that the air alone gives free-standing turbine blades: 0.14 % (SO-3), 0.14 to 0.26 % (TFE731), 0.21 to
+0.40 % (steam); compiled in Fatigue of Aircraft Structures 2022, doi 10.2478/fas-2022-0006, after Kielb and Abhari 2001
+and Brown 1981."""
+
+ENDURED = 4e-3
+"""Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
+about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
+
+_CANTILEVER = 1.8751040687
+"""First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
+
+
+class Grade(IntEnum):
+    """How much a damper does, in words."""
+
+    NO = 0
+    HARDLY = 1
+    MODESTLY = 2
+    YES = 3
+
+
+@dataclass(frozen=True)
+class Best:
+    """The most that the damper does at a speed, at an amplitude that the plate endures.
+
+    `limited` where the damper would do more beyond what the plate endures.
+    """
+
+    damping_ratio: float
+    amplitude: float
+    limited: bool
+
+
+def felt(point: SpeedPoint) -> Working | None:
+    """The damper's figures on a floor that tilts with the structure; None without any, or if the ball never moves."""
+    return None if point.working is None else point.working.tilted(point.tilt_share)
+
+
+def best(results: Results, point: SpeedPoint) -> Best | None:
+    """The most that the damper does at a speed; None where it does nothing."""
+    figures = felt(point)
+    if figures is None or not figures.peak > 0:
+        return None
+    limit = endured(results)
+    if limit is None or figures.peak_amplitude <= limit:
+        return Best(figures.peak, figures.peak_amplitude, limited=False)
+    within = figures.damping_ratio[figures.amplitude <= limit]
+    if not within.size or within.max() <= 0:
+        return None
+    at = int(np.argmax(within))
+    return Best(float(within[at]), float(figures.amplitude[at]), limited=True)
+
+
+def grade(results: Results, point: SpeedPoint) -> Grade:
+    """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing."""
+    found = best(results, point)
+    if found is None:
+        return Grade.NO
+    if found.damping_ratio >= AIR[0]:
+        return Grade.YES
+    return Grade.MODESTLY if found.damping_ratio >= AIR[0] / 10 else Grade.HARDLY
+
+
+def endured(results: Results) -> float | None:
+    """Amplitude at the cavity that strains the plate's root by what metals endure [m]; None without a plate."""
+    strain = root_strain(results, 1.0)
+    return None if strain is None else ENDURED / strain
+
+
+def root_strain(results: Results, amplitude: float) -> float | None:
+    """Bending strain at the root for an amplitude at the cavity [-], as in a uniform cantilever's first mode at rest.
+
+    The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
+    leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
+    to half of its thickness.
+    """
+    plate, damper = results.scene.plate, results.scene.damper
+    length, thickness = span(results), _root_thickness(results)
+    if plate is None or damper is None or length is None or thickness is None:
+        return None
+    inward = 1.0 if damper.at is None else min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
+    tip = amplitude * _shape(1.0) / _shape(inward)
+    return thickness / 2 * _CANTILEVER**2 * tip / length**2
+
+
+def _root_thickness(results: Results) -> float | None:
+    """The greatest thickness at the root [m]; None where it is a mesh's and that is not kept."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None:
+        return None
+    if isinstance(plate.thickness, float):
+        return plate.thickness
+    if surface is None or surface.thickness is None:
+        return thicknesses.at(plate, (0.0, 0.0)) if plate.length is not None else None
+    return float(surface.thickness[surface.root].max())
+
+
+def span(results: Results) -> float | None:
+    """The plate's extent from its root outwards [m]."""
+    plate = results.scene.plate
+    if plate is None or plate.length is not None:
+        return None if plate is None else plate.length
+    return None if results.surface is None else float(np.ptp(results.surface.points[:, 0]))
+
+
+def _from_root(results: Results, x: float) -> float:
+    return x if results.surface is None else x - float(results.surface.points[:, 0].min())
+
+
+def _shape(x: float) -> float:
+    """First mode of a uniform cantilever at a share x of its length, up to a factor."""
+    k = _CANTILEVER
+    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
+    return math.cosh(k * x) - math.cos(k * x) - ratio * (math.sinh(k * x) - math.sin(k * x))

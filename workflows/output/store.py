@@ -1,0 +1,193 @@
+"""A folder of results that is replaced whole or not at all.
+
+New results are written into a hidden sibling and take the folder's place in one step, so that whoever looks,
+whenever, sees the old results or the new ones. Files in the folder that are not ours stay.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import os
+import platform
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+
+from workflows.errors import BadInput
+from workflows.output import signals
+from workflows.output import swap as folders
+
+MANIFEST = ".spindamp"
+"""Lists what a run wrote, so that the next one can tell its own files from a user's."""
+
+ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", MANIFEST}
+_CARRIED_AT_MOST = 1000
+_NAME_MAX = 255
+"""Bytes that file systems take for a name."""
+
+_NO_LETTERS = '<>:"|?*'
+"""What a name cannot hold on Windows."""
+
+_LONGEST_NAME = 100
+"""Bytes of a name that goes into that of its scratch folder, which is longer."""
+
+
+def check(folder: Path, names: str = "") -> Path:
+    """Where results can go, resolved; looked at before any work is done, and nothing is written.
+
+    Args:
+        folder: what the user asked for.
+        names: a regular expression for names of files that will be written besides the usual ones.
+
+    Raises:
+        BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
+    """
+    try:
+        target = Path(os.path.realpath(folder))
+        if any(len(os.fsencode(part)) > _NAME_MAX for part in target.parts):
+            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
+        if folders.WINDOWS and any(map(_no_name, target.parts[1:])):
+            raise ValueError(f"no name may hold any of {_NO_LETTERS} or end in a dot or blank")
+        exists = target.exists() or target.is_symlink()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadInput(f"cannot be a folder: {reason}", key="--out", value=str(folder)) from error
+    if exists and not target.is_dir():
+        raise BadInput("is a file: expected a folder", key="--out", value=str(folder))
+    here = Path.cwd().resolve()
+    if target == here or target in here.parents:
+        raise BadInput(
+            "expected a folder of its own, below the current one or elsewhere", key="--out", value=str(folder)
+        )
+    if os.path.ismount(target):
+        raise BadInput("is a disk of its own: expected a folder on it", key="--out", value=str(folder))
+    parent = next((p for p in target.parents if p.exists()), target.anchor)
+    if not os.path.isdir(parent) or not os.access(parent, os.W_OK | os.X_OK):
+        raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
+    if target.is_dir():
+        foreign = _foreign(target)
+        taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
+        if taken:
+            raise BadInput(
+                f"holds a {taken[0]} that no run of ours wrote: expected another folder", key="--out", value=str(folder)
+            )
+        if len(foreign) > _CARRIED_AT_MOST:
+            raise BadInput(
+                "holds too many files that are not results: expected a new folder or one with results",
+                key="--out",
+                value=str(folder),
+            )
+    return target
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """A scratch folder that becomes `folder` when the block ends well, and vanishes when it does not.
+
+    Raises:
+        BadInput: see :func:`check`, and whenever the file system refuses (no space left, say).
+    """
+    target = check(folder)
+    scratch: Path | None = None
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _clear(target)
+        prefix = f"{_prefix(target)}{os.getpid()}-"
+        scratch = folders.scratch(prefix, target.parent)
+        yield scratch
+        names = "".join(f"{path.name}\n" for path in sorted(scratch.iterdir()))
+        (scratch / MANIFEST).write_text(names, encoding="utf-8")
+        folders.sync(scratch)
+        with folders.alone_in(target.parent):
+            _carry_over(target, scratch)
+            folders.dress(scratch, target)
+            folders.sync_folder(scratch)
+            signals.ignore()
+            _swap(scratch, target, folder)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
+    finally:
+        # After the swap the scratch name holds what was there before.
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _swap(scratch: Path, target: Path, folder: Path) -> None:
+    """Put new results in the place of old ones or, where these are held fast, beside them."""
+    try:
+        folders.swap(scratch, target)
+    except PermissionError as error:
+        beside = next(p for n in count(1) if not os.path.lexists(p := target.with_name(f"{target.name}-{n}")))
+        folders.rename(scratch, beside)
+        raise BadInput(
+            f"cannot be replaced: {error.strerror}, as while another program has a file in it open; the new results"
+            f" are in {beside}",
+            key="--out",
+            value=str(folder),
+        ) from error
+
+
+def _prefix(target: Path) -> str:
+    """How the names of scratch folders begin; short enough for a file system that takes the folder's own name."""
+    name = target.name if len(os.fsencode(target.name)) <= _LONGEST_NAME else _digest(target.name)
+    return f".{name}.{platform.node()[:64]}-"
+
+
+def _no_name(part: str) -> bool:
+    return bool(set(part) & set(_NO_LETTERS)) or part.endswith((".", " "))
+
+
+def _digest(name: str) -> str:
+    return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
+
+
+def _clear(target: Path) -> None:
+    """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone.
+
+    A run killed between the two steps of a swap left the old results aside: they come back.
+    """
+    prefix = _prefix(target)
+    for path in target.parent.iterdir():
+        number = path.name.removeprefix(prefix).partition("-")[0]
+        if path.name.startswith(prefix) and number.isdecimal() and not _alive(int(number)):
+            if path.suffix == folders.ASIDE and not os.path.lexists(target):
+                os.rename(path, target)
+            else:
+                shutil.rmtree(path, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    import psutil
+
+    try:
+        return psutil.pid_exists(process)
+    except OverflowError:
+        return True
+
+
+def _foreign(target: Path) -> list[Path]:
+    """What is in a folder besides results of ours: whatever the manifest of the last run does not list."""
+    ours = {MANIFEST}
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        ours |= set((target / MANIFEST).read_text(encoding="utf-8").splitlines())
+    return [path for path in sorted(target.iterdir()) if path.name not in ours]
+
+
+def _carry_over(target: Path, scratch: Path) -> None:
+    if not target.is_dir():
+        return
+    for path in _foreign(target):
+        new = scratch / path.name
+        if os.path.lexists(new):
+            raise BadInput(f"holds a {path.name} that no run of ours wrote", key="--out", value=str(target))
+        if path.is_symlink():
+            new.symlink_to(os.readlink(path), target_is_directory=path.is_dir())
+        elif path.is_dir():
+            shutil.copytree(path, new, symlinks=True, copy_function=folders.link_or_copy)
+        else:
+            folders.link_or_copy(str(path), str(new))

@@ -1,0 +1,193 @@
+"""How a figure of the report is drawn: one style, and SVG that takes its colours and type from the page.
+
+Colours are placeholders in the drawing and CSS variables in the page, so that one picture serves light, dark and
+print. Each figure is drawn twice, for a page and for a phone; the page's style sheet shows one of them. matplotlib is
+used without pyplot, and imported here only when something is drawn.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from workflows.report import ticks
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
+"""Text and axes, secondary text, grid, and the page itself."""
+
+CATEGORIES = ("#0072b2", "#d55e00", "#009e73", "#a0568c", "#c48a00", "#3f9bd1", "#7f7f7f")
+"""After Okabe and Ito (2008): told apart with any kind of colour vision."""
+
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+_VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
+    colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
+}
+_HUNDREDTHS = re.compile(r"(\.\d\d)\d+")
+"""Coordinates beyond hundredths of a point, which nobody sees."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a figure is drawn on. The page scales it to its column.
+
+    Attributes:
+        name: its class in the page's style sheet.
+        width: in inches.
+    """
+
+    name: str
+    width: float
+
+
+WIDE, NARROW = Sheet("wide-sheet", 6.6), Sheet("narrow-sheet", 3.7)
+
+_STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "spindamp",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.facecolor": "none",
+    "figure.facecolor": "none",
+    "grid.color": RULE,
+    "grid.linewidth": 0.5,
+    "text.color": INK,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "legend.title_fontsize": 7.5,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 3.2,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The look of all figures; whatever is drawn, is drawn inside."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it remarks on a home that cannot be written
+    import matplotlib as mpl
+
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def canvas(sheet: Sheet, height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
+    """A figure with panels `height` inches high: side by side, or on a narrow sheet one below the other.
+
+    Margins are measured once all is drawn, so that whatever labels come out have room.
+    """
+    from matplotlib.figure import Figure
+
+    rows, columns = (1, panels) if sheet is WIDE else (panels, 1)
+    figure = Figure(figsize=(sheet.width, rows * height))
+    figure.set_layout_engine("constrained", hspace=0.08)
+    return figure, [figure.add_subplot(rows, columns, i + 1) for i in range(panels)]
+
+
+def key(figure: Figure, axes: Axes, sheet: Sheet, **how: Any) -> None:
+    """A legend of the curves of `axes` beside the figure, or below it on a narrow sheet."""
+    curves = axes.get_legend_handles_labels()
+    if sheet is WIDE:
+        figure.legend(*curves, loc="outside right center", **how)
+    else:
+        figure.legend(*curves, loc="outside lower left", ncols=how.pop("ncols", 3), **how)
+
+
+def both(draw: Callable[[Sheet], str]) -> str:
+    """A figure on either sheet; nothing where there is nothing to draw."""
+    return draw(WIDE) + draw(NARROW)
+
+
+def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
+    """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    ticks.label(figure)
+    out = io.StringIO()
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name}", description)
+    return drawn.replace("<svg", f'<svg class="{sheet.name}"', 1)
+
+
+def standalone(drawn: str) -> str:
+    """An SVG for a page as a file of its own, in the colours of a light page."""
+    light = {
+        "--ink": "#1c1d20",
+        "--muted": "#6b6d73",
+        "--rule": "#e2dfd6",
+        "--paper": "#ffffff",
+        "--sans": "sans-serif",
+    }
+    light |= {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    for variable, colour in light.items():
+        drawn = drawn.replace(f"var({variable})", colour)
+    width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
+    ground = f'<rect width="{width}" height="{height}" fill="#ffffff"/>'
+    start = drawn.index(">", drawn.index("<svg")) + 1
+    return drawn[: start - 1] + ' xmlns="http://www.w3.org/2000/svg">' + ground + drawn[start:] + "\n"
+
+
+def shades(count: int) -> list[str]:
+    """Colours for an ordered family of curves, dark to bright; placeholders like the others."""
+    return [f"#0203{i:02x}" for i in range(min(count, 256))] + ["#0203ff"] * (count - 256)
+
+
+def shades_css(count: int) -> str:
+    """The variables behind :func:`shades`, for a light and for a dark page."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    def block(low: float, high: float) -> str:
+        steps = [low + (high - low) * i / max(count - 1, 1) for i in range(min(count, 256))]
+        colours = (to_hex(colormaps["plasma"](step)) for step in steps)
+        return ":root{" + "".join(f"--shade-{i}:{colour};" for i, colour in enumerate(colours)) + "}"
+
+    return f"{block(0.05, 0.76)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
+
+
+def _for_a_page(text: str, name: str, description: str) -> str:
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    text = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", text)
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = text.replace('xlink:href="#', f'href="#{name}-').replace("url(#", f"url(#{name}-")
+    text = re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?:, sans-serif)?", r"\1var(--sans)", text)
+    text = re.sub(r' d="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
+    for colour, variable in _VARIABLES.items():
+        text = text.replace(colour, f"var({variable})")
+    text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
+    return text.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)

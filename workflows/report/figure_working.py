@@ -1,0 +1,63 @@
+"""The figure of what the damper is: its equivalent damping ratio over amplitude, a curve for each load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from workflows.findings import worth
+from workflows.report import drawing
+from workflows.results import curves
+from workflows.solve.records import Results
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from workflows.report.drawing import Sheet
+
+_LEGEND_AT_MOST = 16
+"""Curves that a legend can name."""
+
+_LEAST_SHOWN = 1e-3
+"""Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
+
+
+def working(results: Results, sheet: Sheet) -> str:
+    """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; nothing without a damper."""
+    lines = curves.damping_ratio(results)
+    felt = [w for point in results.speeds if (w := worth.felt(point)) is not None and w.amplitude.size]
+    if not lines:
+        return ""
+    figure, (axes,) = drawing.canvas(sheet, 3.1)
+    for line, figures, colour in zip(lines, felt, drawing.shades(len(lines)), strict=True):
+        shown = line.y > 0
+        axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
+        axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
+        if figures.cutoff > 0:
+            axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
+    peaks = [100 * figures.peak for figures in felt]
+    top = max(*peaks, 100 * worth.AIR[1])
+    least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
+    axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * worth.AIR[0]), 2 * top))
+    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    _beside(axes, worth.endured(results))
+    if len(lines) <= _LEGEND_AT_MOST:
+        drawing.key(figure, axes, sheet, title="load", reverse=sheet is drawing.WIDE)
+    return drawing.svg(figure, sheet, "working", "Damping ratio by the ball over the amplitude of the vibration")
+
+
+def _beside(axes: Axes, limit: float | None) -> None:
+    """What the air does, and the amplitude [m] up to which the plate endures."""
+    low, high = (100 * ratio for ratio in worth.AIR)
+    axes.axhspan(low, high, color=drawing.RULE, lw=0)
+    axes.annotate(
+        "air alone, turbine blades",
+        (0.99, low),
+        (0, -3),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        color=drawing.MUTED,
+    )
+    if limit is not None and 1e3 * limit < axes.get_xlim()[1]:
+        axes.axvline(1e3 * limit, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))

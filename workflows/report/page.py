@@ -1,0 +1,143 @@
+"""The report: one self-contained HTML page for a person."""
+
+from __future__ import annotations
+
+import base64
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from workflows import wording
+from workflows.findings import answer, trust, worth
+from workflows.findings.assumptions import assumptions
+from workflows.report import drawing, figure_working, figures, mesh_figure, templating
+from workflows.report.mode_shape import Picture
+from workflows.results import curves, resolved
+from workflows.results.provenance import hashes, versions
+from workflows.scene import paper
+from workflows.solve.records import Results, SpeedPoint
+
+_MODES_AT_MOST = 7
+"""Columns of the table of a plate without a damper."""
+
+
+@dataclass(frozen=True)
+class Drawings:
+    """The pictures of a report: SVG elements (empty where there is nothing to draw) and the mode shape."""
+
+    campbell: str
+    mesh: str
+    velocity: str
+    capacity: str
+    working: str
+    css: str
+    shape: Picture | None = None
+
+
+def draw(results: Results) -> Drawings:
+    """Make the figures; the slow part of a report."""
+    with drawing.style():
+        return Drawings(
+            campbell=drawing.both(partial(figures.campbell, results)),
+            mesh=drawing.both(partial(mesh_figure.mesh, results)),
+            velocity=drawing.both(partial(figures.velocity, results)),
+            capacity=drawing.both(partial(figures.capacity, results)),
+            working=drawing.both(partial(figure_working.working, results)),
+            css=drawing.shades_css(len(results.speeds)),
+        )
+
+
+def render(results: Results, drawings: Drawings) -> str:
+    """The page. Everything that comes from a scene is escaped."""
+    from markupsafe import Markup
+
+    words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly)
+    shape = drawings.shape
+    return templating.page(
+        "report.html.j2",
+        {word.__name__: word for word in words},
+        drawings.css,
+        results=results,
+        scene=results.scene,
+        answer=answer.answer(results),
+        rows=[_row(results, point) for point in results.speeds],
+        errors=trust.worst(results),
+        error_parts=trust.PARTS,
+        mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
+        campbell=Markup(drawings.campbell),
+        mesh=Markup(drawings.mesh),
+        thick=_thick(results),
+        cells_drawn=results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
+        fast=any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
+        bands=any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
+        velocity=Markup(drawings.velocity),
+        capacity=Markup(drawings.capacity),
+        working=Markup(drawings.working),
+        air=worth.AIR,
+        endured=worth.endured(results),
+        strain=worth.ENDURED,
+        shown=next((p for p in results.speeds if p.damping and p.damping.history), None),
+        shape=None if shape is None else base64.b64encode(shape.png).decode(),
+        shape_remark="" if shape is None else shape.remark,
+        shape_point=_shape_point(results),
+        assumptions=assumptions(results),
+        versions=versions(),
+        hashes=hashes(results),
+        settings=_settings(resolved.scene(results.scene, results.effects, results.theory)),
+    )
+
+
+def _thick(results: Results) -> str:
+    """How thick the plate is, in words: one thickness, or the least and the greatest."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None:
+        return ""
+    if isinstance(plate.thickness, float):
+        return f"{wording.significant(1e3 * plate.thickness)} mm thick"
+    if surface is None or surface.thickness is None:
+        return "its thickness varies"
+    low, high = (wording.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
+    return f"{low} to {high} mm thick"
+
+
+def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
+    """A line of the tables."""
+    return {
+        "point": point,
+        "frequency": answer.first_frequency(point),
+        "paper": paper.row(results.scene, point.load_g),
+        "felt": (felt := worth.felt(point)),
+        "share": -math.expm1(-4 * math.pi * felt.peak) if felt else 0.0,
+        "damping": point.damping,
+    }
+
+
+def _shape_point(results: Results) -> SpeedPoint | None:
+    from workflows.solve.records import shown
+
+    return results.speeds[shown(results.speeds)] if results.surface is not None else None
+
+
+def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The resolved scene as tables of text, in SI."""
+    top = [(key, _text(value)) for key, value in scene.items() if not isinstance(value, dict)]
+    tables = [("", top)]
+    tables += [
+        (f"[{name}]", [(key, _text(value)) for key, value in table.items()])
+        for name, table in scene.items()
+        if isinstance(table, dict)
+    ]
+    return tables
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        items = [_text(item) for item in value]
+        return f"[{', '.join(items[:12])}{', …' if len(items) > 12 else ''}]"
+    return f'"{value}"' if isinstance(value, str) else str(value)

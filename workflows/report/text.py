@@ -1,0 +1,76 @@
+"""What a run prints for a person: the answer, a table, and where the rest is."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from pathlib import Path
+
+from workflows.errors import one_line
+from workflows.findings import answer, worth
+from workflows.solve.records import Results, SpeedPoint
+from workflows.wording import amount, fixed, percent, revolutions, significant
+
+_MODES_AT_MOST = 8
+
+
+def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> str:
+    """The summary, ready to print; `remarks`, on how the scene is written, come first wherever the notes are."""
+    found = answer.answer(results)
+    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
+    parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
+    parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
+    parts += ["", *_aligned(rows(results))]
+    if results.notes and out is None:
+        parts.append("")
+        parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
+    seconds = f"{results.timings['total']:.1f} s"
+    if out is None:
+        parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]
+    else:
+        count = len(results.notes)
+        counted = f", {count} remark{'s' if count > 1 else ''}" if count else ""
+        parts += ["", f"{seconds}{counted}; open {out / 'report.html'}"]
+    return "\n".join(parts)
+
+
+def _wrapped(paragraph: str, mark: str = "") -> list[str]:
+    width = min(shutil.get_terminal_size((100, 24)).columns, 100)
+    return textwrap.wrap(paragraph, width, initial_indent=mark, subsequent_indent=" " * len(mark))
+
+
+def rows(results: Results) -> list[tuple[str, ...]]:
+    """The table, its heads first: a row a speed."""
+    if any(point.damping is not None for point in results.speeds):
+        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
+        heads += ("ball ζ %", "at mm", "hits")
+        return [heads, *(_damped(point) for point in results.speeds)]
+    count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
+    heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
+    found = [
+        (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+        for p in results.speeds
+    ]
+    return [heads, *found]
+
+
+def _damped(point: SpeedPoint) -> tuple[str, ...]:
+    damping, figures = point.damping, worth.felt(point)
+    if damping is None:
+        return (amount(point.rpm), amount(point.load_g))
+    return (
+        amount(point.rpm),
+        amount(point.load_g),
+        fixed(answer.first_frequency(point), 2),
+        amount(damping.cutoff_g),
+        fixed(damping.cutoff_ratio, 3),
+        percent(damping.peak_sdc, 3),
+        significant(100 * figures.peak if figures else 0.0),
+        significant(1e3 * figures.peak_amplitude if figures else None),
+        fixed(damping.impacts),
+    )
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(len(rows[0]))]
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=False)) for row in rows]

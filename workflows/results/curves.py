@@ -1,0 +1,100 @@
+"""The curves that the report draws and the CSV files hold: made once, used by both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workflows import wording
+from workflows.findings import worth
+from workflows.solve.records import Floats, Results, SpeedPoint
+
+ERRORS = "frequency_errors"
+"""The file of all frequencies with their errors, beside the curves."""
+
+FILES = r"(frequency_errors|campbell_\w+_\d+|(velocity_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
+"""What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve: `name` is its file, `label` what a legend says; columns carry name and unit."""
+
+    name: str
+    label: str
+    x_column: str
+    y_column: str
+    x: Floats
+    y: Floats
+
+
+def campbell(results: Results) -> list[Curve]:
+    """Frequency over speed, one curve for each branch; it is named by its family at the lowest speed it is seen at."""
+    tracks: dict[int, list[tuple[float, float]]] = {}
+    names: dict[int, tuple[str, int]] = {}
+    for point in sorted(results.speeds, key=lambda point: point.rpm):
+        for mode in point.modes:
+            if mode.branch not in names:
+                number = 1 + sum(family == mode.family for family, _ in names.values())
+                names[mode.branch] = (mode.family, number)
+            tracks.setdefault(mode.branch, []).append((point.rpm, mode.frequency_hz))
+    curves = []
+    for branch, track in tracks.items():
+        family, number = names[branch]
+        rpm, frequency = np.array(track).T
+        name = f"campbell_{_slug(family)}_{number}"
+        curves.append(Curve(name, f"{family} {number}", "speed_rpm", "frequency_hz", rpm, frequency))
+    return curves
+
+
+def velocity(point: SpeedPoint) -> list[Curve]:
+    """The structure's velocity over time along x, and along y if it moves that way (the paper's Fig. 2)."""
+    damping = point.damping
+    if damping is None or damping.history is None:
+        return []
+    tag, found = speed_tag(point), []
+    for axis, along in zip("xy", damping.history.velocity.T, strict=True):
+        if along.any():
+            name = f"velocity_{axis}_{tag}"
+            found.append(Curve(name, f"along {axis}", "time_s", "velocity_m_s", damping.history.t, along))
+    return found
+
+
+def capacity(results: Results) -> list[Curve]:
+    """Specific damping capacity over the amplitude of the acceleration, a curve per load (Fig. 3)."""
+    curves = []
+    for point in results.speeds:
+        damping = point.damping
+        if damping is not None and (known := np.isfinite(damping.sdc)).any():
+            label = f"{wording.amount(point.load_g)} g"
+            name = f"sdc_{speed_tag(point)}"
+            curves.append(Curve(name, label, "amplitude_g", "sdc", damping.amplitude_g[known], damping.sdc[known]))
+    return curves
+
+
+def damping_ratio(results: Results) -> list[Curve]:
+    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
+    curves = []
+    for point in results.speeds:
+        figures = worth.felt(point)
+        if figures is not None and figures.amplitude.size:
+            label = f"{wording.fixed(point.load_g)} g"
+            name = f"damping_ratio_{speed_tag(point)}"
+            curves.append(Curve(name, label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio))
+    return curves
+
+
+def every(results: Results) -> list[Curve]:
+    """All curves of a run."""
+    history = [curve for point in results.speeds for curve in velocity(point)]
+    return campbell(results) + history + capacity(results) + damping_ratio(results)
+
+
+def speed_tag(point: SpeedPoint) -> str:
+    """A rotation speed as part of a file name: 10000rpm, 12.5rpm."""
+    return f"{point.rpm:.13g}rpm"
+
+
+def _slug(text: str) -> str:
+    return "".join(c if c.isalnum() else "_" for c in text)

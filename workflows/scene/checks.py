@@ -1,0 +1,249 @@
+"""What the values of a scene must be together; each check raises with the key to look at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import PydanticCustomError
+
+from workflows.scene import cavity, thicknesses
+from workflows.scene.materials import KNOWN
+
+if TYPE_CHECKING:
+    from workflows.scene.tables import Damper, Material, Plate, Release, Rotor, Scene, Thickness
+
+_ROUNDING = 1e-9
+"""Relative slack of comparisons between lengths, which come from decimal text."""
+
+_THINNEST, _SLENDEREST = 1e4, 100.0
+"""Largest ratios of the plate's extent to its thickness, and of its length to its width or the other way round."""
+
+
+_LIGHTEST = 10.0
+"""Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""
+
+OSMIUM = 22_600.0
+"""Density [kg/m^3] of the densest element."""
+
+
+def fault(key: str, problem: str) -> PydanticCustomError:
+    """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
+    return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...]) -> Any:
+    """A table with the numbers of the material that its key `name` holds; as it is where there is none (of `names`)."""
+    if not isinstance(data, Mapping) or data.get(name) is None:
+        return data
+    for number in numbers:
+        if number in data:
+            raise fault(number, f"{name} gives it: leave one out")
+    if not isinstance(data[name], str) or data[name] not in names:
+        return data
+    return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}
+
+
+def thickness(thickness: Thickness) -> None:
+    """One way of giving a thickness that varies, and a table whose parts fit together."""
+    given = [key for key in ("values", "polynomial", "field") if getattr(thickness, key) is not None]
+    if len(given) != 1:
+        raise fault(
+            given[-1] if given else "values",
+            f"expected one of a table (x, y, values), a polynomial and a field of the mesh file"
+            f"{': leave one out' * bool(given)}",
+        )
+    x, y, values = thickness.x, thickness.y, thickness.values
+    if values is None:
+        for key in ("x", "y"):
+            if getattr(thickness, key) is not None:
+                raise fault(key, "belongs to a table with values: leave it out")
+        return
+    if x is None:
+        raise fault("x", "missing: the places along x of the table's values")
+    for key, places in (("x", x), ("y", y or ())):
+        if any(b <= a for a, b in pairwise(places)):
+            raise fault(key, "expected places that ascend")
+    columns = 1 if y is None else len(y)
+    if len(values) != len(x) or any(len(row) != columns for row in values):
+        what = "one thickness" if y is None else f"a list of {columns} thicknesses, one for each y,"
+        raise fault("values", f"expected {what} for each of the {len(x)} places along x")
+    if min(map(min, values)) <= 0.0:
+        raise fault("values", "expected thicknesses above 0")
+
+
+def planform(plate: Plate) -> None:
+    """Either length and width, or a mesh; and thin enough to be called a plate."""
+    if plate.tip_mass_at is not None and not plate.tip_mass:
+        raise fault("tip_mass_at", "expected a tip_mass beside it")
+    if plate.mesh is None and not isinstance(plate.thickness, float) and plate.thickness.field:
+        raise fault("thickness.field", "belongs to a mesh: name a mesh, or give a table or a polynomial")
+    if plate.mesh is None and plate.mesh_unit is not None:
+        raise fault("mesh_unit", "belongs to a mesh: leave this out, or name a mesh")
+    if plate.mesh is not None:
+        for key in ("length", "width"):
+            if getattr(plate, key) is not None:
+                raise fault(key, "the mesh gives the planform: leave this out, or leave out mesh")
+        if not plate.mesh.strip() or "\0" in plate.mesh:
+            raise fault("mesh", "expected the name of a mesh file")
+        return
+    for key in ("length", "width"):
+        if getattr(plate, key) is None:
+            raise fault(key, "missing (or name a mesh instead of length and width)")
+    if plate.length is not None and plate.width is not None:
+        try:
+            least, _, greatest = thicknesses.spread(plate)
+        except ValueError as error:
+            raise fault("thickness", str(error)) from error
+        odd = disproportion(least, greatest, plate.length, plate.width)
+        if odd is not None:
+            raise fault(*odd)
+
+
+def disproportion(least: float, greatest: float, length: float, width: float) -> tuple[str, str] | None:
+    """What keeps a plate from being one, as key and problem: too thick, a film, a wire or a tape."""
+    extent = max(length, width)
+    if extent > _SLENDEREST * min(length, width):
+        return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
+    if greatest >= length:
+        return "thickness", f"expected less than the length, {length:g} m"
+    if greatest > width * (1 + _ROUNDING):
+        return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
+    if least < extent / _THINNEST:
+        return "thickness", f"expected at least {extent / _THINNEST:.3g} m on a plate {extent:g} m large"
+    return None
+
+
+def material(material: Material) -> None:
+    """A density that something solid has."""
+    _density("density", material.density)
+
+
+def _density(key: str, value: float) -> None:
+    if value < _LIGHTEST * (1 - _ROUNDING):
+        meant = f": was '{value:g} g/cm^3' meant?" if value >= 0.1 else ""
+        raise fault(key, f"expected at least {_LIGHTEST:g} kg/m^3, the lightest foam{meant}")
+
+
+def rotor(rotor: Rotor) -> None:
+    """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
+    if abs(rotor.stagger) > math.pi * (1 + _ROUNDING):
+        raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
+    if abs(rotor.precone) > math.pi / 2 * (1 + _ROUNDING):
+        raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
+
+
+def damper(damper: Damper) -> None:
+    """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
+    given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(damper, key) is not None]
+    if len(given) != 1:
+        raise fault(
+            given[0] if given else "mass_ratio",
+            f"expected one of mass_ratio, mass, ball_density and ball_material{': leave one out' * bool(given)}",
+        )
+    if damper.ball_density is not None:
+        _density("ball_density", damper.ball_density)
+        if damper.ball_density > OSMIUM * (1 + _ROUNDING):
+            raise fault("ball_density", f"expected at most {OSMIUM:g} kg/m^3, that of osmium: nothing is denser")
+    for side in damper.cavity:
+        if side < 2 * damper.radius * (1 - _ROUNDING):
+            raise fault(
+                "cavity",
+                f"a ball of radius {damper.radius:g} m does not fit: expected sides of at least"
+                f" {2 * damper.radius:g} m",
+            )
+    if damper.rolling_friction > damper.radius * (1 + _ROUNDING):
+        raise fault(
+            "rolling_friction",
+            f"expected a length of at most the ball's radius, {damper.radius:g} m: over it, this is the coefficient",
+        )
+
+
+def release(release: Release) -> None:
+    """One way of giving the release, and one that sets something in motion."""
+    given = [key for key in ("displacement", "acceleration", "ratio") if getattr(release, key) is not None]
+    if len(given) != 1:
+        raise fault(given[-1] if given else "displacement", "expected one of displacement, acceleration and ratio")
+    pair = release.displacement if release.displacement is not None else release.acceleration
+    if pair is not None and not any(pair):
+        raise fault(given[0], "expected a release that is not zero on both axes")
+
+
+def together(scene: Scene) -> None:
+    """The tables of a scene: which belong together, which exclude each other."""
+    if scene.structure is not None:
+        _structure_only(scene)
+    else:
+        for table in ("plate", "material"):
+            if getattr(scene, table) is None:
+                raise fault(table, "the table is missing (or give [structure] instead of a plate)")
+        if scene.rotor.radius is not None:
+            raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
+    if (scene.damper is None) != (scene.release is None):
+        missing, present = ("release", "damper") if scene.release is None else ("damper", "release")
+        raise fault(missing, f"the table is missing: [{present}] needs it")
+    if scene.damper is not None and scene.rotor.precone:
+        raise fault(
+            "rotor.precone",
+            "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the plate"
+            " alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+        )
+    if scene.plate is not None:
+        _on_the_plate(scene.plate, scene.damper)
+        _release_of(scene.plate, scene.release)
+    if scene.release is not None and scene.release.ratio is not None and not any(scene.rotor.speeds):
+        raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
+
+
+def _structure_only(scene: Scene) -> None:
+    for table in ("plate", "material"):
+        if getattr(scene, table) is not None:
+            raise fault(table, "expected a plate with its material or a [structure]: leave one out")
+    if scene.damper is None:
+        raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
+    if scene.rotor.radius is None:
+        raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
+    for key in ("hub_radius", "stagger", "precone"):
+        if getattr(scene.rotor, key):
+            raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")
+    for key in ("rotor.modes", "accuracy.frequency"):
+        table, name = key.split(".")
+        given = getattr(scene, table)
+        if getattr(given, name) != type(given).model_fields[name].default:
+            raise fault(key, "belongs to a plate; the one frequency of a [structure] is given")
+    if scene.damper.at is not None:
+        raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
+    if scene.damper.housing is not None:
+        raise fault("damper.housing", "belongs to a plate; the mass of a [structure] includes it")
+
+
+def _on_the_plate(plate: Plate, damper: Damper | None) -> None:
+    """Damper and tip mass are where the plate is. Where a mesh gives the planform, `plate_mesh` looks for the rest."""
+    if damper is not None and plate.tip_mass_at is not None:
+        raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
+    if plate.length is None or plate.width is None:
+        odd = None
+        if damper is not None and isinstance(plate.thickness, float):
+            odd = cavity.through_the_thickness(damper, plate.thickness)
+    else:
+        key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.at)
+        x, y = (plate.length, 0.0) if at is None else at
+        if not 0 < x <= plate.length * (1 + _ROUNDING) or abs(y) > plate.width / 2 * (1 + _ROUNDING):
+            raise fault(
+                key,
+                f"outside the plate: expected x above 0 and at most {plate.length:g} m, y within"
+                f" ±{plate.width / 2:g} m",
+            )
+        room = plate.width - 2 * abs(y)
+        odd = None if damper is None else cavity.misfit(damper, thicknesses.at(plate, (x, y)), plate.width, x, room)
+    if odd is not None:
+        raise fault(f"damper.{odd[0]}", odd[1])
+
+
+def _release_of(plate: Plate, release: Release | None) -> None:
+    if release is None or plate.length is None:
+        return
+    if max(map(abs, release.displacement or (0.0,))) > plate.length:
+        raise fault("release.displacement", f"expected at most the plate's length, {plate.length:g} m")

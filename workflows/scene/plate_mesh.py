@@ -1,0 +1,207 @@
+"""From the scene's [plate] to a meshed plate: grids of our own, or the file it names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from workflows.errors import BadInput
+from workflows.scene import cavity, thicknesses
+from workflows.scene.checks import disproportion
+from workflows.scene.file import SceneFile
+from workflows.scene.tables import Scene
+
+if TYPE_CHECKING:
+    import fem
+
+    Planform: TypeAlias = fem.Rectangle | fem.Given
+
+
+def planform(source: SceneFile) -> Planform:
+    """The scene's planform as a ladder of meshes.
+
+    Raises:
+        BadInput: the mesh file is no good.
+    """
+    from fem import Rectangle
+
+    plate = source.scene.plate
+    if plate is None:
+        raise ValueError("the scene has no plate")
+    if source.mesh is not None:
+        return _from_file(source)
+    form = Rectangle(plate.length or 0.0, plate.width or 0.0)
+    return _with_a_node(form, given_place(source.scene)) if source.scene.point_mass else form
+
+
+def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rectangle:
+    """Grids with a node where the point mass is, None in the middle of the tip: on a node and off one are two problems.
+
+    All have an even number of cells across, and so a node in the middle as they are.
+    """
+    even = tuple(size for size in form.sizes if form.cells(size)[1] % 2 == 0)
+    return replace(form, sizes=even, node=at)
+
+
+def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
+    """The scene's plate on a mesh of its planform."""
+    from fem import ElasticRoot, Material, Plate
+
+    given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
+    if given is None or material is None:
+        raise ValueError("the scene has no plate")
+    tip = place(source, mesh) if mass else None
+    substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
+    springs = None if given.root is None else ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
+    return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
+
+
+def rotor(scene: Scene) -> fem.Rotor:
+    """How the scene's plate sits on its axis."""
+    from fem import Rotor
+
+    return Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+
+
+def coarse(form: Planform, cells: int) -> Any:
+    """The coarsest mesh of a planform's ladder that has so many cells, or the finest."""
+    meshes = (form.mesh(size) for size in form.sizes)
+    return next((mesh for mesh in meshes if mesh.t.shape[1] >= cells), form.mesh(form.sizes[-1]))
+
+
+def in_words(source: SceneFile, form: Planform, size: int) -> str:
+    """The mesh of a size of a planform's ladder, for people."""
+    from fem import Rectangle
+
+    if isinstance(form, Rectangle):
+        along, across = form.cells(size)
+        return f"{along} × {across} quadrilaterals, finer towards the edges"
+    mesh = form.mesh(size)
+    kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
+    name = source.scene.plate.mesh if source.scene.plate else source.mesh
+    parts = "" if size == 1 else f", each edge split in {size}"
+    return f"{mesh.t.shape[1]} {kind} from {name}{parts}"
+
+
+def given_place(scene: Scene) -> tuple[float, float] | None:
+    """The place (x, y) in m that a scene gives its damper, or else its tip mass."""
+    plate, damper = scene.plate, scene.damper
+    if damper is not None:
+        return damper.at
+    return None if plate is None else plate.tip_mass_at
+
+
+def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
+    """The damper's place (x, y) in m in the mesh's coordinates: as given, or the middle of the tip."""
+    return damper_at(source.scene, mesh.p)
+
+
+def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
+    """The same on a mesh of which the points (2, n) are known."""
+    given = given_place(scene)
+    if given is not None:
+        return given
+    x, y = points
+    tip = np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))
+    return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
+
+
+def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:
+    """In the plate's coordinates: x [m] of the clamped root, and the place (x, y) of the damper or of the tip's middle.
+
+    `mesh` is one of the planform's, None where the scene names none.
+    """
+    plate = source.scene.plate
+    if mesh is not None:
+        return float(mesh.p[0].min()), place(source, mesh)
+    tip = 0.0 if plate is None or plate.length is None else plate.length
+    return 0.0, given_place(source.scene) or (tip, 0.0)
+
+
+def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
+    """The error of a damper that is not where the plate is, or not where it moves."""
+    given = given_place(source.scene)
+    key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
+    return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
+
+
+def _from_file(source: SceneFile) -> fem.Given:
+    """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
+    from fem import Given, MeshError
+    from fem.meshes.read import FieldError, read_field
+    from fem.plate.thickness import Nodal
+
+    plate = source.scene.plate
+    if source.mesh is None or plate is None:
+        raise ValueError("the scene names no mesh")
+    field = None if isinstance(plate.thickness, float) else plate.thickness.field
+    try:
+        mesh, values = read_field(source.mesh, field)
+    except FieldError as error:
+        raise BadInput(str(error), file=source.name, key="[plate] thickness.field", value=field) from error
+    except MeshError as error:
+        text = str(error).removeprefix(f"{source.mesh}: ")
+        raise BadInput(text, file=source.name, key="[plate] mesh", value=plate.mesh) from error
+    if plate.mesh_scale != 1.0:
+        mesh = mesh.scaled(plate.mesh_scale)
+    form = Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
+    _check_proportions(source, form)
+    _check_place(source, form)
+    return form
+
+
+def _check_proportions(source: SceneFile, form: fem.Given) -> None:
+    plate = source.scene.plate
+    if plate is None:
+        return
+    given = plate.thickness if isinstance(plate.thickness, float) else None
+    try:
+        least, _, greatest = thicknesses.spread(plate, form)
+    except ValueError as error:
+        raise BadInput(str(error), file=source.name, key="[plate] thickness") from error
+    odd = disproportion(least, greatest, *form.sides)
+    if odd is not None:
+        key, problem = odd
+        unit = "a mesh is in metres, unless mesh_unit says otherwise"
+        raise BadInput(
+            f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
+            file=source.name,
+            key="[plate] thickness" if key == "thickness" else "[plate] mesh",
+            value=given if key == "thickness" else plate.mesh,
+        )
+
+
+def _check_place(source: SceneFile, form: fem.Given) -> None:
+    """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
+    from fem.meshes.locate import PlaceError, locate
+
+    plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
+    at = place(source, mesh)
+    reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
+    try:
+        locate(mesh, at)
+        if reach <= 1e-9 * length:
+            raise PlaceError(f"expected a place that moves: ({at[0]:g}, {at[1]:g}) m is on the clamped root")
+    except PlaceError as error:
+        raise off_the_plate(source, error) from error
+    if plate is None or damper is None:
+        return
+    thickness = thicknesses.at(plate, at, form)
+    odd = cavity.misfit(damper, thickness, float(width), float(reach), room(mesh, at))
+    if odd is not None:
+        value = getattr(damper, odd[0])
+        value = list(value) if isinstance(value, tuple) else value
+        raise BadInput(odd[1], file=source.name, key=f"[damper] {odd[0]}", value=value)
+
+
+def room(mesh: Any, at: tuple[float, float]) -> float:
+    """How wide the plate is at a place on it [m], as far as it reaches to both sides alike."""
+    ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
+    (xa, xb), (ya, yb) = ends
+    margin = 1e-9 * np.ptp(mesh.p[0])
+    x = np.clip(at[0], mesh.p[0].min() + margin, mesh.p[0].max() - margin)
+    met = (np.minimum(xa, xb) <= x) & (x < np.maximum(xa, xb))
+    edges = ya[met] + (x - xa[met]) / (xb - xa)[met] * (yb - ya)[met]
+    return 2.0 * float(np.abs(edges - at[1]).min())

@@ -1,0 +1,116 @@
+"""The thickness that a scene gives its plate, at a place and over the planform.
+
+`form` is the planform, needed where that is a mesh; of a rectangle the scene knows all.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from fem.plate.thickness import Profile
+    from workflows.scene.plate_mesh import Planform
+    from workflows.scene.tables import Plate
+
+GRID = 129
+"""Places along each side of a rectangle at which a thickness is looked at."""
+
+GAUSS = 24
+"""Points along each side for integrals: exact for polynomials up to a degree of 47."""
+
+
+def profile(plate: Plate, form: Planform | None = None) -> float | Profile:
+    """The thickness as `fem` takes it.
+
+    Raises:
+        ValueError: it is a field of the mesh file, and the planform is not given.
+    """
+    from fem.plate.thickness import Bilinear, Polynomial
+
+    given = plate.thickness
+    if isinstance(given, float):
+        return given
+    if given.polynomial is not None:
+        return Polynomial(given.polynomial)
+    if given.values is not None:
+        return Bilinear(given.x or (), given.y or (0.0,), given.values)
+    field = getattr(form, "thickness", None)
+    if field is None:
+        raise ValueError("a thickness from the mesh file needs the mesh")
+    found: Profile = field
+    return found
+
+
+def at(plate: Plate, place: tuple[float, float], form: Planform | None = None) -> float:
+    """The thickness [m] at a place (x, y) [m] on the plate."""
+    if isinstance(plate.thickness, float):
+        return plate.thickness
+    known = profile(plate, form)
+    return known if isinstance(known, float) else known.near(place)
+
+
+def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, float]:
+    """Least, mean and greatest thickness [m].
+
+    Raises:
+        ValueError: it is not above 0 all over the plate, or a table does not cover it.
+    """
+    if isinstance(plate.thickness, float):
+        return (plate.thickness,) * 3
+    from fem.plate import thickness
+
+    known = profile(plate, form)
+    if plate.length is None or plate.width is None:
+        if form is None:
+            raise ValueError("the planform of a plate from a mesh is needed")
+        return thickness.spread(known, form.mesh(form.sizes[0]))
+    import numpy as np
+
+    x, y = np.linspace(0.0, plate.length, GRID), np.linspace(-0.5 * plate.width, 0.5 * plate.width, GRID)
+    values = np.asarray(thickness.of(known, np.stack(np.meshgrid(x, y, indexing="ij"))))
+    return float(values.min()), volume(plate)[0] / plate.length / plate.width, float(values.max())
+
+
+def slope_error(plate: Plate, form: Planform | None = None) -> float:
+    """What plate theories are off, relatively in frequency, where faces slope; `form` as in `spread`."""
+    if isinstance(plate.thickness, float):
+        return 0.0
+    from fem import Rectangle
+    from fem.plate import thickness
+
+    if form is None:
+        form = Rectangle(plate.length or 0.0, plate.width or 0.0)
+    return thickness.SLOPE * thickness.slope(profile(plate, form), form.mesh(form.sizes[0])) ** 2
+
+
+def section(plate: Plate) -> float:
+    """Area [m²] of a rectangle's section at the root."""
+    return float((_across(plate, [0.0])[1]).sum())
+
+
+def volume(plate: Plate) -> tuple[float, float]:
+    """Volume [m³] of a rectangular plate, and its first moment [m^4] about the root."""
+    import numpy as np
+
+    length = plate.length or 0.0
+    t, weights = np.polynomial.legendre.leggauss(GAUSS)
+    x, areas = _across(plate, 0.5 * length * (1.0 + t))
+    along = 0.5 * length * weights * areas
+    return float(along.sum()), float((x * along).sum())
+
+
+def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
+    import numpy as np
+
+    from fem.plate.thickness import of
+
+    if plate.width is None:
+        raise ValueError("the plate is no rectangle")
+    places, (t, weights) = np.asarray(x, dtype=float), np.polynomial.legendre.leggauss(GAUSS)
+    points = np.stack(np.meshgrid(places, 0.5 * plate.width * t, indexing="ij"))
+    heights = np.broadcast_to(of(profile(plate), points), points.shape[1:])
+    return places, 0.5 * plate.width * heights @ weights

@@ -1,0 +1,182 @@
+"""Units at the boundary: text with a unit comes in, SI numbers go on; nothing else here uses pint."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pint
+
+STANDARD_GRAVITY = 9.80665
+"""m/s², CGPM 1901; what the unit "g" means unless a scene says otherwise."""
+
+_SPACE = "[ \\t\u00a0\u2009\u202f]"
+"""What may stand between number and unit: text from a web page brings narrow spaces along; a line break is none."""
+
+_TEXT = re.compile(rf"{_SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?){_SPACE}*(\S.{{0,30}})?")
+# Only products, quotients and one-digit powers of names: nothing in a scene is ever evaluated.
+_NAME = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?[0-9])?"
+_UNIT = re.compile(rf"{_NAME}(?: *[*/· ] *{_NAME})*")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity.
+
+    Attributes:
+        name: with its article, for messages.
+        example: for messages and the JSON Schema.
+        si: the unit it is stored in.
+        least, most: bounds on the magnitude of what is not zero; far beyond any use, short of overflow.
+    """
+
+    name: str
+    example: str
+    si: str
+    least: float
+    most: float
+
+    @property
+    def expectation(self) -> str:
+        """What an error message asks for."""
+        return f"expected {self.name} such as '{self.example}'"
+
+
+LENGTH = Kind("a length", "20 cm", "m", 1e-12, 1e6)
+MASS = Kind("a mass", "1 kg", "kg", 1e-15, 1e12)
+ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
+ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
+FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
+PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+LINE_STIFFNESS = Kind("a stiffness per length", "5e9 N/m/m", "N/m/m", 1e-9, 1e30)
+ROTATIONAL_STIFFNESS = Kind("a rotational stiffness per length", "2e5 N*m/rad/m", "N*m/rad/m", 1e-9, 1e30)
+DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
+ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
+
+
+def length_power(power: int) -> Kind:
+    """Lengths to a power, as a polynomial's coefficients are."""
+    if power == 1:
+        return LENGTH
+    name = "a number" if power == 0 else f"a coefficient in m^{power}"
+    return Kind(
+        name, "0.02 mm/mm" if power == 0 else f"0.5 m^{power}", "m/m" if power == 0 else f"m^{power}", 1e-30, 1e30
+    )
+
+
+LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
+
+
+_COMMON = (
+    *("mm", "cm", "m", "µm", "km", "in", "inch", "ft", "kg", "g", "t", "mg", "lb", "s", "ms", "min"),
+    *("Hz", "kHz", "MHz", "GPa", "MPa", "kPa", "Pa", "bar", "psi", "ksi", "N", "kN", "rpm", "rad", "deg", "rev"),
+)
+"""Units to suggest for a misspelt one."""
+
+
+class UnitError(ValueError):
+    """A value that is not a quantity of the kind expected; the message says what would be right."""
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    from pint import UnitRegistry
+
+    return UnitRegistry(str(Path(__file__).parents[1] / "units.txt"), on_redefinition="raise")
+
+
+@cache
+def _factor(unit: str, si: str) -> float | None:
+    """The number that takes `unit` to `si`; None where the dimensions differ."""
+    registry = _registry()
+    target = registry.parse_units(si)
+    try:
+        quantity = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*")))
+    except Exception as error:  # pint raises AttributeError, ValueError and its parser's own kinds
+        raise UnitError(f"unknown unit '{unit}'{_nearest(unit, si)}") from error
+    if quantity.dimensionality != target.dimensionality:
+        return None
+    factor = float(quantity.to(target).magnitude)
+    rounded = float(f"{factor:.12g}")  # g/cm^3 is 1000, not 999.9999999999999
+    return rounded if abs(rounded - factor) <= 4 * math.ulp(factor) else factor
+
+
+def _nearest(unit: str, si: str) -> str:
+    """The unit probably meant by one that the registry lacks: a slip of case before a slip of letters."""
+    registry = _registry()
+    unknown = next((name for name in re.findall(r"[A-Za-zµμ°]+", unit) if name not in registry), None)
+    if unknown is None:
+        return ""
+    same = [known for known in _COMMON if known.lower() == unknown.lower()]
+    for known in same + difflib.get_close_matches(unknown, _COMMON, n=5, cutoff=0.5):
+        meant = unit.replace(unknown, known)
+        if _factor(meant, si) is not None:
+            return f", did you mean '{meant}'?"
+    return ""
+
+
+def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
+    """A number, taken as SI, or text with a unit, as a finite SI number.
+
+    Args:
+        value: what the scene holds.
+        kind: what it should be.
+        gravity: m/s²; what the lone unit "g" means here. None reads it as gram.
+
+    Raises:
+        UnitError: not a number, not finite, an unknown unit, or a unit of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise UnitError(kind.expectation)
+    if isinstance(value, str):
+        return _from_text(value, kind, gravity)
+    return _in_range(value, kind)
+
+
+def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        raise UnitError(kind.expectation)
+    number, unit = match[1], (match[2] or "").rstrip()
+    if not unit:
+        raise UnitError(f"a string carries its unit, and a bare number is SI: {kind.expectation}")
+    if unit == "g" and gravity is not None:
+        return _in_range(float(number) * gravity, kind)
+    if _UNIT.fullmatch(unit) is None:
+        raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
+    try:
+        factor = _factor(unit, kind.si)
+    except UnitError as error:
+        text = str(error)
+        raise UnitError(text if text.endswith("?") else f"{text}: {kind.expectation}") from error
+    if factor is None:
+        raise UnitError(kind.expectation)
+    return _in_range(float(number) * factor, kind)
+
+
+def halved(value: object, kind: Kind) -> str | None:
+    """Half of a quantity of a kind, as a scene would have it, in its own unit; None for what is none."""
+    try:
+        si = to_si(value, kind)
+    except UnitError:
+        return None
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    return f"{si / 2:g}" if match is None else f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
+
+
+def _in_range(value: float, kind: Kind) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(f"must be finite: {kind.expectation}")
+    if number and not kind.least <= abs(number) <= kind.most:
+        raise UnitError(f"out of range: expected {kind.name} from {kind.least:g} to {kind.most:g} {kind.si}")
+    return number

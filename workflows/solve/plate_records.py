@@ -1,0 +1,162 @@
+"""From modes over speed to the records that a run hands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.decisions.left_out import LeftOut
+from workflows.decisions.theorising import Theory
+from workflows.scene import plate_mesh
+from workflows.scene.file import SceneFile
+from workflows.solve.damper_stage import rpm
+from workflows.solve.records import Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
+
+if TYPE_CHECKING:
+    import fem
+
+SHAPES_AT_MOST = 20
+"""Speeds whose mode shapes are kept for pictures and files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Discrete:
+    """Matrices on the mesh chosen, and how it was chosen.
+
+    `layers`: the error that the layers of a solid leave. `left_out`: what effects left out would move, by name.
+    """
+
+    choice: fem.Choice
+    theory: Theory
+    mesh: str
+    layers: float
+    left_out: dict[str, LeftOut] = field(default_factory=dict)
+
+
+def points(
+    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
+) -> tuple[SpeedPoint, ...]:
+    """Modes and reduced parameters at the speeds of these numbers in the sweep."""
+    from fem.accuracy.theory_error import over_speeds
+
+    rotor, operators = source.scene.rotor, discrete.choice.operators
+    radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
+    families, theory = diagram.families, over_speeds(operators, diagram)
+    found = []
+    for number in numbers:
+        omega = float(diagram.omega[number])
+        found.append(
+            SpeedPoint(
+                omega=omega,
+                rpm=rpm(omega),
+                radius=radius,
+                load_g=omega**2 * radius / rotor.gravity,
+                modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number]),
+                reduced=reduced[number],
+            )
+        )
+    return tuple(found)
+
+
+def _modes(
+    discrete: Discrete, diagram: fem.Campbell, number: int, families: list[str], theory: Floats
+) -> tuple[Mode, ...]:
+    omega, count = float(diagram.omega[number]), len(families)
+    turning = discrete.choice.operators.gyroscopic is not None and omega > 0
+    errors = _errors(discrete, omega, diagram.bounds[number, :count], theory[:count])
+    return tuple(
+        Mode(
+            frequency_hz=float(diagram.frequencies_hz[number, k]),
+            family=family,
+            error_parts=errors[k],
+            damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
+            branch=int(diagram.branches[number, k]),
+        )
+        for k, family in enumerate(families)
+    )
+
+
+def _errors(discrete: Discrete, omega: float, bounds: Floats, theory: Floats) -> list[ErrorParts]:
+    """The parts of each mode's error at a speed [rad/s]."""
+    mesh = discrete.choice.errors_at(omega)
+    left_out = {name: found.at(omega, bounds.size) for name, found in discrete.left_out.items()}
+    return [
+        ErrorParts(
+            mesh=float(mesh[k]) if np.isfinite(mesh[k]) else None,
+            layers=discrete.layers,
+            basis=float(bounds[k]),
+            theory=float(theory[k]),
+            **{name: _share(left_out.get(name), k) for name in ("large_deflection", "coriolis")},
+        )
+        for k in range(bounds.size)
+    ]
+
+
+def _share(shifts: Floats | None, k: int) -> float | None:
+    return None if shifts is None or not np.isfinite(shifts[k]) else float(shifts[k])
+
+
+def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
+    """The mid-surface with the shapes of some of the speeds of these numbers."""
+    from fem import displacement
+    from fem.meshes.planform import root_facets
+
+    kept = _kept(len(numbers))
+    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
+    mesh = operators.plate.mesh
+    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
+    kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
+    outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
+    by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
+    cells = (kind, np.asarray(mesh.t.T))
+    return Surface(points, cells, outline, root, by_speed, kept, _thickness(operators.plate))
+
+
+def _thickness(plate: fem.Plate) -> Floats | None:
+    """The thickness [m] at the mesh's points, (n,), where it varies."""
+    if isinstance(plate.thickness, float | int):
+        return None
+    mesh = plate.mesh
+    found = np.zeros(mesh.p.shape[1])
+    found[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
+    return found
+
+
+def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
+    """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
+    from fem import critical_speed
+
+    operators, families = discrete.choice.operators, diagram.families
+    known = set(diagram.omega.tolist())
+    lost = tuple(sorted(rpm(omega) for omega in asked if omega not in known))
+    linear = not operators.effects.large_deflection
+    veerings = []
+    for veering in diagram.veerings:
+        low, high = (rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
+        names = [families[veering.step][k] for k in veering.modes if k < count]
+        veerings.append((low, high, tuple(names)))
+    return Diagram(
+        mesh=discrete.mesh,
+        bound=float(diagram.bounds[:, :count].max()),
+        bases=diagram.sizes,
+        veerings=tuple(veering for veering in veerings if veering[2]),
+        lost=lost,
+        critical=rpm(critical_speed(operators)) if lost and linear else None,
+    )
+
+
+def _upright(shapes: Floats) -> Floats:
+    """Complex shapes at the phase at which their largest unknown peaks; real ones as they are."""
+    if not np.iscomplexobj(shapes):
+        return shapes
+    largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
+    return np.asarray((shapes * (np.abs(largest) / largest)).real)
+
+
+def _kept(count: int) -> tuple[int, ...]:
+    """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
+    if count <= SHAPES_AT_MOST:
+        return tuple(range(count))
+    return tuple(np.unique(np.linspace(0, count - 1, SHAPES_AT_MOST).round().astype(int)).tolist())

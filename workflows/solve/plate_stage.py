@@ -1,0 +1,230 @@
+"""The plate's stages: mesh, prestress, modes at every speed, reduction to what the damper feels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.decisions import theorising
+from workflows.decisions.answering import answering
+from workflows.decisions.decided import Decided
+from workflows.decisions.effects import Effect
+from workflows.decisions.left_out import LeftOut
+from workflows.decisions.theorising import Theory
+from workflows.errors import BadInput
+from workflows.scene import plate_mesh, thicknesses
+from workflows.scene.file import SceneFile
+from workflows.scene.tables import Scene
+from workflows.solve import needs, plate_records
+from workflows.solve.plate_records import Discrete
+from workflows.solve.records import Diagram, Reduced, SpeedPoint, Surface
+from workflows.stages import Stages
+
+if TYPE_CHECKING:
+    import fem
+    from workflows.scene.plate_mesh import Planform
+
+_STEPS = 100
+"""Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
+
+MODES_FOLLOWED = 12
+"""Modes up to which that is so."""
+
+_STIFFENED = 50.0
+"""Growth of a squared frequency from the lowest speed to the highest up to which that is so: one reduced basis answers
+all speeds between. Beyond, they take several, or are solved one by one."""
+
+_FEW_STEPS = 12
+"""Speeds by which modes are followed there."""
+
+_BASIS, _LEAST_BASIS = 1e-3, 1e-7
+"""Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
+finer it would be lost in rounding."""
+
+_LEAST_OF_THE_MESH = 0.25
+"""Least part of the accuracy asked for that a mesh is chosen by."""
+
+_TAKEN = 0.65
+"""Part of its tolerance that the error of a chosen mesh takes (`fem.accuracy.choose_mesh`)."""
+
+_FOR_BENDING = 4
+"""Modes that are looked through for the first bending mode."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlateAnswer:
+    """The plate, solved at every speed."""
+
+    points: tuple[SpeedPoint, ...]
+    surface: Surface | None
+    theory: Theory
+    diagram: Diagram
+
+
+def solve(
+    source: SceneFile,
+    decided: Decided,
+    stages: Stages,
+    *,
+    shapes: bool = True,
+    size: int | None = None,
+) -> PlateAnswer:
+    """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
+
+    `decided`: what the scene calls for. `size` is that of a mesh of its planform's ladder; without it, the accuracy
+    asked for chooses.
+
+    Speeds at which the plate diverges have no point, as long as any speed has one.
+
+    Raises:
+        BadInput: the theory or a place on the plate is no good.
+        NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
+    """
+    with answering(source):
+        with stages("modes"):
+            discrete = discretise(source, decided, stages, size)
+            diagram = sweep(source, discrete)
+        with stages("reduction"):
+            reduced = reduce(source, discrete.choice.operators, diagram)
+    asked = source.scene.rotor.speeds
+    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+    numbers = [known[omega] for omega in asked if omega in known]
+    with stages("modes"):
+        points = plate_records.points(source, discrete, diagram, numbers, reduced)
+        surface = (
+            plate_records.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes)
+            if shapes
+            else None
+        )
+        beyond = plate_records.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
+    return PlateAnswer(points, surface, discrete.theory, beyond)
+
+
+def discretise(
+    source: SceneFile,
+    decided: Decided,
+    stages: Stages,
+    size: int | None = None,
+    most: int | None = None,
+) -> Discrete:
+    """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
+
+    With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `most`: unknowns
+    beyond which no finer mesh is tried, if not those that the memory holds.
+    """
+    from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
+
+    scene, effects = source.scene, decided.effects
+    form, theory = decided.plate
+    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
+    names = ("stress_stiffening", "spin_softening", "large_deflection", "rotary_inertia")
+    plain = Effects(**{name: effects[name].on for name in names})
+    rotor = plate_mesh.rotor(scene)
+    model, layers = _with_layers(source, form, theory)
+
+    def build(size: int) -> fem.Operators:
+        with stages("mesh"):
+            plate = plate_mesh.plate(source, form.mesh(size), form)
+        with stages("prestress"):
+            return assemble(plate, rotor, plain, model)
+
+    def whole(operators: fem.Operators) -> fem.Operators:
+        return with_coriolis(operators) if effects["coriolis"].on else operators
+
+    if size is not None:
+        unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
+        choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
+        return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
+    try:
+        tolerance = _of_the_mesh(scene.accuracy.frequency, layers + (theory.model_error or 0.0), effects)
+        fit = needs.most_unknowns(source, form, model, plain.large_deflection)
+        speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
+        choice = choose_mesh(form, build, speeds, modes, tolerance, limit)
+        choice = replace(choice, operators=whole(choice.operators))
+    except MeshError as error:
+        raise BadInput(str(error), file=source.name, key="[plate]") from error
+    except PlaceError as error:
+        raise plate_mesh.off_the_plate(source, error) from error
+    described = plate_mesh.in_words(source, form, choice.size)
+    if layers:
+        described += f", {model.removeprefix('solid/')} layers of bricks"
+    return Discrete(choice, theory, described, layers, _left_out(effects))
+
+
+def _of_the_mesh(asked: float, theory: float, effects: dict[str, Effect]) -> float:
+    """What of the accuracy is left to the mesh; where too little is, the mesh keeps to all of it by itself."""
+    left = asked - theory - sum(found.largest for found in _left_out(effects).values())
+    return min(left / _TAKEN, asked) if left >= _LEAST_OF_THE_MESH * asked else asked
+
+
+def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
+    return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
+
+
+def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
+    """The theory's name with the layers of a solid, and the error that these leave."""
+    from fem.theory.by_name import solid_theory
+
+    scene = source.scene
+    if theory.name != "solid" or scene.plate is None:
+        return theorising.model(theory.name, scene), 0.0
+    return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
+
+
+def model(source: SceneFile, decided: Decided) -> str:
+    """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
+    return _with_layers(source, *decided.plate)[0]
+
+
+def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
+    """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
+    from fem import campbell
+
+    scene, operators = source.scene, discrete.choice.operators
+    speeds = np.array(scene.rotor.speeds)
+    if not one_by_one(scene, operators):
+        speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
+    count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
+    tolerance = max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS)
+    return campbell(operators, speeds, count, tolerance=tolerance, states=discrete.choice.states)
+
+
+def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
+    """Whether every speed is solved by itself, so that speeds beside those asked for would cost."""
+    return operators.effects.large_deflection or scene.rotor.modes > MODES_FOLLOWED
+
+
+def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
+    """Speeds between low and high in rad/s: evenly, or such that modes that are stiffened much grow by like factors.
+
+    rates: (k, count), of the modes at the lowest speed and the highest, as far as they are known.
+    """
+    growth = float((rates[-1] / rates[0]).max() ** 2)
+    if not growth > _STIFFENED:
+        return np.linspace(low, high, _STEPS)
+    share = (growth ** np.linspace(0.0, 1.0, _FEW_STEPS + 2)[1:-1] - 1.0) / (growth - 1.0)
+    return np.sqrt(low**2 + share * (high**2 - low**2))
+
+
+def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
+    """What the damper feels at each speed of the diagram; nothing without a damper.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    from fem import NoFlapMode, PlaceError, reduce_over
+
+    damper = source.scene.damper
+    if damper is None:
+        return [None] * diagram.omega.size
+    at = plate_mesh.place(source, operators.plate.mesh)
+    try:
+        found = reduce_over(operators, diagram, at, ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+    except PlaceError as error:
+        raise plate_mesh.off_the_plate(source, error) from error
+    except NoFlapMode as error:
+        modes = source.scene.rotor.modes
+        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]

@@ -1,0 +1,237 @@
+"""What a run hands on: frozen records, SI inside, from the stages to the writers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from workflows.decisions.effects import Effect
+from workflows.decisions.theorising import Theory
+from workflows.scene.tables import Scene
+
+if TYPE_CHECKING:
+    from damper import Working
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """What the relative error of a frequency is estimated to consist of, each without sign.
+
+    Attributes:
+        mesh: left by the mesh; None where unknown.
+        layers: left by the layers of a solid.
+        basis: added by the reduced basis that answers many speeds, at most.
+        theory: of the plate theory against a solid.
+        large_deflection, coriolis: what these would move, where they are left out; None where that is not known.
+    """
+
+    mesh: float | None
+    layers: float
+    basis: float
+    theory: float
+    large_deflection: float | None
+    coriolis: float | None
+
+    @property
+    def whole(self) -> float | None:
+        """The sum; None where the mesh's part is not known."""
+        if self.mesh is None:
+            return None
+        left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0)
+        return self.mesh + self.layers + self.basis + self.theory + left_out
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of the plate at one speed.
+
+    The error is the relative one of the model as a whole, None where unknown, and is made up of the parts; the damping
+    ratio is that of a complex mode. The branch is the number of the mode at the lowest speed that this one continues.
+    """
+
+    frequency_hz: float
+    family: str
+    error_parts: ErrorParts | None = None
+    damping_ratio: float | None = None
+    branch: int = 0
+
+    @property
+    def error_estimate(self) -> float | None:
+        """Relative error of the frequency, all parts together."""
+        return None if self.error_parts is None else self.error_parts.whole
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """The structure as the damper feels it, at its place.
+
+    Attributes:
+        f1_hz, M1, K1: frequency, mass and stiffness with the ball stuck.
+        f2_hz, M2, K2: the same without the ball.
+        floor_tilt: slope over displacement of the cavity's floor as the structure bends [1/m]; None if unknown.
+    """
+
+    f1_hz: float
+    M1: float
+    K1: float
+    f2_hz: float
+    M2: float
+    K2: float
+    floor_tilt: float | None = None
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Where the energy went [J]; `residual` is what the books do not explain."""
+
+    initial: float
+    final: float
+    structure: float
+    rolling: float
+    impact: float
+    slip: float
+    residual: float
+
+    @property
+    def ball_share(self) -> float:
+        """Share of the energy lost that the ball took, by rolling, impact and slip."""
+        ball = self.rolling + self.impact + self.slip
+        lost = ball + self.structure
+        return ball / lost if lost > 0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The structure's motion, sampled: t (n,) [s], velocity (n, 2) [m/s]."""
+
+    t: Floats = field(repr=False)
+    velocity: Floats = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Damping:
+    """One ring-down. `amplitude_g`, `sdc` and `peak_velocity` hold a value per vibration cycle.
+
+    `stopped` is when the ball came to rest for good [s], None where it did not (yet); the cut-off is the amplitude
+    of the last cycle in which it moved.
+    """
+
+    outcome: str
+    impacts: int
+    events: int
+    duration: float
+    stopped: float | None
+    ball_mass: float
+    release: tuple[float, float]
+    intrinsic_sdc: float
+    peak_sdc: float | None
+    peak_sdc_at_g: float | None
+    cutoff_g: float | None
+    cutoff_ratio: float | None
+    largest_rolling_demand: float | None
+    amplitude_g: Floats = field(repr=False)
+    sdc: Floats = field(repr=False)
+    peak_velocity: Floats = field(repr=False)
+    energy: Energy
+    history: History | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedPoint:
+    """Everything found at one speed. `radius` is the damper's (or the tip's) distance from the axis.
+
+    `damping` tells of the scene's release; `working` are the damper's own figures on a level floor.
+    """
+
+    omega: float
+    rpm: float
+    radius: float
+    load_g: float
+    modes: tuple[Mode, ...] = ()
+    reduced: Reduced | None = None
+    damping: Damping | None = None
+    working: Working | None = None
+
+    @property
+    def tilt_share(self) -> float:
+        """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]; 0 where unknown."""
+        if self.reduced is None or self.reduced.floor_tilt is None:
+            return 0.0
+        return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The plate's mid-surface with its mode shapes.
+
+    Attributes:
+        points: (n, 3) [m].
+        cells: kind of cell as meshio calls it, and connectivity (m, 3 or 4).
+        outline: the points at the ends of each edge of one cell only, (edges, 2); root: of those that are held.
+        shapes: (speeds, modes, n, 3), mass-normalised.
+        at: which of the run's speeds the first axis of `shapes` holds.
+        thickness: at the points, (n,) [m], where it varies.
+    """
+
+    points: Floats = field(repr=False)
+    cells: tuple[str, npt.NDArray[np.int64]] = field(repr=False)
+    outline: npt.NDArray[np.int64] = field(repr=False)
+    root: npt.NDArray[np.int64] = field(repr=False)
+    shapes: Floats = field(repr=False)
+    at: tuple[int, ...]
+    thickness: Floats | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """What the modes over speed have beyond the modes themselves.
+
+    Attributes:
+        mesh: in words.
+        bound: largest relative error of a frequency against the full model at its speed.
+        bases: vectors of each reduced basis; none where every speed was solved in full.
+        veerings: between which two speeds [rpm] modes of which families cannot be told apart.
+        lost: speeds [rpm] asked for at which the plate diverges; critical: where it begins to, if known.
+    """
+
+    mesh: str
+    bound: float
+    bases: tuple[int, ...]
+    veerings: tuple[tuple[float, float, tuple[str, ...]], ...]
+    lost: tuple[float, ...]
+    critical: float | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Results:
+    """A finished run, before anything is written. mesh_sha256: of the mesh file, if the scene names one.
+
+    `workflows.save` and `workflows.save_report` write it out.
+    """
+
+    scene: Scene
+    effects: dict[str, Effect]
+    speeds: tuple[SpeedPoint, ...]
+    surface: Surface | None = None
+    theory: Theory | None = None
+    diagram: Diagram | None = None
+    mesh_sha256: str | None = None
+    notes: tuple[str, ...] = ()
+    timings: dict[str, float] = field(default_factory=dict)
+
+
+def shown(points: tuple[SpeedPoint, ...]) -> int:
+    """Which speed the pictures show: the middle one."""
+    return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
+
+
+def expect(results: object, who: str) -> None:
+    """Raise TypeError unless results are what `who` was given."""
+    if not isinstance(results, Results):
+        raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")

@@ -1,0 +1,244 @@
+"""What accuracy and effects cost, as files and as text: JSON, CSV, a plot, and one page for a person."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from workflows import wording
+from workflows.output import store
+from workflows.report import drawing, templating
+from workflows.studies.costs import plots
+from workflows.studies.costs.ladder import Ladder, Row, Study
+from workflows.studies.costs.plates import WITH_THEORY
+from workflows.studies.costs.switching import Switched, Switches
+from workflows.studies.costs.timing import POLICY, POLICY_OF_DIFFERENCES
+
+
+def write_accuracy(found: Study, out: Path) -> None:
+    """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    asked = found.asked["frequency"]
+    named = list(enumerate(found.ladders))
+    figures = [
+        drawing.both(partial(plots.ladder, ladder, f"ladder{number}", _asked(found, ladder)))
+        for number, ladder in named
+    ]
+    first = [ladder for ladder in found.ladders if ladder.stage in ("plate", "damper")]
+    with store.replacing(out) as folder:
+        (folder / "accuracy.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
+        (folder / "accuracy.svg").write_text(
+            drawing.standalone(plots.overview(first, asked, drawing.WIDE)), encoding="utf-8"
+        )
+        _write_csv(
+            folder / "accuracy.csv",
+            ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
+            [{"stage": ladder.stage, **vars(row)} for ladder in found.ladders for row in ladder.rows],
+        )
+        page = _render(
+            "accuracy.html.j2",
+            found=found,
+            figures=figures,
+            policy=POLICY,
+            verdict=verdict(found),
+            not_drawn=not_drawn,
+        )
+        (folder / "report.html").write_text(page, encoding="utf-8")
+
+
+def write_effects(found: Switches, out: Path) -> None:
+    """Write `effects.json`, `effects.csv`, `effects.svg` and `report.html` into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    figure = drawing.both(partial(plots.effects, found))
+    with store.replacing(out) as folder:
+        (folder / "effects.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
+        (folder / "effects.svg").write_text(drawing.standalone(plots.effects(found, drawing.WIDE)), encoding="utf-8")
+        times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
+        _write_csv(
+            folder / "effects.csv",
+            ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
+            [_flat(row) for row in found.rows],
+        )
+        page = _render("effects.html.j2", found=found, figure=figure, policy=POLICY_OF_DIFFERENCES, spent=_spent)
+        (folder / "report.html").write_text(page, encoding="utf-8")
+
+
+def dumps(document: dict[str, Any]) -> str:
+    """The machine-readable result."""
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def accuracy_text(found: Study) -> str:
+    """The ladders as a table."""
+    lines = []
+    for ladder in found.ladders:
+        lines += [f"{ladder.stage}: {ladder.quantity}", f"  against {ladder.reference}", ""]
+        wide = max(22, *(len(row.setting) for row in ladder.rows))
+        lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
+        lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in ladder.rows]
+        lines.append("")
+    lines += ["chosen by the scene's accuracy"]
+    for stage, chosen in found.chosen.items():
+        estimate, error = (_exponent(value) for value in (chosen.error_estimate, chosen.error))
+        lines.append(f"  {stage}: {chosen.method}, {chosen.setting}; estimate {estimate}, true {error}")
+    return "\n".join(lines)
+
+
+def effects_text(found: Switches) -> str:
+    """The effects as a table; what has no place in it is below its row."""
+    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
+    for row in found.rows:
+        top = row.largest
+        quantity, size = ("", wording.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
+        on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
+        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {_spent(row):>24}  {row.why}")
+        lines += [f"{'':<20} {remark}" for remark in row.remarks]
+        if row.failed is not None and row.failed != row.why:
+            lines.append(f"{'':<20} no numbers: {row.failed}")
+    return "\n".join(lines)
+
+
+def verdict(found: Study) -> list[str]:
+    """Who is cheapest for which error, in sentences, and what speaks against it."""
+    return [
+        f"{ladder.stage[0].upper()}{ladder.stage[1:]}: {_winner(ladder, _asked(found, ladder))}"
+        f"{_theory_error(found, ladder)}."
+        for ladder in found.ladders
+        if len({row.method for row in ladder.rows}) > 1
+    ]
+
+
+def not_drawn(ladder: Ladder) -> list[str]:
+    """The rows that have no place in the plot, and why, in a line for each method."""
+    found: dict[str, list[str]] = {}
+    for row in ladder.rows:
+        if row.failed is not None:
+            found.setdefault(row.method, []).append(f"{row.setting} ({row.failed})")
+    return [f"{method}: {', '.join(settings)}" for method, settings in found.items()]
+
+
+def _asked(found: Study, ladder: Ladder) -> float:
+    return found.asked["damping" if ladder.stage == "damper" or "damping" in ladder.stage else "frequency"]
+
+
+def _judged(ladder: Ladder) -> list[tuple[float, float, Row]]:
+    """Time, error and row, the cheapest first."""
+    known = [(row.time_s, row.error, row) for row in ladder.rows if row.time_s is not None and row.error is not None]
+    return sorted(known, key=lambda item: item[0])
+
+
+def _best(ladder: Ladder, asked: float) -> Row | None:
+    return next((row for _, error, row in _judged(ladder) if error <= asked), None)
+
+
+def _winner(ladder: Ladder, asked: float) -> str:
+    best, limit = _best(ladder, asked), f"{wording.significant(100 * asked)} %"
+    if best is None:
+        return f"nothing meets {limit}{_doubt(ladder, asked)}"
+    text = f"{best.method} ({best.setting}) is the cheapest that meets {limit}, in {_milliseconds(best)} ms"
+    second = next(
+        (row for _, error, row in _judged(ladder) if error <= asked and row.method != best.method),
+        None,
+    )
+    if second is None:
+        return f"{text}; no other does{_doubt(ladder, asked)}"
+    times = wording.significant((second.time_s or 0.0) / (best.time_s or 1.0), 2)
+    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(ladder, asked)}"
+
+
+def _doubt(ladder: Ladder, asked: float) -> str:
+    """Whether the reference is too uncertain to tell if the winner, or what is cheaper, meets the accuracy."""
+    best = _best(ladder, asked)
+    open_ones = []
+    for _, error, row in _judged(ladder):
+        if row.uncertainty is not None and abs(error - asked) < row.uncertainty:
+            open_ones.append(row.uncertainty)
+        if row is best:
+            break
+    if not open_ones:
+        return ""
+    good = wording.significant(100 * max(open_ones), 1)
+    return f"; the reference, itself good to about {good} %, leaves this open"
+
+
+def _theory_error(found: Study, ladder: Ladder) -> str:
+    """What the winner's theory adds, which the ladder of each theory by itself does not see."""
+    asked = _asked(found, ladder)
+    best = _best(ladder, asked)
+    if ladder.stage != "plate" or best is None:
+        return ""
+    theirs = [other for other in found.ladders if other.stage == WITH_THEORY]
+    rows = [row for other in theirs for row in other.rows if (row.method, row.setting) == (best.method, best.setting)]
+    if not rows or rows[0].error is None:
+        return "; how far its theory is from a solid is not known here"
+    error, trust = rows[0].error, rows[0].uncertainty or 0.0
+    off, good = (wording.significant(100 * value, 2) for value in (error, trust))
+    if error - trust > asked:
+        return f"; but against a solid {best.method} errs by {off} %: its theory is not that good"
+    if error + trust > asked:
+        known = f"against a solid, itself known to about {good} %, {best.method} errs by {off} %"
+        return f"; {known}, which leaves open whether its theory is that good"
+    return ""
+
+
+def _numbers(row: Row) -> str:
+    unknowns = "–" if row.unknowns is None else str(row.unknowns)
+    if row.failed is not None:
+        return f"{unknowns:>9}  {row.failed}"
+    return f"{unknowns:>9} {_milliseconds(row):>10} {_exponent(row.error):>9}"
+
+
+def _milliseconds(row: Row) -> str:
+    return wording.significant(1e3 * (row.time_s or 0.0), 3)
+
+
+def _exponent(value: float | None) -> str:
+    return "–" if value is None else f"{value:.1e}"
+
+
+def _spent(row: Switched) -> str:
+    """What an effect adds to a run [ms], as a person may believe it."""
+    if row.time_s is None or row.time_spread_s is None:
+        return wording.DASH
+    low, high = (wording.significant(1e3 * end, 2) for end in row.time_spread_s)
+    middle = "within noise" if row.within_noise else wording.significant(1e3 * row.time_s, 2)
+    return f"{middle} ({low} to {high})"
+
+
+def _flat(row: Switched) -> dict[str, Any]:
+    low, high = row.time_spread_s or (None, None)
+    times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
+    return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
+
+
+def _quantities(found: Switches) -> list[str]:
+    return list(dict.fromkeys(name for row in found.rows for name in row.changes))
+
+
+def _write_csv(path: Path, columns: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, columns, extrasaction="ignore")
+        table.writeheader()
+        table.writerows(rows)
+
+
+def _render(template: str, **values: Any) -> str:
+    from markupsafe import Markup
+
+    words: dict[str, Callable[..., str]] = {
+        "svg": Markup,
+        "significant": wording.significant,
+        "milliseconds": _milliseconds,
+        "exponent": _exponent,
+    }
+    return templating.page(template, words, **values)
