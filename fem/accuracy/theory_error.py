@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.meshes.planform import root_facets
-from fem.plate.thickness import SLOPE as SLOPING
-from fem.plate.thickness import of, slope
+from fem.meshes.thickness import SLOPE as SLOPING
+from fem.meshes.thickness import of, slope
 from fem.theory.clamp import STRETCHED, at_root, shift
 from fem.theory.mindlin import SHEAR_CORRECTION
 

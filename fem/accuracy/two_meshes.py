@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.meshes.thickness import Nodal
 from fem.modes.solve import solve_modes
 from fem.operators.assembly import assemble
-from fem.plate.thickness import Nodal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

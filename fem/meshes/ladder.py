@@ -18,7 +18,7 @@ from fem.meshes.planform import check_sides
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.plate.thickness import Nodal
+    from fem.meshes.thickness import Nodal
 
 GRADING = 2
 """Power of the distance from an edge with which cells shrink."""

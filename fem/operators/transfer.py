@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.linalg.lanczos import factorise
-from fem.plate.thickness import of
+from fem.meshes.thickness import of
 from fem.theory.fields import gram
 
 if TYPE_CHECKING:

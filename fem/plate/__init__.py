@@ -1,4 +1,4 @@
-"""What is given: material, plate, thickness, root, rotor.
+"""What is given: material, plate, root, rotor.
 
 May import meshes.
 """

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.meshes.thickness import Profile
     from fem.plate.root import ElasticRoot
-    from fem.plate.thickness import Profile
 
 
 def _positive(name: str, value: float, unit: str) -> None:
@@ -69,7 +69,7 @@ class Plate:
 
     mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
         through the thickness.
-    thickness in m, or one that varies (`fem.plate.thickness`). tip_mass: a point mass in kg at tip_at = (x, y) in m on
+    thickness in m, or one that varies (`fem.meshes.thickness`). tip_mass: a point mass in kg at tip_at = (x, y) in m on
     the
         mid-surface.
 
@@ -128,6 +128,6 @@ class Plate:
 
     @cached_property
     def _spread(self) -> tuple[float, float, float]:
-        from fem.plate.thickness import spread
+        from fem.meshes.thickness import spread
 
         return spread(self.thickness, self.mesh)

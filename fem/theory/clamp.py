@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.planform import root, root_facets
-from fem.plate.thickness import Nodal
+from fem.meshes.thickness import Nodal
 from fem.theory import mindlin
 
 if TYPE_CHECKING:
+    from fem.meshes.thickness import Profile
     from fem.plate.given import Plate
-    from fem.plate.thickness import Profile
     from fem.theory.discretisation import Discretisation
 
 HELD = 0.11

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.planform import root_facets
-from fem.plate.thickness import of
+from fem.meshes.thickness import of
 from fem.theory.discretisation import Discretisation, Space, clamped, number
 from fem.theory.fields import Fields
 from fem.theory.sections import layers, stretched, weighed

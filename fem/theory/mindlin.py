@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.plate.thickness import of
+from fem.meshes.thickness import of
 from fem.theory import assumed_shear as tying
 from fem.theory import director, director_shear
 from fem.theory import springs as root

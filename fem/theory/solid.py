@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.ladder import crowded
-from fem.plate.thickness import of
+from fem.meshes.thickness import of
 from fem.theory.discretisation import Discretisation, Space, number
 from fem.theory.fields import CLAMPED, Fields
 from fem.theory.sections import Layer
@@ -31,8 +31,8 @@ from fem.theory.strains import of_layers
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.meshes.thickness import Profile
     from fem.plate.given import Plate
-    from fem.plate.thickness import Profile
 
     Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import calculix_table
 import numpy as np
 
 from fem.meshes.ladder import graded
-from fem.plate.thickness import Polynomial
+from fem.meshes.thickness import Polynomial
 
 DATA = Path(__file__).parents[1] / "fem" / "data" / "calculix_blades.csv"
 

@@ -18,8 +18,8 @@ from fem import (
     with_point_mass,
 )
 from fem.linalg.lanczos import factorise, lanczos
+from fem.meshes.thickness import Polynomial
 from fem.operators.assembly import point_rows
-from fem.plate.thickness import Polynomial
 from fem.theory.fields import gram
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)

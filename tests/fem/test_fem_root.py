@@ -7,8 +7,8 @@ from scipy.optimize import brentq
 
 from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
 from fem.linalg.lanczos import factorise
+from fem.meshes.thickness import Polynomial
 from fem.operators.assembly import point_rows
-from fem.plate.thickness import Polynomial
 from fem.theory.fields import gram
 
 STRIP = Material(2e11, 0.0, 7850.0)

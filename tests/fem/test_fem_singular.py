@@ -125,7 +125,7 @@ def test_a_row_of_elements_is_as_stiff_as_the_formula_says():
     assert unseen(edge, thickness) == pytest.approx(1.0 - np.linalg.inv(matrix)[end, end], rel=1e-10)
 
 
-@pytest.mark.parametrize("h_over_b", [1 / 70, 1 / 120, 1 / 160])
+@pytest.mark.parametrize("h_over_b", [1 / 70, 1 / 160])
 def test_twist_is_off_by_what_the_layer_and_the_rest_leave(h_over_b):
     """Errors of three meshes of a thin plate divide into the layer's part, by its formula, and one of fourth order."""
     form, sizes = Rectangle(0.2, 0.04), (3, 6, 10)
@@ -142,8 +142,7 @@ def test_twist_is_off_by_what_the_layer_and_the_rest_leave(h_over_b):
     assert true.max() / 2.5 <= estimate.max() <= 2.5 * true.max()
 
 
-@pytest.mark.parametrize("slenderness", [200, 700])
-@pytest.mark.parametrize("tolerance", [1e-3, 3e-4])
+@pytest.mark.parametrize(("slenderness", "tolerance"), [(200, 3e-4), (700, 1e-3)])
 def test_thin_plates_with_shear_keep_the_promise(slenderness, tolerance):
     """Meshes that miss the layer along the edges agree with each other, and are wrong by all of it."""
     form = Rectangle(0.2, 0.04)

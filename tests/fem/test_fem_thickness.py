@@ -25,9 +25,9 @@ from fem import (
 )
 from fem.linalg.lanczos import factorise
 from fem.meshes.ladder import Given
+from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
 from fem.operators.assembly import point_rows
 from fem.operators.transfer import transfer
-from fem.plate.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
 from fem.theory.by_name import discretise
 from fem.theory.director import Section
 from fem.theory.fields import gram

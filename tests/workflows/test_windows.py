@@ -236,7 +236,9 @@ def test_memory_where_there_is_no_proc(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
-@pytest.mark.parametrize("command", [["campbell", "paper"], ["check", "paper"], ["ringdown", "--json"]])
+@pytest.mark.parametrize(
+    "command", [["campbell", "campbell"], ["check", "structure"], ["ringdown", "structure", "--json"]]
+)
 def test_output_into_a_file_of_another_encoding(command: list[str], encoding: str, tmp_path: Path) -> None:
     """Not every letter of ours is in it; what is printed last must not fail a run that is done."""
     line, environment = [sys.executable, "-m", "workflows.cli", *command], os.environ | {"PYTHONIOENCODING": encoding}

@@ -131,7 +131,7 @@ def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem import Given, MeshError
     from fem.meshes.read import FieldError, read_field
-    from fem.plate.thickness import Nodal
+    from fem.meshes.thickness import Nodal
 
     plate = source.scene.plate
     if source.mesh is None or plate is None:

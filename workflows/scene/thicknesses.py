@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from fem.plate.thickness import Profile
+    from fem.meshes.thickness import Profile
     from workflows.scene.plate_mesh import Planform
     from workflows.scene.tables import Plate
 
@@ -28,7 +28,7 @@ def profile(plate: Plate, form: Planform | None = None) -> float | Profile:
     Raises:
         ValueError: it is a field of the mesh file, and the planform is not given.
     """
-    from fem.plate.thickness import Bilinear, Polynomial
+    from fem.meshes.thickness import Bilinear, Polynomial
 
     given = plate.thickness
     if isinstance(given, float):
@@ -60,7 +60,7 @@ def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, fl
     """
     if isinstance(plate.thickness, float):
         return (plate.thickness,) * 3
-    from fem.plate import thickness
+    from fem.meshes import thickness
 
     known = profile(plate, form)
     if plate.length is None or plate.width is None:
@@ -79,7 +79,7 @@ def slope_error(plate: Plate, form: Planform | None = None) -> float:
     if isinstance(plate.thickness, float):
         return 0.0
     from fem import Rectangle
-    from fem.plate import thickness
+    from fem.meshes import thickness
 
     if form is None:
         form = Rectangle(plate.length or 0.0, plate.width or 0.0)
@@ -106,7 +106,7 @@ def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], np
     """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
     import numpy as np
 
-    from fem.plate.thickness import of
+    from fem.meshes.thickness import of
 
     if plate.width is None:
         raise ValueError("the plate is no rectangle")

@@ -1,0 +1,70 @@
+"""The rooms of the house: which may import which, and that no module leads back to itself."""
+
+import grimp
+import pytest
+
+ROOMS = {
+    "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "meshes"),
+    "workflows": ("cli", "studies", "report", "results", "findings", "solve", "decisions", "scene"),
+}
+"""From the top down: a room may import those after it."""
+
+GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "wording", "stages")}
+"""What imports no room, and any room may import."""
+
+ATTIC = {"workflows": ("pipeline", "parts")}
+"""Modules over several rooms: the loop of a run, and what part of a scene a command solves."""
+
+
+@pytest.fixture(scope="module")
+def imports():
+    """Every import there is, those for types and those inside functions too."""
+    return grimp.build_graph("fem", "damper", "workflows", cache_dir=None)
+
+
+@pytest.mark.parametrize("package", ROOMS)
+def test_rooms_import_downwards(imports, package):
+    rooms = ROOMS[package]
+    for number, room in enumerate(rooms):
+        above = {f"{package}.{name}" for name in rooms[:number]}
+        for module in inside(imports, f"{package}.{room}"):
+            up = {found for found in imports.find_modules_directly_imported_by(module) if within(found, above)}
+            assert not up, f"{module} imports {up}, which is above it"
+
+
+@pytest.mark.parametrize("package", GROUND)
+def test_the_ground_floor_imports_no_room(imports, package):
+    rooms = {f"{package}.{room}" for room in ROOMS[package]}
+    for name in GROUND[package]:
+        for module in inside(imports, f"{package}.{name}"):
+            up = {found for found in imports.find_modules_directly_imported_by(module) if within(found, rooms)}
+            assert not up, f"{module} imports {up}"
+
+
+@pytest.mark.parametrize("package", ["fem", "damper", "workflows"])
+def test_every_module_is_in_a_room(imports, package):
+    if package == "damper":
+        assert all(module.count(".") <= 1 for module in inside(imports, package)), "damper is flat"
+        return
+    known = {*ROOMS[package], *GROUND[package], *ATTIC.get(package, ())}
+    assert {module.split(".")[1] for module in inside(imports, package) if "." in module} <= known
+
+
+@pytest.mark.parametrize("package", ["fem", "damper", "workflows"])
+def test_no_circles(package):
+    """Imports inside functions count; of types alone, the tables of a scene and their checks know each other."""
+    imports = grimp.build_graph(package, cache_dir=None, exclude_type_checking_imports=package == "workflows")
+    left = {module: imports.find_modules_directly_imported_by(module) - {package} for module in imports.modules}
+    left.pop(package)
+    while leaves := {module for module, needed in left.items() if not needed & left.keys()}:
+        left = {module: needed for module, needed in left.items() if module not in leaves}
+    assert not left, f"a circle among {sorted(left)}"
+
+
+def inside(imports, name):
+    """A module and all below it."""
+    return {name, *imports.find_descendants(name)}
+
+
+def within(module, rooms):
+    return any(module == room or module.startswith(f"{room}.") for room in rooms)
