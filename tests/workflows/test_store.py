@@ -206,7 +206,12 @@ def test_a_users_own_file_is_seen_before_the_work(
     def begun(*_: object, **__: object) -> None:
         raise AssertionError("work has begun")
 
-    for work in ("pipeline.structure", "costs.study.study", "costs.switching.switching", "reproduction.reproduce"):
+    for work in (
+        "pipeline.structure",
+        "studies.costs.study.study",
+        "studies.costs.switching.switching",
+        "studies.reproduction.reproduce",
+    ):
         monkeypatch.setattr(f"workflows.{work}", begun)
     (tmp_path / "out").mkdir()
     _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
