@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.accuracy.estimates import Estimates, enough_cells
+from fem.accuracy.estimates import Estimates
+from fem.accuracy.tried import Tried, enough_cells
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -101,8 +102,8 @@ def choose_mesh(
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
     probes = tuple(sorted({min(speeds), max(speeds)}))
-    search = Estimates(planform, build, probes, count, EXACT * tolerance)
-    if len(planform.sizes) == 1 or _alone(planform, search, most):
+    search = Estimates(Tried(planform, build, probes, count, EXACT * tolerance))
+    if len(planform.sizes) == 1 or _alone(search.meshes, most):
         return _unknown(search, planform.sizes[0], tolerance)
     coarse, fine = first_pair(planform, count)
     while True:
@@ -116,47 +117,53 @@ def choose_mesh(
         if errors.max() <= safe:
             return _end(search, fine, errors, tolerance)
         between = [size for size in planform.sizes if coarse < size <= fine / APART]
-        if between and len(search.tried) > 2 and errors.max() <= CLOSE * tolerance:
+        if between and len(search.largest) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        room = min(_most(search.theory), most or np.inf) / search.unknowns(fine)
+        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.unknowns(fine)
         following = next_size(planform, fine, float(errors.max()) / tolerance, room)
-        if following is None or (search.slow and len(search.tried) > PATIENCE):
+        if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
         coarse, fine = fine, following
 
 
 def _trust(search: Estimates) -> float:
     """Part of the tolerance that an estimate must meet; of solids, thin on coarse cells, two meshes tell too little."""
-    if len(search.tried) > 2:
+    if len(search.largest) > 2:
         return SURE
-    return 0.0 if search.theory.startswith("solid") else FIRST
+    return 0.0 if search.meshes.theory.startswith("solid") else FIRST
 
 
 def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choice:
-    alive = search.alive(size)
-    if search.lost is not None and not alive.any():
-        raise search.lost
-    errors = (errors + search.drifts(size))[alive]
-    errors = np.where(np.isfinite(errors), errors, np.nan)
-    probes = np.array(search.probes)[alive]
-    rates = 2.0 * np.pi * search.frequencies(size)[alive]
-    tried, states = tuple(sorted(search.tried.items())), search.states(size)
-    return Choice(search.operators(size), size, probes, errors, tolerance, tried, rates, states)
+    meshes = search.meshes
+    alive = meshes.alive(size)
+    if meshes.lost is not None and not alive.any():
+        raise meshes.lost
+    errors = (errors + meshes.drifts(size))[alive]
+    return Choice(
+        meshes.operators(size),
+        size,
+        np.array(meshes.probes)[alive],
+        np.where(np.isfinite(errors), errors, np.nan),
+        tolerance,
+        tuple(sorted(search.largest.items())),
+        2.0 * np.pi * meshes.frequencies(size)[alive],
+        meshes.states(size),
+    )
 
 
 def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
     """The only mesh there is, with errors that nothing tells."""
-    return _end(search, size, np.full_like(search.frequencies(size), np.nan), tolerance)
+    return _end(search, size, np.full_like(search.meshes.frequencies(size), np.nan), tolerance)
 
 
-def _alone(planform: Planform, search: Estimates, most: int | None) -> bool:
+def _alone(meshes: Tried, most: int | None) -> bool:
     """Whether a planform's coarsest mesh is so large that no other is compared with it."""
-    coarsest = planform.sizes[0]
-    if planform.mesh(coarsest).t.shape[1] < LARGE:
+    coarsest = meshes.planform.sizes[0]
+    if meshes.planform.mesh(coarsest).t.shape[1] < LARGE:
         return False
-    search.frequencies(coarsest)
-    return not has_pair(planform, search.unknowns(coarsest), search.theory, most)
+    meshes.frequencies(coarsest)
+    return not has_pair(meshes.planform, meshes.unknowns(coarsest), meshes.theory, most)
 
 
 def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 from fem.linalg.lanczos import CONVERGED, rounding
 from fem.modes.critical_speed import critical_speed
 from fem.modes.family import FAMILIES, energy_shares
-from fem.modes.real import Divergence, check_count, check_damping
+from fem.modes.real import Divergence, Modes, check_count, check_damping
 from fem.modes.solve import solve_modes
 from fem.statics.large_deflection import NoEquilibrium, tangent
 from fem.sweep.grow import Answer, answer
@@ -176,27 +176,25 @@ def _speed_by_speed(
             break
         if modes.state is not None:
             path = [*path[-1:], (speed**2, modes.state)]
-        rates = np.sqrt(modes.eigenvalues)[None, :count]
-        kept = modes.shapes[:, :count]
-        error = CONVERGED + rounding(operators.at(speed), np.abs(kept), modes.eigenvalues[:count])[None]
-        shares = energy_shares(operators, kept)[None]
-        damping = modes.damping_ratios[None, :count]
-        one = np.eye(modes.shapes.shape[1])[None]
-        parts.append(
-            Answer(
-                np.array([speed]),
-                rates,
-                error,
-                damping,
-                shares,
-                one,
-                modes.shapes,
-                False,
-                np.ones(1, dtype=bool),
-                modes.state,
-            )
-        )
+        parts.append(_alone(operators, speed, modes, count))
     return parts
+
+
+def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Answer:
+    """One speed's own modes, of which one more than count are known, as an answer of a basis that is theirs."""
+    kept, values = modes.shapes[:, :count], modes.eigenvalues[:count]
+    return Answer(
+        omega=np.array([speed]),
+        rates=np.sqrt(values)[None],
+        bounds=CONVERGED + rounding(operators.at(speed), np.abs(kept), values)[None],
+        damping=modes.damping_ratios[None, :count],
+        shares=energy_shares(operators, kept)[None],
+        vectors=np.eye(modes.shapes.shape[1])[None],
+        basis=modes.shapes,
+        reduced=False,
+        met=np.ones(1, dtype=bool),
+        state=modes.state,
+    )
 
 
 def _ahead(path: list[tuple[float, Array]], speed: float) -> Array | None:

@@ -131,14 +131,14 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
 
 def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     """Its errors are not known until two meshes have modes there; until then the choice is not met."""
-    import fem.accuracy.estimates
+    import fem.accuracy.tried
 
-    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.estimates.probe
+    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.tried.probe
 
     def gone(operators, *given):
         return probe(operators, *given)[: 1 if operators.mass.shape[0] < 3000 else 2]
 
-    monkeypatch.setattr("fem.accuracy.estimates.probe", gone)
+    monkeypatch.setattr("fem.accuracy.tried.probe", gone)
     speeds = 0.0, rpm(9000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met

@@ -205,7 +205,7 @@ def _held() -> float:
 
 def _least_size(source: SceneFile) -> tuple[float, float]:
     """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
-    from fem.accuracy.estimates import CELLS_PER_MODE
+    from fem.accuracy.tried import CELLS_PER_MODE
 
     points = float(CELLS_PER_MODE * source.scene.rotor.modes)
     if source.mesh is not None:
