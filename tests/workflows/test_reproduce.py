@@ -174,7 +174,17 @@ def test_the_angle_of_the_rolling_ball_has_one_sign(found: Reproduction) -> None
 
 def test_slips_are_numbers(found: Reproduction) -> None:
     assert len(found.slips) >= 7
-    assert {slip.where for slip in found.slips} >= {"eq. (2)", "eq. (3)", "Table I", "Table II", "III.A"}
+    values = {slip.where: slip.value for slip in found.slips}
+    assert values["eq. (2)"] == pytest.approx((5 / 2) / (5 / 7), rel=1e-12)
+    assert values["Table I"] == pytest.approx(20 - 5)
+    assert values["Table II"] == pytest.approx(100 * (10 / 9.80665 - 1), abs=0.01)
+    # The table's own rows, as if f² were straight over n², which it nearly is.
+    slow, fast = (208.9, 3500 / 60), (373.5, 17500 / 60)
+    slope = (fast[0] ** 2 - slow[0] ** 2) / (fast[1] ** 2 - slow[1] ** 2)
+    assert values["III.A"] == pytest.approx((slow[0] ** 2 - slope * slow[1] ** 2) ** 0.5, abs=0.5)
+    assert values["Figs. 3 to 7"] > 1  # denser than any element
+    assert values["eqs. (2)-(4)"] > 0
+    assert abs(values["eq. (3)"]) > 0.1
 
 
 @needs_chromium
