@@ -1,0 +1,85 @@
+"""How long the main things take, kept from commit to commit: `python -m tests.benchmarks.track [FILE]`.
+
+Appends one line of JSON to FILE (benchmarks.jsonl) with the medians, the commit and the machine, and prints each beside
+the last line of the same machine. Nothing passes or fails by it; a machine that does something else beside is noisy.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+import spindamp
+from damper import ParticleDamper, ringdown, ringdowns
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
+
+RUNS = 5
+
+
+def tasks() -> dict[str, Callable[[], Any]]:
+    """By name; what each needs is made beforehand."""
+    plate = Plate(Rectangle(0.2, 0.08).mesh(4), 0.01, Material(182.6e9, 0.3, 7850.0))
+    operators, bent = (assemble(plate, Rotor(0.1, 0.5), Effects(large_deflection=large)) for large in (False, True))
+    stiffness = 1.006 * (2 * np.pi * 269.5) ** 2
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(stiffness, stiffness),
+        ball_mass=0.006,
+        ball_radius=1e-3,
+        cavity=(2.5e-3, 2.4e-3),
+        centrifugal_acceleration=219320.0,
+        restitution=0.5,
+        friction=0.3,
+        rolling_friction=1e-4,
+    )
+    releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
+    return {
+        "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
+        "six modes at one speed": lambda: solve_modes(operators, 1000.0),
+        "six modes, large deflection": lambda: solve_modes(bent, 300.0),
+        "six modes at 1000 speeds": lambda: campbell(operators, np.linspace(0.0, 1800.0, 1000)),
+        "a ring-down of 100 cycles": lambda: ringdown(damper, (20e-3, 5e-3), 100),
+        "200 ring-downs of 20 cycles": lambda: ringdowns(damper, releases, 20),
+        "a run of the paper": lambda: spindamp.run("paper"),
+    }
+
+
+def taken(work: Callable[[], Any]) -> float:
+    """Seconds, the median after a warm-up."""
+    work()
+    found = []
+    for _ in range(RUNS):
+        began = time.perf_counter()
+        work()
+        found.append(time.perf_counter() - began)
+    return median(found)
+
+
+def main(path: Path) -> None:
+    """Measure, compare, keep."""
+    git = ["git", "rev-parse", "--short", "HEAD"]
+    commit = subprocess.run(git, capture_output=True, text=True, check=False, timeout=10).stdout.strip()
+    machine = f"{platform.node()} {platform.machine()} Python {platform.python_version()}"
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    before = [line for line in map(json.loads, lines) if line["machine"] == machine]
+    seconds = {}
+    for name, work in tasks().items():
+        seconds[name] = taken(work)
+        last = before[-1]["seconds"].get(name) if before else None
+        beside = "" if last is None else f", {seconds[name] / last:.2f} times that of {before[-1]['commit']}"
+        print(f"{name}: {1e3 * seconds[name]:.1f} ms{beside}", flush=True)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps({"commit": commit, "machine": machine, "seconds": seconds}) + "\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "benchmarks.jsonl"))
