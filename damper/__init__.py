@@ -8,6 +8,7 @@ The heavy parts (compiled kernels) load at the first ring-down.
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
 from damper.model import Formulation, ParticleDamper
+from damper.modes import Harmonic, Mode
 from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
 from damper.sample import History, sample
 from damper.stepping import SteppedRingDown, stepped_ringdown
@@ -18,7 +19,9 @@ __all__ = [
     "Capacity",
     "EnergyBooks",
     "Formulation",
+    "Harmonic",
     "History",
+    "Mode",
     "Outcome",
     "ParticleDamper",
     "RingDown",

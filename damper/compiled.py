@@ -45,5 +45,14 @@ _F = TypeVar("_F", bound="Callable[..., object]")
 
 
 def kernel(function: _F) -> _F:
-    """Decorate a function to have it compiled at its first call, and cached beside the source if it can be."""
-    return cast("_F", nb.njit(cache=CACHED, error_model="numpy", nogil=True)(function))
+    """Decorate a function to have it compiled at its first call, and cached beside the source if it can be.
+
+    Kernels allocate nothing, so that arrays need no counting of references (`_nrt`), a third of the time of an event.
+    """
+    return cast("_F", nb.njit(cache=CACHED, error_model="numpy", nogil=True, _nrt=False)(function))
+
+
+def fused(function: _F) -> _F:
+    """As `kernel`, with products and sums fused where the processor can, and sums in any order: for power series."""
+    options = {"cache": CACHED, "error_model": "numpy", "nogil": True, "_nrt": False}
+    return cast("_F", nb.njit(fastmath={"contract", "reassoc"}, **options)(function))

@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel
+from damper.compiled import fused
 
 if TYPE_CHECKING:
     from damper.arrays import Floats
+
+_THIRD = tuple(float(k * (k - 1) * (k - 2)) for k in range(64))
 
 _STEPS = 200
 """Most steps to a zero: a guard that touches zero takes about 15, more is rounding."""
@@ -28,7 +30,7 @@ _ROUNDING = 4.5e-16
 """Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
 
 
-@kernel
+@fused
 def first_zero(guard: Floats, end: float) -> float:
     """First x in [0, end] at which the guard with these coefficients reaches zero, inf if it stays above.
 
@@ -67,17 +69,18 @@ def first_zero(guard: Floats, end: float) -> float:
     return x
 
 
-@kernel
+@fused
 def _bounds(guard: Floats, first: int) -> tuple[float, float]:
     """Bound on the third derivative over [0, 1] of what is left of a guard divided by x**first, and on itself."""
     bound = size = 0.0
     for k in range(len(guard) - first):
-        size += abs(guard[first + k])
-        bound += k * (k - 1) * (k - 2) * abs(guard[first + k])
+        term = abs(guard[first + k])
+        size += term
+        bound += _THIRD[k] * term
     return bound, size
 
 
-@kernel
+@fused
 def _safe(f: float, f1: float, f2: float, bound: float, reach: float) -> float:
     """Up to where the lower bound on (0, reach] stays positive, inf where it has no root."""
     bend = f2 - bound * reach / 3.0
@@ -88,7 +91,7 @@ def _safe(f: float, f1: float, f2: float, bound: float, reach: float) -> float:
     return 2.0 * f / slope if slope > 0.0 else np.inf
 
 
-@kernel
+@fused
 def _reach(f: float, f1: float, f2: float, left: float) -> float:
     """How far to look at once: a little beyond the root of the parabola, or past its bottom, at most what is left."""
     square = f1 * f1 - 2.0 * f * f2
@@ -99,7 +102,7 @@ def _reach(f: float, f1: float, f2: float, left: float) -> float:
     return 0.25 * left
 
 
-@kernel
+@fused
 def _at(guard: Floats, first: int, x: float) -> tuple[float, float, float]:
     """The guard over x**first, and its first two derivatives."""
     f = f1 = half = 0.0
