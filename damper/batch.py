@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 _BLOCK = 64
 """Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
 
+_AT_ONCE = 64 * _BLOCK
+"""Linear flights prepared together: 20 kB each."""
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -165,8 +168,9 @@ class _Run:
     ) -> tuple[Prepared, Integers, Floats]:
         """Each kind of flight by itself, put together again."""
         status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
-        for each in np.unique(kind):
-            which = np.flatnonzero(kind == each)
+        parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
+        for which in [part[k : k + _AT_ONCE] for part in parts for k in range(0, len(part), _AT_ONCE)]:
+            each = kind[which[0]]
             part = some(prepared, which)
             count = None if progress is None else functools.partial(_further, progress, done)
             engine = self.closed if each == LEVEL else self.linear

@@ -33,6 +33,9 @@ class Course(Protocol):
     def energy(self) -> float:
         """Of structure and ball, now [J]."""
 
+    def modal_energies(self) -> Floats | None:
+        """Of each of the damper's modes, now [J]; None without modes."""
+
 
 def course_of(
     damper: ParticleDamper,
@@ -69,6 +72,9 @@ class _Closed:
     def energy(self) -> float:
         return float(energy(self.rows, self.one.axes)[0])
 
+    def modal_energies(self) -> Floats | None:
+        return None
+
 
 class _Linear:
     def __init__(
@@ -78,7 +84,7 @@ class _Linear:
         harmonic: Harmonic | None,
         amplitudes: tuple[float, ...] | None,
     ) -> None:
-        self.rows, self.one = damper.parameters, one
+        self.damper, self.rows, self.one = damper, damper.parameters, one
         self.flights = flights(damper, self.rows, one.axes, harmonic, amplitudes)
         self.system, self.motion = self.flights.systems[0], self.flights.motions[0]
         self.initial = self.energy()
@@ -94,10 +100,14 @@ class _Linear:
 
     def run(self, peaks: Floats, rows: Records, states: Floats, budget: int) -> bool:
         from damper import engine_linear
+        from damper.engine import DONE
 
         one = self.one
         where = one.clocks[0], self.system, self.motion, one.axes[0], one.balls[0], one.books[0], one.cycles[0]
-        return engine_linear.run(*where, peaks, rows, states, budget) == engine_linear.DONE
+        return engine_linear.run(*where, peaks, rows, states, budget) == DONE
 
     def energy(self) -> float:
         return float(self.flights.energy(self.rows, self.one.axes)[0])
+
+    def modal_energies(self) -> Floats | None:
+        return None if self.damper.modes is None else self.flights.modal_energies(self.damper, self.rows)[0]

@@ -36,7 +36,7 @@ def release(
         else:
             roll(axes[i], 1 if axes[i].w > 0.0 else -1)
     for i in range(2):
-        _write(i, RELEASE, axes[i].w, clock, motion, axes, rows, states)
+        _write(i, RELEASE, axes[i].w, clock, system, motion, axes, rows, states)
     for g in range(system.groups):
         restart(g, 0.0, system, motion, axes, ball)
     _rest(clock, system, motion, 0.0)
@@ -154,11 +154,11 @@ def _happen(
             rub(1 - i, impulse, system, motion, axes, ball, books, clock.time)
         rebound(i, system, motion, axes, ball, books)
         if touched or system.groups == 1:
-            _write(1 - i, RUB, sliding, clock, motion, axes, rows, states)
+            _write(1 - i, RUB, sliding, clock, system, motion, axes, rows, states)
     if touched and system.groups == 2:
         restart(1 - g, clock.time, system, motion, axes, ball)
     restart(g, clock.time, system, motion, axes, ball)
-    _write(i, kind, before, clock, motion, axes, rows, states)
+    _write(i, kind, before, clock, system, motion, axes, rows, states)
 
 
 @kernel
@@ -252,7 +252,15 @@ def _third(s: Floats, x: float) -> float:
 
 @kernel
 def _write(
-    i: int, kind: int, before: float, clock: Record, motion: Record, axes: Records, rows: Records, states: Floats
+    i: int,
+    kind: int,
+    before: float,
+    clock: Record,
+    system: Record,
+    motion: Record,
+    axes: Records,
+    rows: Records,
+    states: Floats,
 ) -> None:
     """An event's row, and the state of the whole motion that goes with it, if asked."""
     if len(rows) == 0:
@@ -261,7 +269,7 @@ def _write(
     row.time, row.axis, row.kind = clock.time, i, kind
     row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
     row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
-    for m in range(len(motion.z)):
+    for m in range(system.size):
         states[clock.rows, 0, m], states[clock.rows, 1, m] = motion.z[m], motion.rate[m]
     clock.rows += 1
 

@@ -191,8 +191,8 @@ def departure(i: int, system: Record, motion: Record, axes: Records, ball: Recor
     drive = system.sway[i] * swing
     for m in range(low, high):
         drive -= system.pull[i, m] * motion.z[m]
-        if system.shape[i, m] != 0.0:
-            drive -= system.shape[i, m] * _acceleration(m, pair, g, system, motion, axes, ball, swing)
+        if system.mode_shape[i, m] != 0.0:
+            drive -= system.mode_shape[i, m] * _acceleration(m, pair, g, system, motion, axes, ball, swing)
     axis.regime = regime
     for d in (-1, 1):
         if d * motion.z[system.place[i]] < axis.half_gap and d * drive > MARGIN * ball.threshold:

@@ -11,9 +11,13 @@ from damper.compiled import kernel
 from damper.guards import departure
 from damper.records import STUCK
 from damper.resolve import roll, slip
+from damper.slip import rubbed
 
 if TYPE_CHECKING:
     from damper.arrays import Record, Records
+
+_NOTHING = 1e-7
+"""Share of the speed that always sticks to a wall: next to the structure's own speed it is rounding."""
 
 
 @kernel
@@ -21,9 +25,9 @@ def read(i: int, system: Record, motion: Record, axes: Records) -> None:
     """Copy position and velocity of an axis from z into its record."""
     axis, s = axes[i], system.place[i]
     axis.s, axis.w, axis.u, axis.v = motion.z[s], motion.rate[s], 0.0, 0.0
-    for m in range(len(motion.z)):
-        axis.u += system.shape[i, m] * motion.z[m]
-        axis.v += system.shape[i, m] * motion.rate[m]
+    for m in range(system.size):
+        axis.u += system.mode_shape[i, m] * motion.z[m]
+        axis.v += system.mode_shape[i, m] * motion.rate[m]
 
 
 @kernel
@@ -40,6 +44,8 @@ def hit(i: int, system: Record, motion: Record, axes: Records, ball: Record, boo
     impulse = float(reduced(i, system, ball) * (1.0 + ball.restitution) * abs(axis.w))
     motion.z[system.place[i]] = axis.heading * axis.half_gap
     _exchange(i, -ball.restitution * axis.w, system, motion, axes, ball, books)
+    if ball.grip > 0.0:
+        _follow(axis, rubbed(axis.spin, impulse, ball), ball, books)
     return impulse
 
 
@@ -86,7 +92,7 @@ def _exchange(i: int, w: float, system: Record, motion: Record, axes: Records, b
     axis, other = axes[i], axes[1 - i]
     mass = reduced(i, system, ball)
     impulse = mass * (axis.w - w)
-    for m in range(len(motion.rate)):
+    for m in range(system.size):
         motion.rate[m] += impulse * system.yielding[i, m]
     books.impact += 0.5 * mass * (axis.w - w) * (axis.w + w)
     motion.rate[system.place[i]] = w
@@ -94,7 +100,9 @@ def _exchange(i: int, w: float, system: Record, motion: Record, axes: Records, b
     read(i, system, motion, axes)
     read(1 - i, system, motion, axes)
     _follow(axis, axis.spin if ball.grip > 0.0 else w, ball, books)
-    if other.w != aside:
+    if other.regime == STUCK and abs(other.w) <= _NOTHING * ball.sticking_floor:
+        motion.rate[system.place[1 - i]] = other.w = 0.0  # two walls that push each other in turn: the rest is rounding
+    elif other.w != aside:
         _carry(other, ball, books)
 
 

@@ -16,14 +16,14 @@ Axes that no mode and no load couples fall into groups of coordinates that fly o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from damper.parameters import in_plane, inertia_ratio, path_curvature
 from damper.records import ROLLING, STUCK
-from damper.system import room_for, system_type
+from damper.system import MODES, SYSTEM
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Integers, Records
@@ -91,6 +91,8 @@ def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
 def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | None = None) -> Records:
     """The systems of dampers on structures; something couples the axes of all of them or of none."""
     n, k = structures.mass.shape
+    if k > MODES:
+        raise ValueError(f"modes must be at most {MODES}, got {k}")
     pull, curve = load_of(rows, structures)
     sway, load, driven = _driven(rows, structures, harmonic)
     ball = rows["ball_mass"][:, None, None]
@@ -117,7 +119,7 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
     span = np.stack([1.0 / _fastest(stiffness, damping, driven, group) for group in members], axis=1)
     step = np.repeat(span, np.diff(ends), axis=1)[:, None, :]
     members_low = ends[:-1]
-    systems = np.zeros(n, system_type(room_for(k)))
+    systems = np.zeros(n, SYSTEM)
     for name, values in {
         "stiffness": _picked(stiffness, two) * step[..., None] ** 2,
         "damping": _picked(damping, two) * step[..., None],
@@ -127,7 +129,7 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
         "sway": sway,
         "frequency": driven[:, 0],
         "phase": driven[:, 1],
-        "shape": np.concatenate([structures.shape, zeros], axis=2)[..., one],
+        "mode_shape": np.concatenate([structures.shape, zeros], axis=2)[..., one],
         "pull": np.concatenate([pull, curve], axis=2)[..., one],
         "yielding": np.concatenate([give, -compliance], axis=2)[..., one],
         "dashpot": np.concatenate([structures.dashpot, zeros[:, 0]], axis=1)[:, one],
@@ -144,16 +146,24 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
         "last": axes[1:],
         "group": [0, len(members) - 1],
         "place": [order.index(k), order.index(k + 1)],
+        "size": k + 2,
         "groups": len(members),
         "damped": (structures.dashpot > 0).any(axis=1),
     }.items():
-        array = np.asarray(values)
-        systems[name][(..., *map(slice, array.shape[1 if array.shape[:1] == (n,) else 0 :]))] = array
+        _fill(systems[name], np.asarray(values))
     return systems
 
 
+def _fill(room: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
+    """Put values, the same for all dampers or with a row for each, into the first places of their room."""
+    inner = values.shape[values.ndim - room.ndim + 1 :]
+    room[(slice(None), *map(slice, inner))] = values
+
+
 def _picked(matrices: Floats, both: tuple[Integers, ...]) -> Floats:
-    return np.ascontiguousarray(matrices[(..., *both)])
+    rows, columns = both
+    picked: Floats = np.ascontiguousarray(matrices[..., rows, columns])
+    return picked
 
 
 def _beta(rows: Parameters, regimes: tuple[int, int]) -> Floats:
@@ -206,6 +216,8 @@ def _driven(rows: Parameters, structures: Structures, harmonic: Harmonic | None)
     sway = np.tile(-np.array(harmonic.base), (n, 1))
     ball = rows["ball_mass"][:, None] * sway
     modal = np.array(harmonic.force) @ structures.shape + (sway[:, None, :] @ structures.drawn)[:, 0]
+    if harmonic.modal is not None and len(harmonic.modal) != k:
+        raise ValueError(f"modal must be {k} forces, one for each mode, got {len(harmonic.modal)}")
     if harmonic.modal is not None:
         modal = modal + np.array(harmonic.modal)
     modal = modal + (ball[:, None, :] @ structures.shape)[:, 0]
@@ -258,7 +270,7 @@ def _stuck_modes(
 def _fastest(stiffness: Floats, damping: Floats, driven: Floats, group: list[int]) -> Floats:
     """Largest angular frequency or decay rate of a group's flights, and of what drives it, shape (n,) [rad/s]."""
     at = np.ix_(group, group)
-    turns = np.sqrt(np.abs(np.linalg.eigvals(stiffness[(..., *at)])).max(axis=(1, 2)))
-    decays = np.abs(np.linalg.eigvals(damping[(..., *at)])).max(axis=(1, 2))
+    turns = np.sqrt(np.abs(np.linalg.eigvals(_picked(stiffness, at))).max(axis=(1, 2)))
+    decays = np.abs(np.linalg.eigvals(_picked(damping, at))).max(axis=(1, 2))
     fastest: Floats = np.maximum(np.maximum(turns, decays), driven[:, 0])
     return fastest

@@ -48,8 +48,8 @@ class ParticleDamper:
         sticking_ratio: epsilon, relative to structural speed below which a hit ends in sticking [-].
         formulation: which equations of rolling are used.
         floor_friction: coefficient of sliding friction on the floor [-]. Given, the ball keeps its spin in a wall
-            hit, since the floor's finite force has no time to change it, and slips until it rolls again. None:
-            the spin follows the new rolling velocity at once, as in the paper.
+            hit but for what the wall's friction takes of it, since the floor's finite force has no time to change it,
+            and slips until it rolls again. None: the spin follows the new rolling velocity at once, as in the paper.
         floor_tilt: kappa, slope of the cavity's floor along x and y over the structure's displacement [1/m]; the load
             then pulls the ball down the slope, by Omega**2 R kappa u.
         floor_radius: of the cavity's floor along x and y [m], more than the ball's; None: flat. A bowl of radius rho_c

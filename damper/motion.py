@@ -9,7 +9,7 @@ import numpy as np
 
 from damper.linear import couples, members_of, single_modes, structures_of, systems_of
 from damper.parameters import level, spin_mass
-from damper.system import motion_type, room_for
+from damper.system import MOTION
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Integers, Records
@@ -36,6 +36,15 @@ class Flights:
         twice += np.einsum("ni,nij,nj->n", z, self.systems["spring"], z)
         total: Floats = 0.5 * (twice + spin_mass(rows) * (axes["spin"] ** 2).sum(axis=1))
         return total
+
+    def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
+        """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
+        structures = _structures(damper, rows)
+        order = [m for group in members_of(rows, structures) for m in group]
+        back = np.argsort(order)[: structures.mass.shape[1]]
+        z, rate = self.motions["z"][:, back], self.motions["rate"][:, back]
+        energies: Floats = 0.5 * (structures.spring * z**2 + structures.mass * rate**2)
+        return energies
 
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
@@ -77,7 +86,7 @@ def flights(
         z[:, :k] = amplitudes
     z[:, k:], rate[:, k:] = axes["s"], axes["w"]
     order = [m for group in members_of(rows, structures) for m in group]
-    motions = np.zeros(n, motion_type(room_for(k)))
+    motions = np.zeros(n, MOTION)
     motions["z"][:, : k + 2], motions["rate"][:, : k + 2] = z[:, order], rate[:, order]
     return Flights(systems, motions)
 

@@ -164,7 +164,8 @@ def in_plane(rows: Parameters) -> Floats:
 def level(rows: Parameters) -> npt.NDArray[np.bool_]:
     """Whether the load pulls the ball to no side, wherever structure and ball are, shape (n,)."""
     bent = (rows["floor_tilt"] != 0).any(axis=1) | np.isfinite(rows["floor_radius"]).any(axis=1)
-    return (rows["rotation"] == 0) & ((rows["centrifugal_acceleration"] == 0) | ~bent)
+    still: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & ((rows["centrifugal_acceleration"] == 0) | ~bent)
+    return still
 
 
 def energy(rows: Parameters, state: npt.NDArray[Any]) -> Floats:

@@ -83,6 +83,8 @@ class RingDown:
         rows: the event table (dtype `damper.records.EVENT`), None unless asked for.
         harmonic: what drove it.
         states: coordinates and their velocities at each event where flights are linear, shape (n, 2, N), else None.
+        modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
+            shape (k,) [J]; None without modes.
     """
 
     damper: ParticleDamper
@@ -99,6 +101,7 @@ class RingDown:
     rows: Records | None = None
     harmonic: Harmonic | None = None
     states: Floats | None = None
+    modal_energies: Floats | None = None
 
 
 def ringdown(
@@ -189,6 +192,7 @@ def ringdown(
         rows=rows[: clock["rows"]].copy() if keep_events else None,
         harmonic=harmonic,
         states=states[: clock["rows"]].copy() if keep_events and states.size else None,
+        modal_energies=course.modal_energies(),
     )
 
 

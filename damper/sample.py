@@ -54,7 +54,9 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
         raise ValueError(f"times must have shape (n,), got {time.shape}")
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
-    return _stepwise(ringdown, time) if ringdown.states is not None else _closed(ringdown, ringdown.rows, time)
+    if ringdown.states is None:
+        return _closed(ringdown, ringdown.rows, time)
+    return _stepwise(ringdown, ringdown.rows, ringdown.states, time)
 
 
 def _closed(ringdown: RingDown, rows: Records, time: Floats) -> History:
@@ -76,7 +78,7 @@ def _closed(ringdown: RingDown, rows: Records, time: Floats) -> History:
     return History(time, out[0], out[1], out[2], out[3], out[4], regime)
 
 
-def _stepwise(ringdown: RingDown, time: Floats) -> History:
+def _stepwise(ringdown: RingDown, rows: Records, states: Floats, time: Floats) -> History:
     """From the states at the events, through the steps of the flights."""
     from damper.evaluate import follow
     from damper.motion import flights
@@ -86,13 +88,12 @@ def _stepwise(ringdown: RingDown, time: Floats) -> History:
     of = flights(damper, damper.parameters, axes, ringdown.harmonic)
     order = np.argsort(time, kind="stable")
     out, regime = np.empty((5, time.size, 2)), np.empty((time.size, 2), np.int64)
-    follow(
-        of.systems[0], of.motions[0], axes[0], _ball(ringdown), ringdown.rows, ringdown.states, time[order], out, regime
-    )
+    follow(of.systems[0], of.motions[0], axes[0], _ball(ringdown), rows, states, time[order], out, regime)
     back = np.argsort(order)
     out = out[:, back]
     return History(time, out[0], out[1], out[2], out[3], out[4], regime[back])
 
 
 def _ball(ringdown: RingDown) -> Record:
-    return balls_of(ringdown.damper.parameters, np.zeros(1))[0]
+    ball: Record = balls_of(ringdown.damper.parameters, np.zeros(1))[0]
+    return ball

@@ -52,7 +52,7 @@ def expand(g: int, system: Record, motion: Record, axes: Records, ball: Record) 
         for k in range(TERMS):
             motion.cavity[i, k] = 0.0
             for m in range(low, high):
-                motion.cavity[i, k] += system.shape[i, m] * c[m, k]
+                motion.cavity[i, k] += system.mode_shape[i, m] * c[m, k]
 
 
 @fused

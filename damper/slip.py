@@ -3,6 +3,10 @@
 Sliding friction (grip = mu Omega^2 R per unit of mass) slows the contact; rolling resistance, which has no say in
 where a sliding contact goes, is left out until the ball rolls. A slipping ball can meet either wall, and one that the
 friction presses against a wall spins there until its spin is spent or the structure pulls the wall away.
+
+In a wall hit the ball's surface rubs up or down the wall: a vertical impulse, at most friction times the normal one, up
+to what ends that sliding, (2/7) m |spin|, since it lifts the ball too. What it gives the ball upwards or downwards is
+taken for lost on the floor.
 """
 
 from __future__ import annotations
@@ -32,6 +36,13 @@ def spin_after(axis: Record, ball: Record, tau: float) -> float:
     if axis.f != 0.0:
         return float(axis.spin - SPIN_UP * axis.f * tau)
     return math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+
+
+@kernel
+def rubbed(spin: float, normal_impulse: float, ball: Record) -> float:
+    """Spin after a wall hit with this impulse [N s]."""
+    vertical = min(ball.friction * normal_impulse / ball.mass, abs(spin) / (1.0 + SPIN_UP))
+    return math.copysign(abs(spin) - SPIN_UP * vertical, spin)
 
 
 @kernel

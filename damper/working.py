@@ -162,14 +162,14 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     start[:, 0, 0] = high * 2 ** ((each + 1) / _SWEEPS)  # at least one octave's share above, to settle on the way
     start[:, 2, 0] = damper.half_gap[0] * (1 - each / _SWEEPS)
     cycles = _SETTLING + math.ceil(_STAY * (math.log2(high / low) + 1))
-    rows = np.repeat(damper.parameters, _SWEEPS)
-    p = prepare(rows, start, cycles, cycles)
+    many = np.repeat(damper.parameters, _SWEEPS)
+    p = prepare(many, start, cycles, cycles)
     tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
     energy = np.full((_SWEEPS, cycles, 2), np.nan)
     how = _EVENTS * cycles, 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2, energy
     rest = p.axes, p.balls, p.books, p.cycles
     closed = kinds(damper, damper.parameters)[0] == LEVEL
-    f = None if closed else flights(damper, rows, p.axes)
+    f = None if closed else flights(damper, many, p.axes)
 
     def work(block: tuple[int, int]) -> None:
         if f is None:

@@ -168,8 +168,9 @@ class Lagrangian:
                 found.append((i, "hit", d, lambda t, y, i=i, s=s, d=d: d * y[s] - self.gap[i]))
                 found.append((i, "reversal", 0, lambda t, y, w=w, d=d: -d * y[w]))
             else:
-                for side in (-1, 1):
-                    found.append((i, "hit", side, lambda t, y, i=i, s=s, side=side: side * y[s] - self.gap[i]))
+                found += [
+                    (i, "hit", side, lambda t, y, i=i, s=s, side=side: side * y[s] - self.gap[i]) for side in (-1, 1)
+                ]
                 found.append((i, "grip", 0, lambda t, y, w=w, spin=spin, d=d: -d * (y[w] - y[spin])))
         return found
 
@@ -252,6 +253,9 @@ class Lagrangian:
         w, spin = 2 * k + 2, 2 * k + 4
         moved = self.y[w + j]
         normal = self.impulse(i, -d.restitution * self.y[w + i])
+        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
+            lift = min(d.friction * abs(normal), 2 / 7 * self.m * abs(self.y[spin + i]))
+            self.y[spin + i] -= math.copysign(2.5 * lift / self.m, self.y[spin + i])
         if self.y[w + j] != moved:
             self.after(j)
         if self.regime[j] != "stuck" and d.friction > 0:

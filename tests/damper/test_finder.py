@@ -1,4 +1,4 @@
-"""The finder of events against brute force, and where finders miss: near tangents, zeros at the start, tiny coefficients."""
+"""The finder of events against brute force, and where finders miss: near tangents, zeros at the start, any scale."""
 
 from __future__ import annotations
 
