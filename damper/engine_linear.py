@@ -269,7 +269,7 @@ def _write(
     row.time, row.axis, row.kind = clock.time, i, kind
     row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
     row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
-    for m in range(system.size):
+    for m in range(system.coordinates):
         states[clock.rows, 0, m], states[clock.rows, 1, m] = motion.z[m], motion.rate[m]
     clock.rows += 1
 

@@ -25,7 +25,7 @@ def read(i: int, system: Record, motion: Record, axes: Records) -> None:
     """Copy position and velocity of an axis from z into its record."""
     axis, s = axes[i], system.place[i]
     axis.s, axis.w, axis.u, axis.v = motion.z[s], motion.rate[s], 0.0, 0.0
-    for m in range(system.size):
+    for m in range(system.coordinates):
         axis.u += system.mode_shape[i, m] * motion.z[m]
         axis.v += system.mode_shape[i, m] * motion.rate[m]
 
@@ -92,7 +92,7 @@ def _exchange(i: int, w: float, system: Record, motion: Record, axes: Records, b
     axis, other = axes[i], axes[1 - i]
     mass = reduced(i, system, ball)
     impulse = mass * (axis.w - w)
-    for m in range(system.size):
+    for m in range(system.coordinates):
         motion.rate[m] += impulse * system.yielding[i, m]
     books.impact += 0.5 * mass * (axis.w - w) * (axis.w + w)
     motion.rate[system.place[i]] = w

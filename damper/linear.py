@@ -146,7 +146,7 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
         "last": axes[1:],
         "group": [0, len(members) - 1],
         "place": [order.index(k), order.index(k + 1)],
-        "size": k + 2,
+        "coordinates": k + 2,
         "groups": len(members),
         "damped": (structures.dashpot > 0).any(axis=1),
     }.items():

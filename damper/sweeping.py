@@ -116,7 +116,7 @@ def run_linear_by_cycles(
 @kernel
 def _shrink(smaller: float, system: Record, motion: Record) -> None:
     """Make the structure's motion smaller."""
-    for m in range(system.size):
+    for m in range(system.coordinates):
         if m != system.place[0] and m != system.place[1]:
             motion.z[m] *= smaller
             motion.rate[m] *= smaller
@@ -126,8 +126,8 @@ def _shrink(smaller: float, system: Record, motion: Record) -> None:
 def _linear_energy(system: Record, motion: Record, axes: Records, ball: Record) -> float:
     """Energy of structure and ball [J]."""
     twice = ball.spin_mass * (axes[0].spin ** 2 + axes[1].spin ** 2)
-    for m in range(system.size):
-        for n in range(system.size):
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
             twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
             twice += motion.z[m] * system.spring[m, n] * motion.z[n]
     return float(0.5 * twice)

@@ -39,7 +39,7 @@ SYSTEM = record(
     ("reach", "f8", (2, _N)),  # largest drive of a stuck ball per unit of those amplitudes [1/s]
     ("bias", "f8", (2, _N)),  # drive of a stuck ball on a structure at rest = bias z [1/s^2]
     ("span", "f8", 2),  # length of the steps that a group's flights are taken in [s]
-    ("size", "i8"),  # N
+    ("coordinates", "i8"),  # N
     ("groups", "i8"),
     ("low", "i8", 2),  # each group's coordinates, from low to before high
     ("high", "i8", 2),
