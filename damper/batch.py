@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
-from damper.motion import LEVEL, flights, kinds
+from damper.motion import LEVEL, flights, kinds, watch_harmonic
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
 from damper.prepare import Prepared, prepare, some
 from damper.records import EVENT
@@ -101,7 +101,8 @@ def ringdowns(
         max_cycles: cap where `cycles` is None.
         max_events: cap on the events of each run.
         progress: called now and then with the number of ring-downs done.
-        varied: fields of `ParticleDamper` that differ, each of shape (n,) or, for those along x and y, (n, 2).
+        varied: fields of `ParticleDamper` that differ, each of shape (n,) or, for those along x and y, (n, 2); a
+            `floor_radius` of inf is a flat floor.
 
     Raises:
         ValueError: a wrong shape, an unknown field, or a value without physical sense.
@@ -153,6 +154,8 @@ class _Run:
 
         f = flights(self.damper, rows, p.axes, self.harmonic)
         p.initial[:] = f.energy(rows, p.axes)
+        if self.harmonic is not None:
+            watch_harmonic(p.cycles, self.harmonic)
         status = np.zeros(len(p.clocks), np.int64)
         tables = (np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
         where = p.clocks, f.systems, f.motions, p.axes, p.balls, p.books, p.cycles

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from damper.motion import LEVEL, flights, kinds
+from damper.motion import LEVEL, flights, kinds, watch_harmonic
 from damper.parameters import energy
 
 if TYPE_CHECKING:
@@ -88,6 +88,8 @@ class _Linear:
         self.flights = flights(damper, self.rows, one.axes, harmonic, amplitudes)
         self.system, self.motion = self.flights.systems[0], self.flights.motions[0]
         self.initial = self.energy()
+        if harmonic is not None:
+            watch_harmonic(one.cycles, harmonic)
 
     def states(self, size: int) -> Floats:
         return np.zeros((size, 2, len(self.motion["z"])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -89,6 +90,12 @@ def flights(
     motions = np.zeros(n, MOTION)
     motions["z"][:, : k + 2], motions["rate"][:, : k + 2] = z[:, order], rate[:, order]
     return Flights(systems, motions)
+
+
+def watch_harmonic(cycles: Records, harmonic: Harmonic) -> None:
+    """Seek the velocity maxima of driven motion once per cycle of what drives it."""
+    period = 2 * math.pi / harmonic.frequency
+    cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
 
 
 def _structures(damper: ParticleDamper, rows: Parameters) -> Structures:

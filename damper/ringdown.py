@@ -73,7 +73,8 @@ class RingDown:
         duration: simulated time [s].
         impacts: number of wall hits.
         events: number of events of any kind.
-        peak_times: times of the structure's velocity maxima, one per vibration cycle, shape (n + 1,) [s].
+        peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
+            shape (n + 1,) [s].
         peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
         last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
         rested: whether the ball came to rest for good, or only trembles.
@@ -102,6 +103,17 @@ class RingDown:
     harmonic: Harmonic | None = None
     states: Floats | None = None
     modal_energies: Floats | None = None
+
+    @property
+    def peak_phases(self) -> Floats | None:
+        """Phase of the harmonic at the velocity maxima, from -pi/2 to pi/2, shape (n + 1,) [rad]; None without one.
+
+        By so much the velocity, or its opposite, lags behind the force; `peak_velocities` is the envelope.
+        """
+        if self.harmonic is None:
+            return None
+        phases: Floats = self.harmonic.frequency * self.peak_times + self.harmonic.phase
+        return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
 
 
 def ringdown(

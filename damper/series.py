@@ -42,12 +42,15 @@ def expand(g: int, system: Record, motion: Record, axes: Records, ball: Record) 
     wave, driven = motion.wave[g], system.frequency > 0.0
     if driven:
         _oscillate(wave, system.frequency * span, system.frequency * motion.start[g] + system.phase)
-    if driven or high - low != 2:
-        _recur(low, high, a, d, c, system.force[pair], wave, driven, system.damped != 0)
-    elif system.damped != 0:
-        _recur_damped(low, a, d, c)
+    plain = not driven and system.damped == 0
+    if plain and high - low == 2:
+        _recur_plain_pair(low, a, c)
+    elif plain:
+        _recur_plain(low, high, a, c)
+    elif high - low == 2:
+        _recur_pair(low, a, d, c, system.force[pair], wave)
     else:
-        _recur_pair(low, a, c)
+        _recur(low, high, a, d, c, system.force[pair], wave)
     for i in range(first, last):
         for k in range(TERMS):
             motion.cavity[i, k] = 0.0
@@ -56,26 +59,52 @@ def expand(g: int, system: Record, motion: Record, axes: Records, ball: Record) 
 
 
 @fused
-def _recur(
-    low: int, high: int, a: Floats, d: Floats, c: Floats, force: Floats, wave: Floats, driven: bool, damped: bool
-) -> None:
+def _recur(low: int, high: int, a: Floats, d: Floats, c: Floats, force: Floats, wave: Floats) -> None:
     """Term by term, from the two first ones and the constant in the place of the third."""
-    for k in range(TERMS - 2):
+    for m in range(low, high):
+        c[m, 2] += force[m] * wave[0]
+        for n in range(low, high):
+            c[m, 2] -= a[m, n] * c[n, 0] + d[m, n] * c[n, 1]
+        c[m, 2] *= 0.5
+    for k in range(1, TERMS - 2):
         for m in range(low, high):
-            acceleration = c[m, 2] if k == 0 else 0.0
+            acceleration = force[m] * wave[k]
             for n in range(low, high):
-                acceleration -= a[m, n] * c[n, k]
-            if driven:
-                acceleration += force[m] * wave[k]
-            if damped:
-                for n in range(low, high):
-                    acceleration -= (k + 1) * d[m, n] * c[n, k + 1]
+                acceleration -= a[m, n] * c[n, k] + (k + 1) * d[m, n] * c[n, k + 1]
             c[m, k + 2] = acceleration * _STEP[k]
 
 
 @fused
-def _recur_pair(low: int, a: Floats, c: Floats) -> None:
-    """The same for one mode and one axis without damping, nearly always so."""
+def _recur_plain(low: int, high: int, a: Floats, c: Floats) -> None:
+    """The same without damping or a harmonic."""
+    for m in range(low, high):
+        for n in range(low, high):
+            c[m, 2] -= a[m, n] * c[n, 0]
+        c[m, 2] *= 0.5
+    for k in range(1, TERMS - 2):
+        for m in range(low, high):
+            deceleration = 0.0
+            for n in range(low, high):
+                deceleration += a[m, n] * c[n, k]
+            c[m, k + 2] = -deceleration * _STEP[k]
+
+
+@fused
+def _recur_pair(low: int, a: Floats, d: Floats, c: Floats, force: Floats, wave: Floats) -> None:
+    """The same for one mode and one axis, nearly always so."""
+    aqq, aqs, asq, ass = -a[low, low], -a[low, low + 1], -a[low + 1, low], -a[low + 1, low + 1]
+    dq, ds, fq, fs = -d[low, low], -d[low + 1, low], force[low], force[low + 1]
+    q, s = c[low], c[low + 1]
+    q[2] = 0.5 * (q[2] + fq * wave[0] + aqq * q[0] + aqs * s[0] + dq * q[1])
+    s[2] = 0.5 * (s[2] + fs * wave[0] + asq * q[0] + ass * s[0] + ds * q[1])
+    for k in range(1, TERMS - 2):
+        q[k + 2] = _STEP[k] * (fq * wave[k] + aqq * q[k] + aqs * s[k] + (k + 1) * dq * q[k + 1])
+        s[k + 2] = _STEP[k] * (fs * wave[k] + asq * q[k] + ass * s[k] + (k + 1) * ds * q[k + 1])
+
+
+@fused
+def _recur_plain_pair(low: int, a: Floats, c: Floats) -> None:
+    """The same without damping or a harmonic."""
     aqq, aqs, asq, ass = -a[low, low], -a[low, low + 1], -a[low + 1, low], -a[low + 1, low + 1]
     q, s = c[low], c[low + 1]
     q[2] = 0.5 * (q[2] + aqq * q[0] + aqs * s[0])
@@ -83,19 +112,6 @@ def _recur_pair(low: int, a: Floats, c: Floats) -> None:
     for k in range(1, TERMS - 2):
         q[k + 2] = _STEP[k] * (aqq * q[k] + aqs * s[k])
         s[k + 2] = _STEP[k] * (asq * q[k] + ass * s[k])
-
-
-@fused
-def _recur_damped(low: int, a: Floats, d: Floats, c: Floats) -> None:
-    """The same with damping."""
-    aqq, aqs, asq, ass = -a[low, low], -a[low, low + 1], -a[low + 1, low], -a[low + 1, low + 1]
-    dq, ds = -d[low, low], -d[low + 1, low]
-    q, s = c[low], c[low + 1]
-    q[2] = 0.5 * (q[2] + aqq * q[0] + aqs * s[0] + dq * q[1])
-    s[2] = 0.5 * (s[2] + asq * q[0] + ass * s[0] + ds * q[1])
-    for k in range(1, TERMS - 2):
-        q[k + 2] = _STEP[k] * (aqq * q[k] + aqs * s[k] + (k + 1) * dq * q[k + 1])
-        s[k + 2] = _STEP[k] * (asq * q[k] + ass * s[k] + (k + 1) * ds * q[k + 1])
 
 
 @fused

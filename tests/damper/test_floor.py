@@ -264,6 +264,10 @@ def test_harmonic_force_on_a_stuck_ball() -> None:
     work = np.trapezoid(size * np.cos(nu * fine + phase) * speed, fine)
     assert run.energy.work == pytest.approx(work, rel=1e-6)
     assert abs(run.energy.residual) <= 1e-13 * run.energy.work
+    late = ringdown(damper, (0.0, 0.0), 200, harmonic=Harmonic(nu, (size, 0.0), phase=phase))
+    lag = -np.angle(1j * nu * z * np.exp(-1j * phase))
+    assert late.peak_phases[-20:] == pytest.approx(lag, abs=1e-6)
+    assert late.peak_velocities[-20:] == pytest.approx(nu * abs(z), rel=1e-9)
     moved = ringdown(
         damper, (0.0, 0.0), 30, harmonic=Harmonic(nu, base=(-size / m, 0.0), phase=phase), keep_events=True
     )
@@ -335,6 +339,7 @@ def test_batches_of_linear_flights(kind: str) -> None:
         varied |= {"rotation": rng.choice([0.0, 300.0], n), "stagger": rng.choice([0.0, 0.5], n)}
     batch = ringdowns(damper, release, 6, threads=2, **varied)
     assert np.array_equal(batch.final, ringdowns(damper, release, 6, threads=1, **varied).final)
+    assert np.abs(batch.residual / batch.initial).max() <= 1e-12
     for k in range(0, n, 7):
         one = replace(damper, **{name: _plain(values[k]) for name, values in varied.items()})
         run = ringdown(one, tuple(release[k]), 6)

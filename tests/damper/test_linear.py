@@ -1,8 +1,12 @@
-"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration."""
+"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration.
+
+More scenes than pytest runs:  python -m tests.damper.test_linear [how many]
+"""
 
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -84,7 +88,7 @@ def agreed(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]], tol
 
 
 @needs_compiler
-@pytest.mark.parametrize("seed", some(200, without=0))
+@pytest.mark.parametrize("seed", some(80, without=0))
 def test_against_the_lagrangian(seed: int) -> None:
     damper, amplitudes, harmonic = scene(seed)
     motion = run(damper, amplitudes, harmonic, PERIODS)
@@ -105,3 +109,8 @@ def test_against_the_lagrangian(seed: int) -> None:
         scale = abs(books.initial) + abs(books.work)
         assert books.final == pytest.approx(one.final, abs=1e-9 * scale)
         assert books.work == pytest.approx(one.work, abs=1e-9 * scale)
+
+
+if __name__ == "__main__":
+    for number in range(int(sys.argv[1]) if len(sys.argv) > 1 else 200):
+        test_against_the_lagrangian(number)
