@@ -2,6 +2,9 @@
 
     from damper import ParticleDamper, capacity, ringdown
 
+A level floor under one mode along x and one along y is the paper's. `floor_tilt`, `floor_radius`, `rotation`, `modes`
+of a `ParticleDamper` and the argument `harmonic` of `ringdown`, go beyond it; the results are the same kind of thing.
+
 The heavy parts (compiled kernels) load at the first ring-down.
 """
 

@@ -59,8 +59,8 @@ class ParticleDamper:
         stagger: angle by which the axis of rotation is tilted from x towards y [rad]; at 0 the plane of rotation
             holds y, at pi/2 it holds x. Only what `rotation` does depends on it.
         modes: structural modes that move the cavity, in place of one along x and one along y; `modal_mass` and
-            `stiffness` then only say what amplitudes, cycles and bounds refer to. None: these two make the structure,
-            and `floor_tilt` is theirs.
+            `stiffness` then only say what amplitudes, cycles and bounds refer to: those of the mode that yields most
+            along x (and y), scaled to 1 there. None: these two make the structure, and `floor_tilt` is theirs.
 
     Raises:
         ValueError: a quantity has no physical sense; the message names it.
@@ -149,12 +149,17 @@ class ParticleDamper:
         pull: Floats = load - derived.in_plane(self.parameters)[0]
         return pull
 
+    def leading(self, axis: int) -> int:
+        """Which of the modes yields most to a force at the cavity along an axis."""
+        modes = self.modes or ()
+        return max(range(len(modes)), key=lambda k: modes[k].shape[axis] ** 2 / modes[k].stiffness)
+
     @property
     def _tilt(self) -> tuple[float, float]:
         """Slope over displacement along x and y [1/m]."""
         if self.modes is None:
             return self.floor_tilt
-        x, y = (max(self.modes, key=lambda mode: mode.shape[i] ** 2 / mode.stiffness) for i in range(2))
+        x, y = (self.modes[self.leading(i)] for i in range(2))
         return x.slope[0] / (x.shape[0] or math.inf), y.slope[1] / (y.shape[1] or math.inf)
 
     @property

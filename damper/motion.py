@@ -65,18 +65,16 @@ def flights(
     rows: Parameters,
     axes: Records,
     harmonic: Harmonic | None = None,
-    amplitudes: tuple[float, ...] | None = None,
+    amplitudes: tuple[float, ...] | Floats | None = None,
 ) -> Flights:
     """Flights from the u, v, s and w in `axes`, shape (n, 2); all of one kind.
 
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
-    blow; `amplitudes` are theirs instead.
+    blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
     structures = _structures(damper, rows)
     systems = systems_of(rows, structures, harmonic)
     n, k = structures.mass.shape
-    if amplitudes is not None and len(amplitudes) != k:
-        raise ValueError(f"amplitudes must be {k}, one for each mode, got {len(amplitudes)}")
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
     if damper.modes is None:
         z[:, :k], rate[:, :k] = axes["u"], axes["v"]

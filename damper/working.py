@@ -169,7 +169,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     how = _EVENTS * cycles, 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2, energy
     rest = p.axes, p.balls, p.books, p.cycles
     closed = kinds(damper, damper.parameters)[0] == LEVEL
-    f = None if closed else flights(damper, many, p.axes)
+    f = None if closed else flights(damper, many, p.axes, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
@@ -184,6 +184,16 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     halves = np.repeat(np.column_stack([each % 2, each // (_SWEEPS // 2)]), level.shape[1], axis=0)
     rows = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _in_one_mode(damper: ParticleDamper, displacement: Floats) -> Floats | None:
+    """Amplitudes of the modes where the one that yields most along x moves the cavity so, shape (n, k)."""
+    if damper.modes is None:
+        return None
+    k = damper.leading(0)
+    amplitudes = np.zeros((len(displacement), len(damper.modes)))
+    amplitudes[:, k] = displacement / damper.modes[k].shape[0]
+    return amplitudes
 
 
 def _figures(samples: Floats, cutoff: float) -> Working | None:

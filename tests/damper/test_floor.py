@@ -307,6 +307,17 @@ def test_a_bowl_tuned_to_an_engine_order(lever: float, load: float, left: float)
     assert abs(run.energy.residual) <= 1e-12 * run.energy.work
 
 
+def test_working_of_modes() -> None:
+    """Given as modes, the same figures; a high mode beside them, at rest at first, moves them little."""
+    damper = tilted(12337)
+    bare = replace(damper, floor_tilt=(0.0, 0.0))
+    one, same = working(damper), working(replace(bare, modes=as_modes(damper)))
+    assert same.peak == pytest.approx(one.peak, rel=0.01)
+    assert same.cutoff == pytest.approx(one.cutoff, rel=1e-12)
+    third = Mode(1.0, 40 * damper.stiffness[0], (0.5, 0.0), (-20.0, 0.0))
+    assert working(replace(bare, modes=(*as_modes(damper), third))).peak == pytest.approx(one.peak, rel=0.1)
+
+
 @pytest.mark.parametrize("share", [0.3, 0.8, 1.7])
 def test_work_bound_with_tilt(share: float) -> None:
     damper = replace(PAPER, floor_tilt=(share * PAPER.stuck_frequency**2 / PAPER.centrifugal_acceleration, 0.0))
