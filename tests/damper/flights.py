@@ -1,4 +1,4 @@
-"""Random flights whose next event is checked by brute force:  python -m tests.damper.flights [how many]"""
+"""Random flights whose next event is checked by brute force:  python -m tests.damper.flights [how many] [seed]"""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def look(damper: ParticleDamper, each: int, rng: np.random.Generator) -> np.ndar
 def main() -> None:
     asked = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
     begin = time.perf_counter()
-    done, bad = soak(asked)
+    done, bad = soak(asked, seed=int(sys.argv[2]) if len(sys.argv) > 2 else 0)
     print(f"{done} flights of {SAMPLES} samples each, {bad} with a missed event, {time.perf_counter() - begin:.0f} s")
     sys.exit(bad > 0)
 
