@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
+from damper.motion import LEVEL, flights, kinds, watch_harmonic
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
-from damper.prepare import Prepared, prepare
+from damper.prepare import Prepared, prepare, some
 from damper.records import EVENT
 from damper.ringdown import outcome_of
 
@@ -20,10 +22,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from damper.model import ParticleDamper
+    from damper.modes import Harmonic
     from damper.parameters import Parameters
+
+    Progress: TypeAlias = Callable[[int], None]
 
 _BLOCK = 64
 """Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
+
+_AT_ONCE = 64 * _BLOCK
+"""Linear flights prepared together: 20 kB each."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,7 @@ class Batch:
         events: number of events of any kind.
         initial, final: energy of structure and ball [J].
         structure, rolling, impact, slip: energy lost, by cause [J].
+        work: energy put in by a harmonic force [J].
         peak_sdc: largest specific damping capacity of a cycle [-].
         peak_sdc_amplitude: dynamic acceleration V omega_1 at which that cycle began [m/s^2]; nan without a cycle.
         cutoff: V omega_1 of the last cycle in which the ball moved [m/s^2]; nan if it never moved or never rested.
@@ -53,6 +62,7 @@ class Batch:
     rolling: Floats
     impact: Floats
     slip: Floats
+    work: Floats
     peak_sdc: Floats
     peak_sdc_amplitude: Floats
     cutoff: Floats
@@ -61,7 +71,8 @@ class Batch:
     @property
     def residual(self) -> Floats:
         """What the energy books do not explain [J]."""
-        residual: Floats = self.initial - self.final - self.structure - self.rolling - self.impact - self.slip
+        lost = self.structure + self.rolling + self.impact + self.slip
+        residual: Floats = self.initial - self.final - lost + self.work
         return residual
 
 
@@ -70,10 +81,11 @@ def ringdowns(
     release: npt.ArrayLike,
     cycles: float | None = None,
     *,
+    harmonic: Harmonic | None = None,
     threads: int | None = None,
     max_cycles: float = 100_000,
     max_events: int = 50_000_000,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
     **varied: npt.ArrayLike,
 ) -> Batch:
     """Run many ring-downs from rest; each gives bit for bit what `ringdown` gives, on any number of threads.
@@ -84,11 +96,13 @@ def ringdowns(
         damper: what the ring-downs have in common.
         release: the structures' displacements along x and y at time 0, shape (n, 2) [m].
         cycles: length of each run in periods 2 pi / omega_1; None: until its ball rests for good.
+        harmonic: a force that drives them all; `cycles` must then be given.
         threads: how many to use; None: one for each core.
         max_cycles: cap where `cycles` is None.
         max_events: cap on the events of each run.
         progress: called now and then with the number of ring-downs done.
-        varied: fields of `ParticleDamper` that differ, each of shape (n,) or, for those along x and y, (n, 2).
+        varied: fields of `ParticleDamper` that differ, each of shape (n,) or, for those along x and y, (n, 2); a
+            `floor_radius` of inf is a flat floor.
 
     Raises:
         ValueError: a wrong shape, an unknown field, or a value without physical sense.
@@ -99,32 +113,86 @@ def ringdowns(
         raise ValueError(f"release must have shape (n, 2), got {displacement.shape}")
     start = np.zeros((len(displacement), 5, 2))
     start[:, 0] = displacement
+    if harmonic is not None and cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     rows = ensemble(damper.parameters, len(displacement), varied)
     prepared = prepare(rows, start, cycles, max_cycles)
-    status = _run(prepared, workers, whole("max_events", max_events), progress)
-    return _summary(rows, prepared, status, asked=cycles is not None)
+    run = _Run(damper, harmonic, workers, whole("max_events", max_events))
+    kind = kinds(damper, rows, harmonic)
+    if (kind == LEVEL).all():
+        finished, status, final = prepared, *run.closed(rows, prepared, progress)
+    else:
+        finished, status, final = run.by_kinds(kind, rows, prepared, progress)
+    return _summary(rows, finished, status, final, asked=cycles is not None)
 
 
-def _run(prepared: Prepared, threads: int, max_events: int, progress: Callable[[int], None] | None) -> Integers:
-    """Have every ring-down run, block by block on a pool of threads; the compiled engine needs no lock."""
-    from damper import engine
+@dataclass(frozen=True)
+class _Run:
+    """What the ring-downs of a batch have in common."""
 
-    status = np.zeros(len(prepared.clocks), np.int64)
-    tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
-    p = prepared
+    damper: ParticleDamper
+    harmonic: Harmonic | None
+    threads: int
+    most: int
 
-    def work(block: tuple[int, int]) -> None:
-        engine.run_block(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, max_events, status)
+    def closed(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
+        """Have every ring-down run in closed form: why each ended, and the energies left."""
+        from damper import engine
 
-    in_blocks(work, len(status), threads, progress)
-    return status
+        status = np.zeros(len(p.clocks), np.int64)
+        tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
+
+        def work(block: tuple[int, int]) -> None:
+            engine.run_block(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, self.most, status)
+
+        in_blocks(work, len(status), self.threads, progress)
+        return status, energy(rows, p.axes)
+
+    def linear(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
+        """The same in linear flights, all of one kind."""
+        from damper import engine_linear
+
+        f = flights(self.damper, rows, p.axes, self.harmonic)
+        p.initial[:] = f.energy(rows, p.axes)
+        if self.harmonic is not None:
+            watch_harmonic(p.cycles, self.harmonic)
+        status = np.zeros(len(p.clocks), np.int64)
+        tables = (np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
+        where = p.clocks, f.systems, f.motions, p.axes, p.balls, p.books, p.cycles
+
+        def work(block: tuple[int, int]) -> None:
+            engine_linear.run_block(block, *where, tables, self.most, status)
+
+        in_blocks(work, len(status), self.threads, progress)
+        return status, f.energy(rows, p.axes)
+
+    def by_kinds(
+        self, kind: Integers, rows: Parameters, prepared: Prepared, progress: Progress | None
+    ) -> tuple[Prepared, Integers, Floats]:
+        """Each kind of flight by itself, put together again."""
+        status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
+        parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
+        for which in [part[k : k + _AT_ONCE] for part in parts for k in range(0, len(part), _AT_ONCE)]:
+            each = kind[which[0]]
+            part = some(prepared, which)
+            count = None if progress is None else functools.partial(_further, progress, done)
+            engine = self.closed if each == LEVEL else self.linear
+            status[which], final[which] = engine(rows[which], part, count)
+            for field in fields(Prepared):
+                getattr(prepared, field.name)[which] = getattr(part, field.name)
+            done += len(which)
+        return prepared, status, final
+
+
+def _further(progress: Progress, before: int, done: int) -> None:
+    progress(before + done)
 
 
 def in_blocks(
     work: Callable[[tuple[int, int]], None],
     size: int,
     threads: int,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
     block_size: int = _BLOCK,
 ) -> None:
     """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
@@ -153,7 +221,7 @@ def in_blocks(
             raise
 
 
-def _summary(rows: Parameters, prepared: Prepared, status: Integers, *, asked: bool) -> Batch:
+def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floats, *, asked: bool) -> Batch:
     from damper import engine
 
     clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
@@ -161,7 +229,7 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, *, asked: b
     rested = np.isfinite(clocks["rest"]) & (clocks["trembles"] != 2)
     rested &= np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
     demand = prepared.axes["demand"].max(axis=1)
-    losses: dict[str, Any] = {name: books[name].copy() for name in ("structure", "rolling", "impact", "slip")}
+    losses: dict[str, Any] = {name: books[name].copy() for name in ("structure", "rolling", "impact", "slip", "work")}
     outcomes = [outcome_of(s == engine.DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]
     return Batch(
         outcome=np.array(outcomes, dtype=object),
@@ -169,7 +237,7 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, *, asked: b
         impacts=clocks["impacts"].copy(),
         events=clocks["events"].copy(),
         initial=prepared.initial,
-        final=energy(rows, prepared.axes),
+        final=final,
         **losses,
         peak_sdc=cycles["peak_sdc"].copy(),
         peak_sdc_amplitude=np.where(cycles["peak_sdc_speed"] > 0, cycles["peak_sdc_speed"] * omega, np.nan),

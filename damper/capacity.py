@@ -80,6 +80,9 @@ def work_bound(damper: ParticleDamper, amplitude: float | tuple[float, float]) -
     limit of a narrow cavity and a rolling threshold just below the largest acceleration. Kinetic energy that the ball
     keeps from one cycle to another comes on top in the one and is missing in the other.
 
+    Where the floor tilts, or the ball is drawn outwards, it feels -m_p (u'' + E u), which sweeps |1 - tau| of that
+    (`ParticleDamper.tilt_share`). A curved floor's pull is a spring of its own and does no work over a cycle.
+
     Args:
         damper: what is simulated.
         amplitude: along x and along y [m]; or, where the direction is not known, the amplitude along x that has the
@@ -90,13 +93,16 @@ def work_bound(damper: ParticleDamper, amplitude: float | tuple[float, float]) -
     """
     stiffness, clearance = np.array(damper.stiffness), 2 * np.array(damper.half_gap)
     weight = stiffness / stiffness[0]
+    # drive of the ball along each axis, in units of omega_x^2, per amplitude along x and y
+    drive = np.abs(np.diag(weight) - damper.pull * damper.stuck_mass / stiffness[0])
     share = 4 * damper.ball_mass / damper.modal_mass
     if isinstance(amplitude, tuple):
         size = np.abs(pair("amplitude", amplitude))
         largest = _positive(float(size.max()))
         size = size / largest
-        return float(share * (weight * clearance) @ size / (weight @ size**2) / largest)
-    return float(share * math.sqrt(weight @ clearance**2) / _positive(number("amplitude", amplitude)))
+        return float(share * clearance @ drive @ size / (weight @ size**2) / largest)
+    worst = math.sqrt((clearance @ drive) ** 2 @ (1 / weight))
+    return float(share * worst / _positive(number("amplitude", amplitude)))
 
 
 def _positive(amplitude: float) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numba as nb
 
@@ -45,5 +45,18 @@ _F = TypeVar("_F", bound="Callable[..., object]")
 
 
 def kernel(function: _F) -> _F:
-    """Decorate a function to have it compiled at its first call, and cached beside the source if it can be."""
-    return cast("_F", nb.njit(cache=CACHED, error_model="numpy", nogil=True)(function))
+    """Decorate a function to have it compiled at its first call, and cached beside the source if it can be.
+
+    Kernels allocate nothing, so that arrays need no counting of references (`_nrt`), a third of the time of an event.
+    """
+    return _compiled(function)
+
+
+def fused(function: _F) -> _F:
+    """As `kernel`, with products and sums fused where the processor can, and sums in any order: for power series."""
+    return _compiled(function, fastmath={"contract", "reassoc"})
+
+
+def _compiled(function: _F, **more: object) -> _F:
+    options: dict[str, Any] = {"cache": CACHED, "error_model": "numpy", "nogil": True, "_nrt": False, **more}
+    return cast("_F", nb.njit(**options)(function))

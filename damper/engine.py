@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
 
-_DIED_OUT = 1e-6
+DIED_OUT = 1e-6
 """Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
 
-_NEAR = 1.01
+NEAR = 1.01
 """Acceleration over the rolling threshold at which a ball that rolls next to nothing is taken to tremble there."""
 
-_TREMOR = 1e-7
+TREMOR = 1e-7
 """Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
 
 
@@ -230,23 +230,23 @@ def _tremor(clock: Record, axes: Records, laws: Records, ball: Record, books: Re
     the threshold: without damping of its own it nears the threshold for ever. Or the vibration has died out.
     """
     energy = 0.5 * ball.host_mass * cycle.speed * cycle.speed
-    still = clock.impacts == clock.last_impacts and books.rolling - clock.last_rolling <= _TREMOR * energy
+    still = clock.impacts == clock.last_impacts and books.rolling - clock.last_rolling <= TREMOR * energy
     if clock.peaks == 1:
         clock.first_speed = cycle.speed
     clock.last_impacts, clock.last_rolling = clock.impacts, books.rolling
     if clock.rest < np.inf or clock.tail == np.inf:
         return
-    if cycle.speed <= _DIED_OUT * clock.first_speed:
+    if cycle.speed <= DIED_OUT * clock.first_speed:
         clock.trembles = 2
-        _settle_down(clock)
+        settle_down(clock)
     elif still and ball.threshold > 0.0:
         for i in range(2):
             law = laws[i, STUCK]
             square = law.square
-            if math.sqrt((square * axes[i].u) ** 2 + square * axes[i].v ** 2) > _NEAR * ball.threshold:
+            if math.sqrt((square * axes[i].u) ** 2 + square * axes[i].v ** 2) > NEAR * ball.threshold:
                 return
         clock.trembles = 1
-        _settle_down(clock)
+        settle_down(clock)
 
 
 @kernel
@@ -256,10 +256,11 @@ def _rest(clock: Record, axes: Records) -> None:
         if axes[i].regime != STUCK or axes[i].next < np.inf:
             return
     if clock.rest == np.inf:
-        _settle_down(clock)
+        settle_down(clock)
 
 
 @kernel
-def _settle_down(clock: Record) -> None:
+def settle_down(clock: Record) -> None:
+    """End the run a little after the last event."""
     clock.rest = clock.time
     clock.end = min(clock.end, clock.time + clock.tail)

@@ -25,6 +25,10 @@ PARAMETERS = np.dtype(
         ("damping_ratio", "f8"),
         ("sticking_ratio", "f8"),
         ("floor_friction", "f8"),  # 0: no slip
+        ("floor_tilt", "f8", 2),
+        ("floor_radius", "f8", 2),  # inf: flat
+        ("rotation", "f8"),
+        ("stagger", "f8"),
         ("printed", "?"),
     ]
 )
@@ -98,6 +102,10 @@ def validate(rows: Parameters) -> None:
         "floor_friction",
     ):
         _require(rows[name] >= 0, name, rows[name], "≥ 0")
+    for name in ("floor_tilt", "rotation", "stagger"):
+        _require(np.isfinite(rows[name]), name, rows[name], "finite")
+    fits = rows["floor_radius"] > rows["ball_radius"][:, None]
+    _require(fits, "floor_radius", np.minimum(rows["floor_radius"], 1e300), "more than the ball's radius")
     for name in ("friction", "floor_friction"):
         _require(rows[name] <= 1e6, name, rows[name], "at most 1e6")
     e, zeta = rows["restitution"], rows["damping_ratio"]
@@ -107,6 +115,8 @@ def validate(rows: Parameters) -> None:
     _require(fits, "cavity", rows["cavity"], "at least the ball's diameter")
     if (rows["printed"] & (rows["floor_friction"] > 0)).any():
         raise ValueError("floor_friction: the printed equations know no slip; use the consistent formulation")
+    if (rows["printed"] & ~level(rows)).any():
+        raise ValueError("the printed equations know a level floor only; use the consistent formulation")
 
 
 def stuck_frequency(rows: Parameters) -> Floats:
@@ -135,6 +145,27 @@ def inertia_ratio(rows: Parameters) -> Floats:
 def spin_mass(rows: Parameters) -> Floats:
     """Mass-equivalent of the rolling ball's spin, shape (n,) [kg]; see `ParticleDamper.spin_mass`."""
     return np.where(rows["printed"] | (rows["centrifugal_acceleration"] == 0), 0.0, 0.4 * rows["ball_mass"])
+
+
+def path_curvature(rows: Parameters) -> Floats:
+    """1 / rho of the path of the ball's centre on the cavity's floor along x and y, shape (n, 2) [1/m]."""
+    curvature: Floats = 1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None])
+    return curvature
+
+
+def in_plane(rows: Parameters) -> Floats:
+    """Omega² P, shape (n, 2, 2) [1/s²]: how the spin draws a ball outwards along x (flap) and y (chord)."""
+    sine, cosine = np.sin(rows["stagger"]), np.cos(rows["stagger"])
+    projection = np.array([[sine * sine, -sine * cosine], [-sine * cosine, cosine * cosine]])
+    drawn: Floats = np.moveaxis(projection * rows["rotation"] ** 2, -1, 0)
+    return drawn
+
+
+def level(rows: Parameters) -> npt.NDArray[np.bool_]:
+    """Whether the load pulls the ball to no side, wherever structure and ball are, shape (n,)."""
+    bent = (rows["floor_tilt"] != 0).any(axis=1) | np.isfinite(rows["floor_radius"]).any(axis=1)
+    still: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & ((rows["centrifugal_acceleration"] == 0) | ~bent)
+    return still
 
 
 def energy(rows: Parameters, state: npt.NDArray[Any]) -> Floats:

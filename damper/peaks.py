@@ -33,14 +33,14 @@ def watch(cycle: Record, axes: Records, laws: Records, begin: float, end: float)
     if low <= high:
         pieces = 1 + int(8 * (high - low) / cycle.period)
         t, (f, g) = low, _speed(axes, laws, low)
-        _take(cycle, t, f)
+        take(cycle, t, f)
         for i in range(pieces):
             t_next = low + (high - low) * (i + 1) / pieces
             f_next, g_next = _speed(axes, laws, t_next)
-            _take(cycle, t_next, f_next)
+            take(cycle, t_next, f_next)
             if g > 0.0 > g_next:
                 top = _stationary(axes, laws, t, t_next, g, g_next, 1e-8 * cycle.period)
-                _take(cycle, top, _speed(axes, laws, top)[0])
+                take(cycle, top, _speed(axes, laws, top)[0])
             t, g = t_next, g_next
     return end >= cycle.closes
 
@@ -79,7 +79,8 @@ def resume(cycle: Record, last_motion: float) -> None:
 
 
 @kernel
-def _take(cycle: Record, time: float, square: float) -> None:
+def take(cycle: Record, time: float, square: float) -> None:
+    """Take a time and the square of the speed then for the window's largest, if they are."""
     speed = math.sqrt(square)
     if speed > cycle.speed:
         cycle.speed = speed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ from damper.parameters import energy, half_gap, number, stuck_frequency
 from damper.records import AXIS, BOOKS, CLOCK, CYCLE, STUCK, balls_of, laws_of
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Records
+    from damper.arrays import Floats, Integers, Records
     from damper.parameters import Parameters
 
 _CYCLES_AFTER_REST = 3
@@ -38,6 +38,11 @@ class Prepared:
     books: Records
     cycles: Records
     initial: Floats
+
+
+def some(prepared: Prepared, which: Integers) -> Prepared:
+    """Copies of some of the ring-downs."""
+    return Prepared(**{field.name: getattr(prepared, field.name)[which] for field in fields(Prepared)})
 
 
 def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:

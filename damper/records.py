@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from damper.parameters import Parameters
 
 
-def _record(*fields: tuple[str, str]) -> np.dtype[np.record]:
+def record(*fields: tuple[Any, ...]) -> np.dtype[np.record]:
     """A dtype whose elements also have their fields as attributes, with and without the compiler."""
     return cast("np.dtype[np.record]", np.dtype((np.record, list(fields))))
 
@@ -28,13 +28,13 @@ tangential side of a wall hit; the end of slip."""
 PIECES = 32
 """Half periods of a flight that are looked through at a time: nearly every flight is shorter."""
 
-LAW = _record(
+LAW = record(
     ("mass", "f8"), ("stiffness", "f8"), ("square", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8")
 )
 """A damped oscillator: mass [kg], stiffness [N/m], their ratio [1/s^2], damping [N s/m], decay rate [1/s], damped
 frequency [rad/s], which is next to nothing where the damping is nearly critical."""
 
-BALL = _record(
+BALL = record(
     ("host_mass", "f8"),  # M2
     ("mass", "f8"),  # m_p
     ("spin_mass", "f8"),  # 2/5 m_p where spin counts
@@ -49,7 +49,7 @@ BALL = _record(
     ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
 )
 
-AXIS = _record(
+AXIS = record(
     ("start", "f8"),  # time at which this flight began
     ("u", "f8"),  # structure: displacement and velocity then
     ("v", "f8"),
@@ -74,10 +74,10 @@ AXIS = _record(
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
 )
 
-BOOKS = _record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"))
-"""Energy lost since the start, by cause [J]."""
+BOOKS = record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"), ("work", "f8"))
+"""Energy lost since the start, by cause, and work put in by a harmonic force [J]."""
 
-CYCLE = _record(
+CYCLE = record(
     ("period", "f8"),
     ("wait", "f8"),  # from a velocity maximum until the next is sought
     ("opens", "f8"),  # window in which the next velocity maximum is sought
@@ -94,7 +94,7 @@ CYCLE = _record(
 )
 """Velocity maxima, one per vibration cycle, and what is kept of the cycles where their table is not."""
 
-CLOCK = _record(
+CLOCK = record(
     ("time", "f8"),
     ("end", "f8"),
     ("watched", "f8"),  # until when peaks were sought
@@ -112,7 +112,7 @@ CLOCK = _record(
 )
 """Where a run is, and how much it has put into its tables."""
 
-EVENT = _record(
+EVENT = record(
     ("time", "f8"),
     ("axis", "i8"),
     ("kind", "i8"),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from damper.compiled import kernel
 from damper.detect import departure
 from damper.records import ROLLING, SLIPPING, STUCK
+from damper.slip import rubbed
 
 if TYPE_CHECKING:
     from damper.arrays import Record, Records
@@ -45,6 +46,10 @@ def hit(axis: Record, ball: Record, books: Record) -> float:
     impulse = float(reduced * (1.0 + ball.restitution) * abs(axis.w))
     axis.s = axis.heading * axis.half_gap
     _exchange(axis, -ball.restitution * axis.w, reduced, ball, books)
+    if ball.grip > 0.0:
+        spin = rubbed(axis.spin, impulse, ball)
+        books.impact += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+        axis.spin = spin
     if abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor):
         _exchange(axis, 0.0, reduced, ball, books)
         axis.regime, axis.direction = STUCK, 0

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Records
-from damper.parameters import energy, pair, whole
+from damper.course import course_of
+from damper.parameters import number, pair, whole
 from damper.prepare import prepare
 from damper.records import EVENT
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from damper.model import ParticleDamper
+    from damper.modes import Harmonic
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -44,7 +46,7 @@ class EnergyBooks:
 
     ``initial`` and ``final`` are the energies of structure and ball; ``structure`` the work of the structure's own
     dashpot, ``rolling`` that of the rolling resistance, ``impact`` what wall hits and sticking took, ``slip`` what
-    sliding on the floor took; ``residual`` is what the books do not explain.
+    sliding on the floor took; ``work`` is what a harmonic force put in; ``residual`` is what the books do not explain.
     """
 
     initial: float
@@ -53,11 +55,12 @@ class EnergyBooks:
     rolling: float
     impact: float
     slip: float
+    work: float = 0.0
 
     @property
     def residual(self) -> float:
-        """Initial - final - all losses [J]; negative when energy appeared from nowhere."""
-        return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip
+        """Initial + work - final - all losses [J]; negative when energy appeared from nowhere."""
+        return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip + self.work
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,8 @@ class RingDown:
         duration: simulated time [s].
         impacts: number of wall hits.
         events: number of events of any kind.
-        peak_times: times of the structure's velocity maxima, one per vibration cycle, shape (n + 1,) [s].
+        peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
+            shape (n + 1,) [s].
         peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
         last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
         rested: whether the ball came to rest for good, or only trembles.
@@ -78,6 +82,10 @@ class RingDown:
         largest_rolling_demand: largest force that rolling asked of the floor over the normal load [-], per axis;
             None without a normal load. Rolling is tenable where the static friction exceeds it.
         rows: the event table (dtype `damper.records.EVENT`), None unless asked for.
+        harmonic: what drove it.
+        states: coordinates and their velocities at each event where flights are linear, shape (n, 2, N), else None.
+        modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
+            shape (k,) [J]; None without modes.
     """
 
     damper: ParticleDamper
@@ -92,6 +100,20 @@ class RingDown:
     energy: EnergyBooks
     largest_rolling_demand: float | None
     rows: Records | None = None
+    harmonic: Harmonic | None = None
+    states: Floats | None = None
+    modal_energies: Floats | None = None
+
+    @property
+    def peak_phases(self) -> Floats | None:
+        """Phase of the harmonic at the velocity maxima, from -pi/2 to pi/2, shape (n + 1,) [rad]; None without one.
+
+        By so much the velocity, or its opposite, lags behind the force; `peak_velocities` is the envelope.
+        """
+        if self.harmonic is None:
+            return None
+        phases: Floats = self.harmonic.frequency * self.peak_times + self.harmonic.phase
+        return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
 
 
 def ringdown(
@@ -103,6 +125,8 @@ def ringdown(
     ball_position: tuple[float, float] = (0.0, 0.0),
     ball_velocity: tuple[float, float] = (0.0, 0.0),
     ball_spin: tuple[float, float] | None = None,
+    harmonic: Harmonic | None = None,
+    amplitudes: tuple[float, ...] | None = None,
     keep_events: bool = False,
     max_cycles: float = 100_000,
     max_events: int = 50_000_000,
@@ -118,6 +142,9 @@ def ringdown(
         ball_position: of the ball's centre from the cavity's centre then [m].
         ball_velocity: of the ball relative to the structure then [m/s].
         ball_spin: speed of the ball's surface about its centre then [m/s]; None: the ball rolls.
+        harmonic: a force that drives structure and ball; `cycles` must then be given.
+        amplitudes: of the damper's modes at time 0, in place of `release`; without them, modes that `release` leaves
+            open are displaced as by a force at the cavity, and set going by `velocity` as by a blow there.
         keep_events: keep the event table, from which `damper.sample` makes time histories.
         max_cycles: cap where `cycles` is None.
         max_events: cap on events; the run ends there with `Outcome.EVENT_CAP`.
@@ -127,9 +154,11 @@ def ringdown(
         ValueError: a pair is not two finite numbers, or too large to be squared; a number of cycles or events is not
             positive; the ball is outside its cavity.
     """
-    from damper import engine
-
     most = whole("max_events", max_events)
+    if harmonic is not None and cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
+    if amplitudes is not None:
+        release = _moved(damper, amplitudes)
     state = {
         "release": release,
         "velocity": velocity,
@@ -140,15 +169,17 @@ def ringdown(
     start = np.array([[pair(name, value) for name, value in state.items()]])
     parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)
-    clock, axes, laws, ball = one.clocks[0], one.axes[0], one.laws[0], one.balls[0]
+    clock, axes = one.clocks[0], one.axes[0]
+    course = course_of(damper, one, harmonic, amplitudes)
     peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)
-    engine.release(clock, axes, laws, ball, rows)
+    states = course.states(len(rows))
+    course.release(rows, states)
     while True:
-        budget = min(_BUDGET, most - int(clock["events"]))
-        status = engine.run(clock, axes, laws, ball, one.books[0], one.cycles[0], peaks, rows, budget)
-        if status == engine.DONE or clock["events"] >= most:
+        done = course.run(peaks, rows, states, min(_BUDGET, most - int(clock["events"])))
+        if done or clock["events"] >= most:
             break
-        peaks, rows = _roomier(peaks, int(clock["peaks"])), _roomier(rows, int(clock["rows"]) + 2)
+        peaks, used = _roomier(peaks, int(clock["peaks"])), int(clock["rows"]) + 2
+        rows, states = _roomier(rows, used), _roomier(states, used)
         if progress is not None:
             progress(float(clock["time"]))
 
@@ -156,7 +187,7 @@ def ringdown(
     load = damper.centrifugal_acceleration
     return RingDown(
         damper=damper,
-        outcome=outcome_of(status == engine.DONE, cycles is not None, clock),
+        outcome=outcome_of(done, cycles is not None, clock),
         duration=float(clock["time"]),
         impacts=int(clock["impacts"]),
         events=int(clock["events"]),
@@ -165,13 +196,25 @@ def ringdown(
         last_motion=float(clock["last_motion"]) if moved else None,
         rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
         energy=EnergyBooks(
-            initial=float(one.initial[0]),
-            final=float(energy(parameters, one.axes)[0]),
-            **{name: float(one.books[name][0]) for name in ("structure", "rolling", "impact", "slip")},
+            initial=course.initial,
+            final=course.energy(),
+            **{name: float(one.books[name][0]) for name in ("structure", "rolling", "impact", "slip", "work")},
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=rows[: clock["rows"]].copy() if keep_events else None,
+        harmonic=harmonic,
+        states=states[: clock["rows"]].copy() if keep_events and states.size else None,
+        modal_energies=course.modal_energies(),
     )
+
+
+def _moved(damper: ParticleDamper, amplitudes: tuple[float, ...]) -> tuple[float, float]:
+    """Displacement of the cavity at these amplitudes of its modes."""
+    if damper.modes is None or len(amplitudes) != len(damper.modes):
+        raise ValueError(f"amplitudes must be as many as the damper has modes, got {amplitudes!r}")
+    shape = np.array([mode.shape for mode in damper.modes])
+    x, y = np.array([number("amplitudes", a) for a in amplitudes]) @ shape
+    return float(x), float(y)
 
 
 def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from damper.records import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
+    from damper.arrays import Record, Records
     from damper.ringdown import RingDown
 
 Floats = npt.NDArray[np.float64]
@@ -46,8 +47,6 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
     Raises:
         ValueError: the ring-down kept no events, or a time lies outside it.
     """
-    from damper.evaluate import evaluate
-
     if ringdown.rows is None:
         raise ValueError("the ring-down kept no events: call ringdown(..., keep_events=True)")
     time = np.atleast_1d(np.asarray(times, dtype=np.float64))
@@ -55,12 +54,20 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
         raise ValueError(f"times must have shape (n,), got {time.shape}")
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
-    rows = ringdown.damper.parameters
-    laws, ball = laws_of(rows)[0], balls_of(rows, np.zeros(1))[0]
+    if ringdown.states is None:
+        return _closed(ringdown, ringdown.rows, time)
+    return _stepwise(ringdown, ringdown.rows, ringdown.states, time)
+
+
+def _closed(ringdown: RingDown, rows: Records, time: Floats) -> History:
+    """From the closed form of the flights."""
+    from damper.evaluate import evaluate
+
+    laws, ball = laws_of(ringdown.damper.parameters)[0], _ball(ringdown)
     out = np.empty((5, time.size, 2))
     regime = np.empty((time.size, 2), np.int64)
     for i in range(2):
-        events = ringdown.rows[ringdown.rows["axis"] == i]
+        events = rows[rows["axis"] == i]
         at = np.searchsorted(events["time"], time, side="right") - 1
         flights = np.zeros(time.size, AXIS)
         for name in ("u", "v", "s", "w", "spin", "regime", "direction"):
@@ -69,3 +76,24 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
         evaluate(flights, laws[i], ball, time, out[:, :, i])
         regime[:, i] = flights["regime"]
     return History(time, out[0], out[1], out[2], out[3], out[4], regime)
+
+
+def _stepwise(ringdown: RingDown, rows: Records, states: Floats, time: Floats) -> History:
+    """From the states at the events, through the steps of the flights."""
+    from damper.evaluate import follow
+    from damper.motion import flights
+
+    damper = ringdown.damper
+    axes = np.zeros((1, 2), AXIS)
+    of = flights(damper, damper.parameters, axes, ringdown.harmonic)
+    order = np.argsort(time, kind="stable")
+    out, regime = np.empty((5, time.size, 2)), np.empty((time.size, 2), np.int64)
+    follow(of.systems[0], of.motions[0], axes[0], _ball(ringdown), rows, states, time[order], out, regime)
+    back = np.argsort(order)
+    out = out[:, back]
+    return History(time, out[0], out[1], out[2], out[3], out[4], regime[back])
+
+
+def _ball(ringdown: RingDown) -> Record:
+    ball: Record = balls_of(ringdown.damper.parameters, np.zeros(1))[0]
+    return ball

@@ -3,6 +3,10 @@
 Sliding friction (grip = mu Omega^2 R per unit of mass) slows the contact; rolling resistance, which has no say in
 where a sliding contact goes, is left out until the ball rolls. A slipping ball can meet either wall, and one that the
 friction presses against a wall spins there until its spin is spent or the structure pulls the wall away.
+
+In a wall hit the ball's surface rubs up or down the wall: a vertical impulse, at most friction times the normal one, up
+to what ends that sliding, (2/7) m |spin|, since it lifts the ball too. What it gives the ball upwards or downwards is
+taken for lost on the floor.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from damper.threshold import drive, first_exceed
 if TYPE_CHECKING:
     from damper.arrays import Record
 
-_SPIN_UP = 2.5
+SPIN_UP = 2.5
 """A force on the rim of a solid sphere changes its surface speed 5/2 times as fast as its velocity."""
 _POSITION, _VELOCITY, _ACCELERATION, _CONTACT, _CONTACT_RATE = 0, 1, 2, 3, 4
 _RATE = (1, 2, 5, 4, 5)  # where the rate of each stands
@@ -30,20 +34,27 @@ _RATE = (1, 2, 5, 4, 5)  # where the rate of each stands
 def spin_after(axis: Record, ball: Record, tau: float) -> float:
     """Surface speed after sliding for tau; a ball pressed against a wall spins down to rest."""
     if axis.f != 0.0:
-        return float(axis.spin - _SPIN_UP * axis.f * tau)
-    return math.copysign(max(abs(axis.spin) - _SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+        return float(axis.spin - SPIN_UP * axis.f * tau)
+    return math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+
+
+@kernel
+def rubbed(spin: float, normal_impulse: float, ball: Record) -> float:
+    """Spin after a wall hit with this impulse [N s]."""
+    vertical = min(ball.friction * normal_impulse / ball.mass, abs(spin) / (1.0 + SPIN_UP))
+    return math.copysign(abs(spin) - SPIN_UP * vertical, spin)
 
 
 @kernel
 def sliding_distance(axis: Record, path: float, tau: float) -> float:
     """Distance that the contact slid while the ball's centre moved by `path`."""
-    return float(path - axis.spin * tau + 0.5 * _SPIN_UP * axis.f * tau * tau)
+    return float(path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau)
 
 
 @kernel
 def end_of_pressing(axis: Record, law: Record, ball: Record) -> tuple[float, int]:
     """End of spinning while pressed against a wall: the spin is spent, or the structure pulls the wall away."""
-    spent = abs(axis.spin) / (_SPIN_UP * ball.grip)
+    spent = abs(axis.spin) / (SPIN_UP * ball.grip)
     side = 1 if axis.s > 0.0 else -1
     pressing = side * math.copysign(ball.grip, axis.spin)
     p, q = drive(axis, law, law.damping, -side)
@@ -102,8 +113,8 @@ def _wall(axis: Record, law: Record, low: float, high: float) -> float:
 def _slide(axis: Record, law: Record, tau: float) -> tuple[float, float, float, float, float, float]:
     """Relative position, velocity, acceleration; speed and acceleration of the contact; jerk."""
     s, w, acceleration, jerk = relative(axis, law, tau)
-    contact = w - axis.spin + _SPIN_UP * axis.f * tau
-    return s, w, acceleration, contact, acceleration + _SPIN_UP * axis.f, jerk
+    contact = w - axis.spin + SPIN_UP * axis.f * tau
+    return s, w, acceleration, contact, acceleration + SPIN_UP * axis.f, jerk
 
 
 @kernel

@@ -71,12 +71,15 @@ def stepped_ringdown(
             relative one: not what the paper prints, but what a slip in its program would do.
 
     Raises:
-        ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip.
+        ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip, with a floor that
+            is not level or with several modes.
     """
     from damper.stepping_kernel import march
 
     if damper.floor_friction is not None:
         raise ValueError("floor_friction: the paper's algorithm knows no slip")
+    if damper.modes is not None or not damper.level:
+        raise ValueError("the paper's algorithm knows a level floor only, moved by one mode along each axis")
     cycles, steps_per_cycle = whole("cycles", cycles), whole("steps_per_cycle", steps_per_cycle)
     rows = damper.parameters
     rest = (0.0, 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from damper import engine_linear
 from damper.compiled import kernel
 from damper.detect import schedule
 from damper.engine import DONE, release, run
@@ -70,3 +71,63 @@ def _energy(axes: Records, laws: Records, ball: Record) -> float:
         twice += laws[i, STUCK].stiffness * axis.u * axis.u + ball.host_mass * axis.v * axis.v
         twice += ball.mass * speed * speed + ball.spin_mass * axis.spin * axis.spin
     return 0.5 * twice
+
+
+@kernel
+def run_linear_by_cycles(
+    block: tuple[int, int],
+    clocks: Records,
+    systems: Records,
+    motions: Records,
+    axes: Records,
+    balls: Records,
+    books: Records,
+    cycles: Records,
+    tables: tuple[Floats, Records, Floats],
+    budget: int,
+    factor: float,
+    least: float,
+    energies: Floats,
+) -> None:
+    """The same as `run_by_cycles` in linear flights."""
+    peaks, rows, states = tables
+    for k in range(block[0], block[1]):
+        after, system, motion = 0.0, systems[k], motions[k]
+        for n in range(energies.shape[1]):
+            clocks[k].end = (n + 1) * cycles[k].period
+            if n == 0:
+                engine_linear.release(clocks[k], system, motion, axes[k], balls[k], rows, states)
+            else:
+                allowed = energies[k, 0, 0] * factor**n
+                _shrink(math.sqrt(allowed / after) if after > allowed else 1.0, system, motion)
+                for g in range(system.groups):
+                    engine_linear.restart(g, clocks[k].time, system, motion, axes[k], balls[k])
+            before = _linear_energy(system, motion, axes[k], balls[k])
+            left = budget - clocks[k].events
+            where = clocks[k], system, motion, axes[k], balls[k], books[k], cycles[k]
+            if engine_linear.run(*where, peaks, rows, states, left) != DONE:
+                break
+            after = _linear_energy(system, motion, axes[k], balls[k])
+            energies[k, n, 0], energies[k, n, 1] = before, after
+            if after < least:
+                break
+
+
+@kernel
+def _shrink(smaller: float, system: Record, motion: Record) -> None:
+    """Make the structure's motion smaller."""
+    for m in range(system.coordinates):
+        if m != system.place[0] and m != system.place[1]:
+            motion.z[m] *= smaller
+            motion.rate[m] *= smaller
+
+
+@kernel
+def _linear_energy(system: Record, motion: Record, axes: Records, ball: Record) -> float:
+    """Energy of structure and ball [J]."""
+    twice = ball.spin_mass * (axes[0].spin ** 2 + axes[1].spin ** 2)
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
+            twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
+            twice += motion.z[m] * system.spring[m, n] * motion.z[n]
+    return float(0.5 * twice)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.batch import in_blocks
+from damper.motion import LEVEL, flights, kinds
 from damper.parameters import inertia_ratio
 from damper.prepare import prepare
 from damper.records import EVENT
@@ -61,7 +62,8 @@ class Working:
     Attributes:
         amplitude: A, ascending, shape (n,) [m].
         damping_ratio: -ln(1 - Psi) / (4 pi) at A, Psi being the share of the energy taken in a cycle, shape (n,) [-].
-        cutoff: amplitude up to which the ball stays at rest, a_r / omega_1^2 [m].
+        cutoff: amplitude up to which the ball stays at rest in the middle, a_r / |omega_1^2 - E|, where E u is how the
+            load pulls it down the tilting floor: a_r / omega_1^2 on a level one [m].
         peak: largest damping ratio [-]; 0 where the ball takes nothing.
         peak_amplitude: A there [m].
         range: amplitudes between which the damper works, from the cut-off (or, where nothing holds the ball, from half
@@ -117,10 +119,14 @@ def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
         threads: see :func:`damper.ringdowns`.
     """
     bare = replace(damper, damping_ratio=0.0)
-    gap, cutoff = bare.half_gap[0], bare.rolling_threshold / bare.stuck_frequency**2
+    left = abs(1 - bare.tilt_share[0])
+    gap = bare.half_gap[0]
+    if left < _BALANCED:
+        return _nothing(math.inf)
+    cutoff = bare.rolling_threshold / bare.stuck_frequency**2 / left
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return _nothing(cutoff)
-    lowest, top = max(cutoff, _freely(bare) * gap), 8 * max(cutoff, gap)
+    lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     while True:
         samples = _sweep(bare, lowest, top, threads)
         whole = _figures(samples, cutoff)
@@ -156,15 +162,21 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     start[:, 0, 0] = high * 2 ** ((each + 1) / _SWEEPS)  # at least one octave's share above, to settle on the way
     start[:, 2, 0] = damper.half_gap[0] * (1 - each / _SWEEPS)
     cycles = _SETTLING + math.ceil(_STAY * (math.log2(high / low) + 1))
-    p = prepare(np.repeat(damper.parameters, _SWEEPS), start, cycles, cycles)
+    many = np.repeat(damper.parameters, _SWEEPS)
+    p = prepare(many, start, cycles, cycles)
     tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
     energy = np.full((_SWEEPS, cycles, 2), np.nan)
-    factor, least = 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2
+    how = _EVENTS * cycles, 4 ** (-1 / _STAY), 0.5 * damper.stiffness[0] * low**2, energy
+    rest = p.axes, p.balls, p.books, p.cycles
+    closed = kinds(damper, damper.parameters)[0] == LEVEL
+    f = None if closed else flights(damper, many, p.axes, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
-        sweeping.run_by_cycles(
-            block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, _EVENTS * cycles, factor, least, energy
-        )
+        if f is None:
+            sweeping.run_by_cycles(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, *how)
+        else:
+            states = np.zeros((0, 2, 0))
+            sweeping.run_linear_by_cycles(block, p.clocks, f.systems, f.motions, *rest, (*tables, states), *how)
 
     in_blocks(work, _SWEEPS, threads or os.cpu_count() or 1, block_size=1)
     with np.errstate(divide="ignore"):
@@ -172,6 +184,16 @@ def _sweep(damper: ParticleDamper, low: float, high: float, threads: int | None)
     halves = np.repeat(np.column_stack([each % 2, each // (_SWEEPS // 2)]), level.shape[1], axis=0)
     rows = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _in_one_mode(damper: ParticleDamper, displacement: Floats) -> Floats | None:
+    """Amplitudes of the modes where the one that yields most along x moves the cavity so, shape (n, k)."""
+    if damper.modes is None:
+        return None
+    k = damper.leading(0)
+    amplitudes = np.zeros((len(displacement), len(damper.modes)))
+    amplitudes[:, k] = displacement / damper.modes[k].shape[0]
+    return amplitudes
 
 
 def _figures(samples: Floats, cutoff: float) -> Working | None:

@@ -216,6 +216,9 @@ class Reference:
         axis.x[1] = u_n - mbar * (1 + d.restitution) * closing / big
         axis.x[3] = p_n + mbar * (1 + d.restitution) * closing / m - axis.x[1]
         axis.direction, axis.slips = int(-side), False
+        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
+            lift = min(d.friction * mbar * (1 + d.restitution) * abs(closing) / m, 2 / 7 * abs(axis.x[5]))
+            axis.x[5] -= math.copysign(2.5 * lift, axis.x[5])
         floor = 1e-9
         if abs(axis.x[3]) <= max(d.sticking_ratio * abs(axis.x[1]), floor):
             common = (big * axis.x[1] + m * (axis.x[1] + axis.x[3])) / (m + big)

@@ -218,6 +218,31 @@ def test_effective_restitution_of_a_rolling_ball(e: float) -> None:
     assert grips["time"][0] > hits["time"][0]
 
 
+@pytest.mark.parametrize("tilt", [0.0, 1e-13])
+@pytest.mark.parametrize(("friction", "spin"), [(0.3, 2 / 7), (0.05, 1 - 2.5 * 0.05 * 1.5)])
+def test_the_wall_takes_spin(friction: float, spin: float, tilt: float) -> None:
+    """A vertical impulse at the wall, at most mu J or what ends the sliding there; at mu = 0.3, e = 0.5 the effective
+    restitution is 0.276 instead of 0.071, on either way through the engine."""
+    damper = slippery(0.5, friction=friction, floor_tilt=(tilt, tilt))
+    run = ringdown(damper, (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
+    hit, grip = (run.rows[run.rows["kind"] == kind][0] for kind in (HIT, GRIP))
+    assert hit["spin"] == pytest.approx(3.0 * spin, rel=1e-6)
+    assert grip["w"] == pytest.approx(-3.0 * (5 * 0.5 - 2 * spin) / 7, rel=1e-6)
+    if friction == 0.3:
+        assert -grip["w"] / 3.0 == pytest.approx(0.276, abs=5e-4)
+    cycles = 1.001 * grip["time"] * damper.stuck_frequency / (2 * math.pi)
+    books = ringdown(damper, (0.0, 0.0), cycles, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0)).energy
+    assert books.impact + books.slip == pytest.approx(0.7 * (9.0 - grip["w"] ** 2), rel=1e-6)
+
+
+@pytest.mark.parametrize(("e", "presses"), [(0.11, True), (0.12, False)])
+def test_below_which_restitution_the_ball_comes_back_to_the_wall(e: float, presses: bool) -> None:
+    """0.114 with the wall's friction, where it was 0.4 without."""
+    damper = slippery(e, friction=0.6)
+    run = ringdown(damper, (0.0, 0.0), 1e-3, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
+    assert (run.rows["w"][run.rows["kind"] == GRIP][0] > 0) == presses
+
+
 @pytest.mark.parametrize("e", [0.0, 0.2, 0.39])
 def test_a_dull_rolling_ball_keeps_pressing_the_wall(e: float) -> None:
     """Below e = 0.4 the ball bounces on the wall, friction pressing it there, until its spin is spent."""

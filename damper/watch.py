@@ -1,0 +1,65 @@
+"""The structure's velocity maxima where flights are series; what a cycle is, `damper.peaks` says."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from damper.compiled import kernel
+from damper.peaks import take
+from damper.series import rates
+
+if TYPE_CHECKING:
+    from damper.arrays import Record
+
+
+@kernel
+def watch(cycle: Record, system: Record, motion: Record, begin: float, end: float) -> bool:
+    """Look for the window's largest speed from time `begin` to `end`; True when it closed, as `damper.peaks.watch`."""
+    low, high = max(begin, cycle.opens), min(end, cycle.closes)
+    if low <= high:
+        pieces = 1 + int(8 * (high - low) / cycle.period)
+        t, (f, g) = low, _speed(system, motion, low)
+        take(cycle, t, f)
+        for i in range(pieces):
+            t_next = low + (high - low) * (i + 1) / pieces
+            f_next, g_next = _speed(system, motion, t_next)
+            take(cycle, t_next, f_next)
+            if g > 0.0 > g_next:
+                top = _stationary(system, motion, t, t_next, g, g_next, 1e-8 * cycle.period)
+                take(cycle, top, _speed(system, motion, top)[0])
+            t, g = t_next, g_next
+    return bool(end >= cycle.closes)
+
+
+@kernel
+def _speed(system: Record, motion: Record, time: float) -> tuple[float, float]:
+    """Speed squared and half its rate."""
+    square = rate = 0.0
+    for g in range(system.groups):
+        span = system.span[g]
+        x = (time - motion.start[g]) / span
+        for i in range(system.first[g], system.last[g]):
+            v, acceleration = rates(motion.cavity[i], x)
+            square += v * v / (span * span)
+            rate += v * acceleration / (span * span * span)
+    return square, rate
+
+
+@kernel
+def _stationary(
+    system: Record, motion: Record, low: float, high: float, g_low: float, g_high: float, tolerance: float
+) -> float:
+    """Zero of the rate between two times of opposite sign, by the Illinois rule."""
+    t = low
+    for _ in range(60):
+        t = high - g_high * (high - low) / (g_high - g_low)
+        g = _speed(system, motion, t)[1]
+        if g == 0.0 or abs(high - low) < tolerance:
+            break
+        if (g > 0.0) == (g_high > 0.0):
+            high, g_high = t, g
+            g_low *= 0.5
+        else:
+            low, g_low = high, g_high
+            high, g_high = t, g
+    return t

@@ -1,0 +1,116 @@
+"""Random flights whose next event is checked by brute force:  python -m tests.damper.flights [how many] [seed]"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+
+import numba as nb
+import numpy as np
+
+from damper import ParticleDamper
+from damper.engine_linear import restart
+from damper.motion import flights
+from damper.parameters import ensemble
+from damper.prepare import prepare
+from damper.records import ROLLING, STUCK
+from tests.damper.test_linear import scene
+
+SAMPLES = 10_000
+SLACK = 1e-12
+"""By which a sample may be beyond a guard, of the largest term in it: rounding."""
+
+
+@nb.njit
+def horner(series, x):
+    f = 0.0
+    for k in range(len(series) - 1, -1, -1):
+        f = f * x + series[k]
+    return f
+
+
+@nb.njit
+def drive(i, g, system, motion, x):
+    """What accelerates a stuck ball against the cavity, from the series of its place."""
+    low, high, span = system.low[g], system.high[g], system.span[g]
+    second = 0.0
+    for k in range(motion.cavity.shape[1] - 1, 1, -1):
+        second = second * x + k * (k - 1) * motion.cavity[i, k]
+    total = -second / (span * span)
+    for m in range(low, high):
+        total -= system.pull[i, m] * horner(motion.series[m], x)
+    return total
+
+
+@nb.njit
+def missed(g, system, motion, axes, ball):
+    """Samples before the next event at which one has already happened."""
+    count, end = 0, motion.at[g]
+    for i in range(system.first[g], system.last[g]):
+        axis, s = axes[i], motion.series[system.place[i]]
+        rate = np.abs(s[1:]).sum()
+        for n in range(1, SAMPLES):
+            x = end * n / SAMPLES
+            if axis.regime == ROLLING:
+                position, speed = axis.direction * horner(s, x), 0.0
+                for k in range(len(s) - 1, 0, -1):
+                    speed = speed * x + axis.direction * k * s[k]
+                count += position > axis.half_gap * (1 + SLACK) or speed < -SLACK * rate
+            elif axis.regime == STUCK:
+                pull = drive(i, g, system, motion, x)
+                size = ball.threshold + np.abs(motion.cavity[i]).sum() / system.span[g] ** 2
+                outwards = motion.z[system.place[i]] * pull > 0 and abs(motion.z[system.place[i]]) >= axis.half_gap
+                count += abs(pull) > ball.threshold * (1 + SLACK) + SLACK * size and not outwards
+    return count
+
+
+@nb.njit
+def check(systems, motions, axes, balls, found):
+    """Begin every flight, and look through it up to its next event."""
+    for k in range(len(systems)):
+        for g in range(systems[k].groups):
+            restart(g, 0.0, systems[k], motions[k], axes[k], balls[k])
+            if motions[k].at[g] > 0.0:
+                found[k] += missed(g, systems[k], motions[k], axes[k], balls[k])
+
+
+def soak(flights_asked: int, seed: int = 0) -> tuple[int, int]:
+    """How many flights were looked through, and in how many of them an event was missed."""
+    rng, done, bad, each = np.random.default_rng(seed), 0, 0, 200
+    while done < flights_asked:
+        damper, _, _ = scene(int(rng.integers(1 << 30)))
+        bad += int((look(replace(damper, floor_friction=None), each, rng) > 0).sum())
+        done += each
+    return done, bad
+
+
+def look(damper: ParticleDamper, each: int, rng: np.random.Generator) -> np.ndarray:
+    """Random states of one damper: positions anywhere in the cavity, axes rolling or stuck."""
+    rows = ensemble(damper.parameters, each, {})
+    start = np.zeros((each, 5, 2))
+    start[:, :2] = rng.normal(size=(each, 2, 2)) * 10 ** rng.uniform(-2, 1, (each, 1, 1))
+    start[:, 2] = rng.uniform(-1, 1, (each, 2)) * np.array(damper.half_gap)
+    p = prepare(rows, start, 1.0, 1.0)
+    f = flights(damper, rows, p.axes)
+    speed = rng.normal(size=(each, 2)) * 10 ** rng.uniform(-3, 1, (each, 2)) * rng.integers(0, 2, (each, 2))
+    p.axes["w"] = p.axes["spin"] = speed
+    p.axes["regime"] = np.where(speed != 0, ROLLING, STUCK)
+    p.axes["direction"] = np.sign(speed)
+    for i in range(2):
+        f.motions["rate"][np.arange(each), f.systems["place"][:, i]] = speed[:, i]
+    found = np.zeros(each, np.int64)
+    check(f.systems, f.motions, p.axes, p.balls, found)
+    return found
+
+
+def main() -> None:
+    asked = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
+    begin = time.perf_counter()
+    done, bad = soak(asked, seed=int(sys.argv[2]) if len(sys.argv) > 2 else 0)
+    print(f"{done} flights of {SAMPLES} samples each, {bad} with a missed event, {time.perf_counter() - begin:.0f} s")
+    sys.exit(bad > 0)
+
+
+if __name__ == "__main__":
+    main()

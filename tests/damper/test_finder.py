@@ -1,0 +1,117 @@
+"""The finder of events against brute force, and where finders miss: near tangents, zeros at the start, any scale."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from damper.finder import first_zero
+from tests.compiler import needs_compiler, some
+
+TERMS = 19
+
+
+def brute(guard: np.ndarray, end: float = 1.0, samples: int = 10_000) -> float:
+    """First sign change on a grid, polished by bisection."""
+    x = np.linspace(0, end, samples + 1)
+    below = np.flatnonzero(np.polynomial.polynomial.polyval(x, guard)[1:] <= 0)
+    if not len(below):
+        return math.inf
+    low, high = x[below[0]], x[below[0] + 1]
+    for _ in range(60):
+        mid = 0.5 * (low + high)
+        low, high = (low, mid) if np.polynomial.polynomial.polyval(mid, guard) <= 0 else (mid, high)
+    return high
+
+
+def waves(rng: np.random.Generator) -> np.ndarray:
+    """Series on [0, 1] of a sum of waves and a parabola, as flights make them; positive at the start."""
+    k = np.arange(TERMS)
+    factorial = np.array([math.factorial(n) for n in k], float)
+    guard = np.zeros(TERMS)
+    for _ in range(rng.integers(1, 4)):
+        frequency, amplitude, phase = rng.uniform(0.05, 1.2), 10 ** rng.uniform(-3, 0), rng.uniform(0, 2 * np.pi)
+        guard += amplitude * frequency**k * np.cos(phase + 0.5 * np.pi * k) / factorial
+    guard[:3] += rng.normal(size=3) * 10 ** rng.uniform(-3, 0, 3)
+    guard[0] = abs(guard[0]) * 10 ** rng.uniform(-6, 0)
+    return guard
+
+
+@pytest.mark.parametrize("seed", some(40, without=2))
+def test_against_brute_force(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(50):
+        guard = waves(rng)
+        found, expected = first_zero(guard, 1.0), brute(guard)
+        if found == math.inf:
+            assert expected == math.inf
+            continue
+        value = np.polynomial.polynomial.polyval(found, guard)
+        assert abs(value) <= 4e-15 * np.abs(guard).sum()
+        assert found <= expected * (1 + 1e-12) or abs(value) <= 1e-15 * np.abs(guard).sum()
+        if expected < math.inf and abs(found - expected) > 1e-9:  # a touch between two samples of the brute force
+            x = np.linspace(max(found - 1e-3, 0), found + 1e-3, 200_001)
+            assert np.polynomial.polynomial.polyval(x, guard).min() <= 1e-15 * np.abs(guard).sum()
+
+
+@pytest.mark.hard(
+    why="a guard that dips to within rounding of zero, between any two samples",
+    keeps="the dip is met where it goes below zero, and only there",
+)
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-12, -1e-12, -1e-9, -1e-6, -1e-3])
+@pytest.mark.parametrize("place", [0.013, 0.31, 0.77, 0.999])
+def test_near_tangent(depth: float, place: float) -> None:
+    guard = np.zeros(TERMS)
+    k = np.arange(TERMS)
+    guard[:] = -np.cos(0.5 * np.pi * k - 0.9 * place) * 0.9**k / [math.factorial(n) for n in k]
+    guard[0] += 1 + depth  # 1 + depth - cos(0.9 (x - place))
+    found = first_zero(guard, 1.0)
+    if depth > 0:
+        assert found == math.inf
+    else:
+        assert found == pytest.approx(place - math.acos(1 + depth) / 0.9 if -depth < 0.4 * place**2 else 0, abs=1e-7)
+
+
+@pytest.mark.hard(
+    why="a triple zero: slope and bend vanish with the guard", keeps="the zero, to the cube root of rounding"
+)
+def test_triple_zero() -> None:
+    guard = np.zeros(TERMS)
+    guard[:4] = 0.027, -0.27, 0.9, -1.0  # (0.3 - x)**3
+    assert first_zero(guard, 1.0) == pytest.approx(0.3, abs=2e-5)
+
+
+def test_a_guard_that_begins_at_zero() -> None:
+    """It has just been there: its next zero counts, however flat it begins, unless it falls."""
+    rise_and_fall = np.zeros(TERMS)
+    rise_and_fall[1:3] = 1.0, -2.0
+    assert first_zero(rise_and_fall, 1.0) == pytest.approx(0.5, rel=1e-15)
+    flat = np.zeros(TERMS)
+    flat[2:4] = 1.0, -4.0
+    assert first_zero(flat, 1.0) == pytest.approx(0.25, rel=1e-15)
+    assert first_zero(-flat, 1.0) == 0.0
+    assert first_zero(np.zeros(TERMS), 1.0) == math.inf
+
+
+def test_nothing_beyond_the_end() -> None:
+    guard = np.zeros(TERMS)
+    guard[:2] = 0.5, -1.0
+    assert first_zero(guard, 0.5 * (1 - 1e-12)) == math.inf
+    assert first_zero(guard, 0.5) == 0.5
+
+
+@pytest.mark.parametrize("scale", [1e-140, 1e-30, 1e30, 1e140])
+def test_scale_has_no_part_in_it(scale: float) -> None:
+    guard = waves(np.random.default_rng(3))
+    assert first_zero(scale * guard, 1.0) == pytest.approx(first_zero(guard, 1.0), rel=1e-12)
+
+
+@needs_compiler
+def test_no_event_is_missed() -> None:
+    """A short form of `python -m tests.damper.flights`."""
+    from tests.damper.flights import soak
+
+    done, bad = soak(1000)
+    assert (done, bad) == (1000, 0)

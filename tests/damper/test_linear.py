@@ -1,0 +1,116 @@
+"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration.
+
+More scenes than pytest runs:  python -m tests.damper.test_linear [how many]
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from damper import Harmonic, Mode, ParticleDamper, RingDown, ringdown
+from tests.compiler import needs_compiler, some
+from tests.damper.lagrangian import Lagrangian
+
+KINDS = {1: "start", 2: "reversal", 3: "hit", 5: "grip"}
+PERIODS = 1.0
+
+
+def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...], Harmonic | None]:
+    """A damper, amplitudes of its modes at release, and a harmonic; about unit size."""
+    rng = np.random.default_rng(seed)
+    ball, load = 10 ** rng.uniform(-3, -0.3), 10 ** rng.uniform(0, 2)
+    share = rng.choice([0.0, rng.uniform(-1.0, 1.6)], p=[0.2, 0.8], size=2)
+    bowl = 10 ** rng.uniform(-1, 1.3, 2)  # square of the pendulum's frequency, over 5/7
+    modes = None
+    if rng.random() < 0.5:
+        modes = tuple(
+            Mode(
+                mass=10 ** rng.uniform(-0.3, 0.7),
+                stiffness=10 ** rng.uniform(-0.3, 1.3),
+                shape=(rng.normal(), rng.normal() * rng.choice([0.0, 1.0])),
+                slope=tuple(rng.normal(size=2) / load),
+                damping_ratio=rng.choice([None, rng.uniform(0, 0.1)]),
+                drawn=tuple(rng.normal(size=2)),
+            )
+            for _ in range(rng.integers(2, 4))
+        )
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(1 + ball, (1 + ball) * rng.choice([1.0, rng.uniform(0.5, 4)])),
+        ball_mass=ball,
+        ball_radius=1.0,
+        cavity=tuple(2 + 2 * 10 ** rng.uniform(-1.3, 0.3, 2)),
+        centrifugal_acceleration=load,
+        restitution=rng.uniform(0.2, 1),
+        friction=rng.choice([0.0, rng.uniform(0, 0.6)]),
+        rolling_friction=rng.choice([0.0, rng.uniform(0, 0.5)], p=[0.1, 0.9]) / load,
+        damping_ratio=rng.choice([0.0, 10 ** rng.uniform(-3, -0.7)]),
+        floor_friction=rng.choice([None, None, rng.uniform(0.05, 1.0) / load * 3]),
+        floor_tilt=(0.0, 0.0) if modes else tuple(share / load),
+        floor_radius=tuple(1 + load / bowl) if rng.random() < 0.5 else None,
+        rotation=rng.choice([0.0, rng.uniform(0.1, 0.7)]),
+        stagger=rng.choice([0.0, rng.uniform(-1.6, 1.6)]),
+        modes=modes,
+    )
+    size = len(modes) if modes else 2
+    harmonic = None
+    if rng.random() < 0.4:
+        harmonic = Harmonic(
+            rng.uniform(0.3, 3), tuple(rng.normal(size=2)), tuple(rng.normal(size=size)), tuple(rng.normal(size=2)), 1.0
+        )
+    return damper, tuple(rng.normal(size=size)), harmonic
+
+
+def run(damper: ParticleDamper, amplitudes: tuple[float, ...], harmonic: Harmonic | None, cycles: float) -> RingDown:
+    if damper.modes is None:
+        return ringdown(damper, amplitudes, cycles, harmonic=harmonic, keep_events=True, max_events=10_000)
+    release = {"release": (0.0, 0.0), "amplitudes": amplitudes}
+    return ringdown(damper, cycles=cycles, harmonic=harmonic, keep_events=True, max_events=10_000, **release)
+
+
+def listed(motion: RingDown) -> list[tuple[float, int, str]]:
+    return [
+        (float(r["time"]), int(r["axis"]), "away" if r["kind"] == 1 and r["regime"] == 2 else KINDS[int(r["kind"])])
+        for r in motion.rows
+        if r["kind"] in KINDS
+    ]
+
+
+def agreed(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]], tolerance: float) -> int:
+    for k, (p, q) in enumerate(zip(a, b, strict=False)):
+        if p[1:] != q[1:] or not abs(p[0] - q[0]) < tolerance:
+            return k
+    return min(len(a), len(b))
+
+
+@needs_compiler
+@pytest.mark.parametrize("seed", some(80, without=0))
+def test_against_the_lagrangian(seed: int) -> None:
+    damper, amplitudes, harmonic = scene(seed)
+    motion = run(damper, amplitudes, harmonic, PERIODS)
+    books = motion.energy
+    assert abs(books.residual) <= 1e-12 * (books.initial + abs(books.work) + abs(books.final))
+    end = PERIODS * 2 * math.pi / damper.stuck_frequency
+    one = Lagrangian(damper, np.array(amplitudes), end, harmonic, most=25)
+    ours = listed(motion)
+    same = agreed(ours, one.events, 1e-9)
+    if same < len(one.events) or (one.time >= end and len(ours) != same):  # how far does the reference know?
+        other = Lagrangian(damper, np.array(amplitudes), end, harmonic, step=0.02, most=25)
+        known = agreed(one.events, other.events, 1e-10)
+        assert same >= known
+        assert known < len(one.events) or len(one.events) == len(other.events) == len(ours)
+        return
+    assert books.initial == pytest.approx(one.initial, rel=1e-12, abs=1e-12)
+    if one.time >= end:
+        scale = abs(books.initial) + abs(books.work)
+        assert books.final == pytest.approx(one.final, abs=1e-9 * scale)
+        assert books.work == pytest.approx(one.work, abs=1e-9 * scale)
+
+
+if __name__ == "__main__":
+    for number in range(int(sys.argv[1]) if len(sys.argv) > 1 else 200):
+        test_against_the_lagrangian(number)
