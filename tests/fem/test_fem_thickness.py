@@ -297,7 +297,11 @@ def test_what_is_not_a_thickness():
 )
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
 def test_the_mesh_chosen_is_as_good_as_it_says(profile, theory):
-    """Smooth, and with a kink inside cells: within the tolerance, and the estimate within twice what is left."""
+    """Smooth: within the tolerance, and the estimate within twice what is left.
+
+    With a kink inside cells two coarse meshes do not show how errors fall; what rests on them is doubted, and up to
+    four times what is left.
+    """
     planform = Rectangle(0.2, 0.08)
 
     def build(size):
@@ -312,7 +316,8 @@ def test_the_mesh_chosen_is_as_good_as_it_says(profile, theory):
         ]
     )
     assert np.abs(errors).max() < 1e-2
-    assert 0.5 * choice.errors.max() < np.abs(errors).max() < 2.0 * choice.errors.max()
+    largest = 2.0 if isinstance(profile, Polynomial) else 4.0
+    assert choice.errors.max() / largest < np.abs(errors).max() < 2.0 * choice.errors.max()
 
 
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
