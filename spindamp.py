@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from pathlib import Path

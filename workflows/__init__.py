@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from workflows.results.document import document
     from workflows.results.files import dataset
     from workflows.scene.file import SceneFile, load, parse, shipped
-    from workflows.scene.tables import Scene
+    from workflows.scene.scene import Scene
     from workflows.solve.records import Results
 
 _HOMES = {
@@ -29,7 +29,7 @@ _HOMES = {
     "NoAnswer": "workflows.errors",
     "NotAvailable": "workflows.errors",
     "Results": "workflows.solve.records",
-    "Scene": "workflows.scene.tables",
+    "Scene": "workflows.scene.scene",
     "SceneFile": "workflows.scene.file",
     "SpindampError": "workflows.errors",
     "dataset": "workflows.results.files",

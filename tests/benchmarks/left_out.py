@@ -15,7 +15,7 @@ import numpy as np
 
 from fem import Divergence, Effects, Material, NoEquilibrium, Plate, Rectangle, Rotor, assemble, solve_modes
 from workflows.decisions import effects
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 COUNT = 6
 SIZE = 4

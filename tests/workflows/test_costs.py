@@ -19,7 +19,7 @@ from workflows.decisions.decided import decide
 from workflows.decisions.effects import NAMES, OF_THE_PLATE
 from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
-from workflows.scene.tables import Accuracy
+from workflows.scene.rotor import Accuracy
 from workflows.solve import pilot
 from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
 from workflows.stages import Stages

@@ -10,7 +10,7 @@ import numpy as np
 
 from workflows.decisions.left_out import Called, LeftOut, everywhere
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.wording import significant
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from workflows.decisions import bending, theorising, turning
 from workflows.decisions.left_out import Called, LeftOut
 from workflows.decisions.theorising import Theory
 from workflows.errors import BadInput
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from workflows.scene.file import SceneFile

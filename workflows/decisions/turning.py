@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from workflows.decisions.left_out import Called, LeftOut, everywhere
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.wording import significant
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workflows.scene import paper
 from workflows.scene.materials import KNOWN
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.solve.records import Results
 
 _FLAT = "The centrifugal stress is that of the flat plate; vibrations are small about it."

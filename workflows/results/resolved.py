@@ -12,7 +12,7 @@ from workflows.scene import thicknesses
 from workflows.scene.cavity import PICTURE
 from workflows.scene.file import SceneFile
 from workflows.scene.materials import KNOWN
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from workflows.scene.tables import Damper
+    from workflows.scene.damper import Damper
 
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""

@@ -13,7 +13,10 @@ from workflows.scene import cavity, thicknesses
 from workflows.scene.materials import KNOWN
 
 if TYPE_CHECKING:
-    from workflows.scene.tables import Damper, Material, Plate, Release, Rotor, Scene, Thickness
+    from workflows.scene.damper import Damper, Release
+    from workflows.scene.plate import Material, Plate, Thickness
+    from workflows.scene.rotor import Rotor
+    from workflows.scene.scene import Scene
 
 _ROUNDING = 1e-9
 """Relative slack of comparisons between lengths, which come from decimal text."""

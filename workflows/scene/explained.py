@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from workflows.errors import BadInput, did_you_mean
 from workflows.scene import units
 from workflows.scene.materials import PLATES
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 _LISTED = 20
 """Unknown keys that are named in one message."""

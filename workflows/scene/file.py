@@ -19,7 +19,8 @@ from pydantic import ValidationError
 from workflows.errors import BadInput, did_you_mean
 from workflows.scene import units
 from workflows.scene.explained import explained
-from workflows.scene.tables import Scene, Table
+from workflows.scene.scene import Scene
+from workflows.scene.table import Table
 from workflows.wording import revolutions
 
 SHIPPED = Path(__file__).parents[1] / "scenes"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 SDC_RANGE = (0.14, 0.18)
 """Specific damping capacity that the paper reports over its loads (Fig. 3 and section III.A)."""

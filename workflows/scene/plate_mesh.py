@@ -11,7 +11,7 @@ from workflows.errors import BadInput
 from workflows.scene import cavity, thicknesses
 from workflows.scene.checks import disproportion
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     import fem

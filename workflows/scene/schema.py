@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 
 def schema() -> dict[str, Any]:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from fem.meshes.thickness import Profile
+    from workflows.scene.plate import Plate
     from workflows.scene.plate_mesh import Planform
-    from workflows.scene.tables import Plate
 
 GRID = 129
 """Places along each side of a rectangle at which a thickness is looked at."""

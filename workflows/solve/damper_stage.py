@@ -10,7 +10,7 @@ import numpy as np
 
 from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.solve.records import Damping, Energy, History, Reduced, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole

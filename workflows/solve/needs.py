@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.solve.plate_records import SHAPES_AT_MOST
 
 if TYPE_CHECKING:

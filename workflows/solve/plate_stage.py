@@ -16,7 +16,7 @@ from workflows.decisions.theorising import Theory
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.solve import needs, plate_records
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Diagram, Reduced, SpeedPoint, Surface

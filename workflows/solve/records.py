@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from workflows.decisions.effects import Effect
 from workflows.decisions.theorising import Theory
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from damper import Working

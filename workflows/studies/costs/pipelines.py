@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from workflows import pipeline
 from workflows.decisions.decided import decide
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Accuracy
+from workflows.scene.rotor import Accuracy
 from workflows.solve import records
 from workflows.solve.records import Results
 from workflows.stages import Stages, Step

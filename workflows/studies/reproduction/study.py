@@ -13,7 +13,7 @@ from workflows import pipeline
 from workflows.decisions.effects import Effect
 from workflows.scene import file as scene_file
 from workflows.scene.file import SceneFile
-from workflows.scene.tables import Scene
+from workflows.scene.scene import Scene
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages

@@ -1,0 +1,108 @@
+"""The tables of the damper: [damper], [release]."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from workflows.scene import checks as scene_checks
+from workflows.scene import materials
+from workflows.scene.fields import (
+    Cycles,
+    Density,
+    Length,
+    LengthPair,
+    LoadPair,
+    Mass,
+    NotNegative,
+    Number,
+    Positive,
+    name_of,
+)
+from workflows.scene.table import Table
+
+
+class Damper(Table):
+    """Equal balls, each in a cavity of its own, moving in step.
+
+    Its axes lie in the cavity's floor, which faces the spin axis: 1 through the plate's thickness (its z), along which
+    it bends, and 2 across (its y).
+    """
+
+    at: LengthPair | None = Field(
+        None,
+        description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
+        " default: the middle of the tip",
+    )
+    mass_ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
+        None, description="mass of all balls together over the effective mass M2, dimensionless"
+    )
+    mass: Annotated[Mass, Positive] | None = Field(None, description="mass of all balls together")
+    ball_density: Annotated[Density, Positive] | None = Field(
+        None, description="of each ball: all together then weigh count (4/3) π radius³ times as much"
+    )
+    ball_material: Annotated[str, *name_of(materials.BALLS)] | None = Field(
+        None, description="a material whose density is known, instead of ball_density"
+    )
+    count: Annotated[int, Field(ge=1, le=10**9)] = Field(
+        1, description="number of balls: equal, each in a cavity of its own, moving in step"
+    )
+    radius: Annotated[Length, Positive] = Field(description="of a ball; half its diameter")
+    cavity: LengthPair = Field(
+        description="sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across;"
+        " along the radius the cavity holds the ball"
+    )
+    housing: Annotated[Mass, Positive] | None = Field(
+        None,
+        description="mass of what holds the cavity where it stands out of the plate, a point mass at the damper's"
+        " place; without it the cavity must fit the plate",
+    )
+    restitution: Annotated[Number, Field(ge=0, le=1)] = Field(description="e of a wall hit, dimensionless")
+    friction: Annotated[Number, NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
+    rolling_friction: Annotated[Length, NotNegative] = Field(description="μ_r, a length")
+    formulation: Literal["consistent", "printed"] = Field(
+        "consistent", description="equations that keep Newton's third law, or the paper's as printed"
+    )
+    damping_ratio: Annotated[Number, Field(ge=0, lt=1)] = Field(
+        0.0, description="ζ of the structure itself, dimensionless"
+    )
+    sticking_ratio: Annotated[Number, Field(gt=0, lt=1)] = Field(
+        1e-2, description="ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name(cls, data: Any) -> Any:
+        return scene_checks.filled(data, "ball_material", materials.BALLS, ("ball_density",))
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        scene_checks.damper(self)
+        return self
+
+    @property
+    def balls(self) -> float | None:
+        """Mass of all balls together [kg]; None where it is a ratio."""
+        if self.ball_density is None:
+            return self.mass
+        return self.count * 4 / 3 * math.pi * self.radius**3 * self.ball_density
+
+
+class Release(Table):
+    """How the structure is let go: from rest, displaced."""
+
+    displacement: LengthPair | None = Field(
+        None, description="at release, in the damper's axes: 1 along the bending direction, 2 across"
+    )
+    acceleration: LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
+    ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
+        None, description="acceleration along the damper's axis 1 over the centrifugal load, dimensionless"
+    )
+    cycles: Cycles = Field("auto", description="number of vibration cycles; auto: until the ball rests for good")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        scene_checks.release(self)
+        return self

@@ -1,0 +1,79 @@
+"""The tables of what spins, what is counted and how exactly: [structure], [rotor], [effects], [accuracy]."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from workflows.scene import checks as scene_checks
+from workflows.scene import units
+from workflows.scene.fields import (
+    Acceleration,
+    Angle,
+    Frequency,
+    Length,
+    Mass,
+    NotNegative,
+    Number,
+    Positive,
+    Speeds,
+    Switch,
+)
+from workflows.scene.table import Table
+
+
+class Structure(Table):
+    """What the damper sitting on it needs to know, instead of a plate."""
+
+    frequency: Annotated[Frequency, Positive] = Field(description="ω1 / 2π, with the ball stuck")
+    mass: Annotated[Mass, Positive] = Field(description="M2: effective mass at the damper, without the ball")
+
+
+class Rotor(Table):
+    """How the structure spins."""
+
+    speeds: Speeds = Field(description="rotation speeds: a list, or count of them from start to stop")
+    hub_radius: Annotated[Length, NotNegative] = Field(
+        0.0, description="from the axis to the clamped root, wherever a mesh draws the root"
+    )
+    radius: Annotated[Length, Positive] | None = Field(
+        None, description="from the axis to the damper; only with [structure]"
+    )
+    stagger: Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
+    precone: Angle = Field(
+        0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
+    )
+    gravity: Annotated[Acceleration, Positive] = Field(
+        units.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
+    )
+    modes: Annotated[int, Field(ge=1, le=200)] = Field(6, description="number of modes at each speed")
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        scene_checks.rotor(self)
+        return self
+
+
+class Effects(Table):
+    """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
+
+    stress_stiffening: Switch = Field(default="auto", description="the centrifugal pull stiffens the plate")
+    spin_softening: Switch = Field(default="auto", description="motion across the spin axis is softened")
+    coriolis: Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
+    large_deflection: Switch = Field(default="auto", description="modes about the plate as the load bends or twists it")
+    rotary_inertia: Switch = Field(default="auto", description="inertia of the turning cross-sections")
+    rolling_resistance: Switch = Field(default="auto", description="the load resists the ball's rolling")
+    impact_friction: Switch = Field(default="auto", description="friction where the ball hits a wall")
+    ball_slip: Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
+
+
+class Accuracy(Table):
+    """Relative errors asked for."""
+
+    frequency: Annotated[Number, Field(gt=0, lt=1)] = Field(
+        default=1e-3, description="relative error of the plate's frequencies, dimensionless"
+    )
+    damping: Annotated[Number, Field(gt=0, lt=1)] = Field(
+        default=1e-3, description="relative error of the damping, dimensionless"
+    )
