@@ -103,12 +103,7 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
         for pair in range(REGIMES**2)
     ]
     stiffness, damping, resistance, force = (np.stack(each, axis=1) for each in zip(*flights, strict=True))
-    ride = np.concatenate([structures.shape, np.broadcast_to(np.eye(2), (n, 2, 2))], axis=2)
-    mass, spring = ball * (ride.transpose(0, 2, 1) @ ride), np.zeros((n, k + 2, k + 2))
-    mass[:, range(k), range(k)] += structures.mass
-    spring[:, range(k), range(k)] = structures.spring
-    spring[:, k:, :k], spring[:, k:, k:] = ball * pull, ball * curve
-    spring[:, :k, k:] = spring[:, k:, :k].transpose(0, 2, 1)
+    mass, spring = _energies(structures, ball, pull, curve)
     members = members_of(rows, structures)
     order = [z for group in members for z in group]
     ends = np.cumsum([0, *map(len, members)])
@@ -152,6 +147,18 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
     }.items():
         _fill(systems[name], np.asarray(values))
     return systems
+
+
+def _energies(structures: Structures, ball: Floats, pull: Floats, curve: Floats) -> tuple[Floats, Floats]:
+    """Matrices (n, k + 2, k + 2) of twice the kinetic and potential energy, spin apart; modes, then the ball."""
+    n, k = structures.mass.shape
+    ride = np.concatenate([structures.shape, np.broadcast_to(np.eye(2), (n, 2, 2))], axis=2)
+    mass, spring = ball * (ride.transpose(0, 2, 1) @ ride), np.zeros((n, k + 2, k + 2))
+    mass[:, range(k), range(k)] += structures.mass
+    spring[:, range(k), range(k)] = structures.spring
+    spring[:, k:, :k], spring[:, k:, k:] = ball * pull, ball * curve
+    spring[:, :k, k:] = spring[:, k:, :k].transpose(0, 2, 1)
+    return mass, spring
 
 
 def _fill(room: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,8 +19,10 @@ from damper.records import EVENT
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from damper.course import Course
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
+    from damper.prepare import Prepared
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -169,8 +171,24 @@ def ringdown(
     start = np.array([[pair(name, value) for name, value in state.items()]])
     parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)
-    clock, axes = one.clocks[0], one.axes[0]
     course = course_of(damper, one, harmonic, amplitudes)
+    done, tables = _followed(course, one, most, keep_events, progress)
+    return _gathered(damper, course, one, outcome_of(done, cycles is not None, one.clocks[0]), tables, harmonic)
+
+
+class _Tables(NamedTuple):
+    """Peaks (n, 2), and where events are kept their rows and, of linear flights, the states at them."""
+
+    peaks: Floats
+    rows: Records | None
+    states: Floats | None
+
+
+def _followed(
+    course: Course, one: Prepared, most: int, keep_events: bool, progress: Callable[[float], None] | None
+) -> tuple[bool, _Tables]:
+    """Run to the end, or to so many events at most; whether it was done, and what was recorded."""
+    clock = one.clocks[0]
     peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)
     states = course.states(len(rows))
     course.release(rows, states)
@@ -182,17 +200,24 @@ def ringdown(
         rows, states = _roomier(rows, used), _roomier(states, used)
         if progress is not None:
             progress(float(clock["time"]))
+    kept = rows[: clock["rows"]].copy() if keep_events else None
+    at_them = states[: clock["rows"]].copy() if keep_events and states.size else None
+    return done, _Tables(peaks[: clock["peaks"]].copy(), kept, at_them)
 
+
+def _gathered(
+    damper: ParticleDamper, course: Course, one: Prepared, outcome: Outcome, tables: _Tables, harmonic: Harmonic | None
+) -> RingDown:
+    clock, load = one.clocks[0], damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
-    load = damper.centrifugal_acceleration
     return RingDown(
         damper=damper,
-        outcome=outcome_of(done, cycles is not None, clock),
+        outcome=outcome,
         duration=float(clock["time"]),
         impacts=int(clock["impacts"]),
         events=int(clock["events"]),
-        peak_times=peaks[: clock["peaks"], 0].copy(),
-        peak_velocities=peaks[: clock["peaks"], 1].copy(),
+        peak_times=tables.peaks[:, 0],
+        peak_velocities=tables.peaks[:, 1],
         last_motion=float(clock["last_motion"]) if moved else None,
         rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
         energy=EnergyBooks(
@@ -200,10 +225,10 @@ def ringdown(
             final=course.energy(),
             **{name: float(one.books[name][0]) for name in ("structure", "rolling", "impact", "slip", "work")},
         ),
-        largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
-        rows=rows[: clock["rows"]].copy() if keep_events else None,
+        largest_rolling_demand=float(one.axes[0]["demand"].max()) / load if load > 0 else None,
+        rows=tables.rows,
         harmonic=harmonic,
-        states=states[: clock["rows"]].copy() if keep_events and states.size else None,
+        states=tables.states,
         modal_energies=course.modal_energies(),
     )
 
