@@ -111,7 +111,7 @@ def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | No
     stuck = _stuck_modes(structures, pull, curve, ball, members)
     one, two = np.arange(k + 2)[order], np.ix_(order, order)
     zeros = np.zeros((n, 2, 2))
-    span = np.stack([1.0 / _fastest(stiffness, damping, driven, group) for group in members], axis=1)
+    span = _spans(stiffness, damping, driven, members)
     step = np.repeat(span, np.diff(ends), axis=1)[:, None, :]
     members_low = ends[:-1]
     systems = np.zeros(n, SYSTEM)
@@ -281,3 +281,10 @@ def _fastest(stiffness: Floats, damping: Floats, driven: Floats, group: list[int
     decays = np.abs(np.linalg.eigvals(_picked(damping, at))).max(axis=(1, 2))
     fastest: Floats = np.maximum(np.maximum(turns, decays), driven[:, 0])
     return fastest
+
+
+def _spans(stiffness: Floats, damping: Floats, driven: Floats, members: list[list[int]]) -> Floats:
+    """Unit of time (n, groups) [s] of each group's flights; one without a mode of its own takes the others'."""
+    rates = np.stack([_fastest(stiffness, damping, driven, group) for group in members], axis=1)
+    spans: Floats = 1.0 / np.where(rates > 0.0, rates, rates.max(axis=1, keepdims=True))
+    return spans

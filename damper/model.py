@@ -90,9 +90,12 @@ class ParticleDamper:
         Formulation(self.formulation)
         if self.floor_friction is not None and not number("floor_friction", self.floor_friction) > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
-        if self.modes is not None and not (self.modes and all(isinstance(mode, Mode) for mode in self.modes)):
+        listed = isinstance(self.modes, tuple | list) and len(self.modes) > 0
+        if self.modes is not None and not (listed and all(isinstance(mode, Mode) for mode in self.modes)):
             raise ValueError(f"modes must be a tuple of at least one Mode, or None, got {self.modes!r}")
-        if self.modes is not None and tuple(self.floor_tilt) != (0.0, 0.0):
+        if self.modes is not None and not any(any(mode.shape) for mode in self.modes):
+            raise ValueError("modes: none of them moves the cavity")
+        if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
         validate(self.parameters)
 

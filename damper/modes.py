@@ -69,6 +69,9 @@ class Harmonic:
         """Refuse what has no physical sense."""
         if not 0 < number("frequency", self.frequency) < math.inf:
             raise ValueError(f"the harmonic's frequency must be positive, got {self.frequency:g}")
-        values = [*pair("force", self.force), *pair("base", self.base), *(self.modal or ()), self.phase]
-        if not all(math.isfinite(number("harmonic", value)) for value in values):
+        if self.modal is not None and not isinstance(self.modal, tuple | list):
+            raise ValueError(f"modal must be as many numbers as there are modes, or None, got {self.modal!r}")
+        modal = [number("modal", value) for value in self.modal or ()]
+        values = [*pair("force", self.force), *pair("base", self.base), *modal, number("phase", self.phase)]
+        if not all(map(math.isfinite, values)):
             raise ValueError("the harmonic's force, base and phase must be finite")

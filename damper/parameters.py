@@ -104,6 +104,10 @@ def validate(rows: Parameters) -> None:
         _require(rows[name] >= 0, name, rows[name], "≥ 0")
     for name in ("floor_tilt", "rotation", "stagger"):
         _require(np.isfinite(rows[name]), name, rows[name], "finite")
+    steep = np.abs(rows["floor_tilt"]) * rows["ball_radius"][:, None]
+    _require(
+        steep <= 1.0, "floor_tilt", rows["floor_tilt"], "at most 1 / ball_radius, beyond which floors are no floors"
+    )
     fits = rows["floor_radius"] > rows["ball_radius"][:, None]
     _require(fits, "floor_radius", np.minimum(rows["floor_radius"], 1e300), "more than the ball's radius")
     for name in ("friction", "floor_friction"):

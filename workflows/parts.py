@@ -32,6 +32,8 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
     speeds = sorted(source.scene.rotor.speeds)
     omega = speeds[(len(speeds) - 1) // 2]
     if rpm is not None:
+        if isinstance(rpm, bool) or not isinstance(rpm, int | float):
+            raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
         omega = rpm * math.pi / 30
         if not 0 <= omega <= FASTEST:
             most = FASTEST * 30 / math.pi

@@ -16,7 +16,7 @@ import numpy as np
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import SLOPE as SLOPING
 from fem.meshes.thickness import of, slope
-from fem.theory.clamp import STRETCHED, at_root, shift
+from fem.theory.clamp import STRETCHED, at_root, seeming
 from fem.theory.mindlin import SHEAR_CORRECTION
 
 if TYPE_CHECKING:
@@ -92,7 +92,8 @@ def doubt(operators: Operators, basis: Array) -> Array:
         return np.zeros((basis.shape[1],) * 2)
     gradient = _gradient(model, plate, basis)
     thin = model.theory.startswith("kirchhoff")
-    energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else model.theory])
+    unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
+    energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else "mindlin" if unmoved else model.theory])
     if thin:
         return 0.5 * energy + _thin(model, plate, gradient)
     wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
@@ -151,7 +152,7 @@ def _clamp(model: Discretisation, plate: Plate, gradient: Array, left: tuple[flo
         xx, xy, yx, yy = _on(model, facets, gradient[fields])
         strains = np.stack([xx, yy, xy + yx])
         stresses = np.tensordot(plate.material.plane_stress, strains, 1)
-        total += np.einsum("sfk,f,sfm->km", strains, part * shift(plate) * per_strain * lengths, stresses)
+        total += np.einsum("sfk,f,sfm->km", strains, part * seeming(plate) * per_strain * lengths, stresses)
     return total
 
 

@@ -44,8 +44,14 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
 
 def shift(plate: Plate) -> float:
     """How far outside its root (m) a solid seems to be clamped; nothing where springs hold it and let it contract."""
-    nu = plate.material.poissons_ratio
-    return 0.0 if plate.elastic_root is not None else HELD * nu**2 / (1.0 - nu) * at_root(plate)
+    return 0.0 if plate.elastic_root is not None else seeming(plate)
+
+
+def seeming(plate: Plate) -> float:
+    """The same (m) of springs too, as far as they hold the root from contracting: by k / (k + E)."""
+    nu, springs = plate.material.poissons_ratio, plate.elastic_root
+    held = 1.0 if springs is None else springs.stiffness / (springs.stiffness + plate.material.youngs_modulus)
+    return HELD * nu**2 / (1.0 - nu) * held * at_root(plate)
 
 
 def at_root(plate: Plate) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,6 +59,35 @@ def same(one: RingDown, other: RingDown) -> None:
     np.testing.assert_allclose(places[0]["time"], places[1]["time"], rtol=0, atol=1e-11 * period * max(one.events, 1))
     for name in ("initial", "final", "structure", "rolling", "impact", "slip"):
         assert getattr(one.energy, name) == pytest.approx(getattr(other.energy, name), abs=1e-11 * one.energy.initial)
+
+
+def test_one_mode_alone() -> None:
+    """Along y nothing moves the cavity: as if the structure there were not let go."""
+    one = ringdown(PAPER, (20e-3, 0.0), 20, keep_events=True)
+    bending = replace(PAPER, modes=as_modes(PAPER)[:1])
+    same(one, ringdown(bending, (20e-3, 0.0), 20, keep_events=True))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"floor_tilt": (1e30, 0.0)}, "floor_tilt"),
+        ({"modes": as_modes(PAPER)[0]}, "tuple of at least one Mode"),
+        ({"modes": (Mode(1.0, 1e6, (0.0, 0.0)),)}, "none of them moves the cavity"),
+        ({"modes": as_modes(PAPER), "floor_tilt": None}, "floor_tilt"),
+    ],
+)
+def test_what_is_no_floor_and_no_mode(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        replace(PAPER, **changes)
+
+
+def test_what_is_no_harmonic() -> None:
+    wrong: Any = 3.0
+    with pytest.raises(ValueError, match="modal"):
+        Harmonic(10.0, modal=wrong)
+    with pytest.raises(ValueError, match="phase"):
+        Harmonic(10.0, phase=None)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("way", LEVELLING)

@@ -265,3 +265,18 @@ def test_the_snippets_of_the_readme(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         exec(compile(text, f"README.md, snippet {number + 1}", "exec"), {"__name__": "__main__"})
     assert any("spindamp.save(" in text for text in found)
     assert any("spindamp.report(" in text for text in found)
+
+
+def test_a_report_replaces_plain_files_alone(damper: Results, tmp_path: Path) -> None:
+    """Not what a program reads from, nor a device."""
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no named pipes here")
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(workflows.BadInput, match="is no file that could"):
+        workflows.save_report(damper, tmp_path / "pipe")
+    assert (tmp_path / "pipe").is_fifo()
+    with pytest.raises(workflows.BadInput, match="is a folder"):
+        workflows.save_report(damper, f"{tmp_path}/x.html/")
+    wrong: Any = "3000 rpm"
+    with pytest.raises(workflows.BadInput, match="number of revolutions"):
+        spindamp.ringdown("structure", rpm=wrong)

@@ -47,7 +47,8 @@ def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
         TypeError: not results, or not a file's name.
     """
     expect(results, "save_report")
-    out = _file(_path("save_report", "file", path))
+    _path("save_report", "file", path)
+    out = _file(path)
     with artist(results) as drawing:
         drawings = _drawn(results, drawing)
     page = report.render(results, drawings)
@@ -81,16 +82,20 @@ def _path(who: str, what: str, given: object) -> Path:
     return Path(given)
 
 
-def _file(path: Path) -> Path:
+def _file(path: str | os.PathLike[str]) -> Path:
     """The path of a file, resolved; BadInput where there can be none."""
     try:
-        target = path.resolve()
-        taken = target.is_dir()
+        target = Path(path).resolve()
+        taken, special = target.is_dir(), target.exists() and not target.is_file()
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: a loop of links
         problem = f"cannot be a file: {getattr(error, 'strerror', None) or error}"
         raise BadInput(problem, key="path", value=str(path)) from error
-    if taken:
+    if taken or os.fspath(path).endswith(("/", os.sep)):
         raise BadInput("is a folder: expected a file, such as 'report.html'", key="path", value=str(path))
+    if special:
+        raise BadInput(
+            "is no file that could be replaced: expected one such as 'report.html'", key="path", value=str(path)
+        )
     return target
 
 
