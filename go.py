@@ -53,7 +53,7 @@ def test(arguments):
         ("ruff check", [PYTHON, "-m", "ruff", "check", *PACKAGES]),
         ("ruff format", [PYTHON, "-m", "ruff", "format", "--check", *PACKAGES]),
         ("mypy", [PYTHON, "-m", "mypy"]),
-        ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *arguments]),
+        ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
     ]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # the tests have all cores already
     failed = []

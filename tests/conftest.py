@@ -3,3 +3,30 @@
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+LONGEST = (
+    "workflows/test_ends.py",
+    "workflows/test_needs.py",
+    "workflows/test_costs.py",
+    "fem/test_fem_singular.py",
+    "workflows/test_pictures.py",
+    "workflows/test_notebook.py",
+    "damper/test_floor.py",
+    "damper/test_invariants.py",
+    "fem/test_fem_theories.py",
+    "fem/test_fem_choice.py",
+    "workflows/test_reproducibility.py",
+    "workflows/test_windows.py",
+)
+"""Modules that take long; begun first, so that no core waits for another at the end."""
+
+
+def pytest_collection_modifyitems(items):
+    """The longest modules first, each kept together."""
+    places = {name: place for place, name in enumerate(LONGEST)}
+
+    def place(item):
+        path = item.path.as_posix()
+        return next((places[name] for name in LONGEST if path.endswith(f"tests/{name}")), len(LONGEST))
+
+    items.sort(key=place)
