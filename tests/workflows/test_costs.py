@@ -395,8 +395,7 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
-@pytest.mark.parametrize("command", ["check", "campbell", "run"])
-@pytest.mark.parametrize("long", [False, True])
+@pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run", True)])
 def test_the_theory_is_chosen_once(
     command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
