@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 import spindamp
-from damper import ParticleDamper, ringdown, ringdowns
+from damper import ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
+from tests.benchmarks.damper_speed import scene
 
 RUNS = 5
 
@@ -29,18 +30,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
     """By name; what each needs is made beforehand."""
     plate = Plate(Rectangle(0.2, 0.08).mesh(4), 0.01, Material(182.6e9, 0.3, 7850.0))
     operators, bent = (assemble(plate, Rotor(0.1, 0.5), Effects(large_deflection=large)) for large in (False, True))
-    stiffness = 1.006 * (2 * np.pi * 269.5) ** 2
-    damper = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(stiffness, stiffness),
-        ball_mass=0.006,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=219320.0,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-    )
+    damper = scene()
     releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
     return {
         "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
