@@ -153,6 +153,18 @@ def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:
     assert len(built(changed(light, accuracy__damping=1e-7))[0].modes) > 2
 
 
+def test_a_release_sets_the_leading_modes_going(paper: Scene) -> None:
+    """Each axis moves by what was asked for, and no other mode does."""
+    scene = changed(
+        paper, effects=None, rotor__speeds=["7500 rpm"], rotor__stagger="30 deg", damper__at=["19 cm", "2 cm"]
+    )
+    system, _ = built(scene)
+    found = felt.amplitudes(system, (3e-3, 1e-3))
+    moved = np.array(found) @ np.array([mode.shape for mode in system.modes])
+    assert moved == pytest.approx([3e-3, 1e-3], rel=1e-9)
+    assert np.count_nonzero(found) == 2 < len(system.modes)
+
+
 def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     import fem.reduction.at_a_place as place
 

@@ -134,7 +134,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     cycles = scene.release.cycles if scene.release is not None else "auto"
     asked = None if isinstance(cycles, str) else cycles
     most = _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
-    motion = ringdown(system, release, asked, keep_events=keep, max_cycles=most, progress=_look_up)
+    start = felt.amplitudes(system, release)
+    motion = ringdown(system, release, asked, amplitudes=start, keep_events=keep, max_cycles=most, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity

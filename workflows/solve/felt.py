@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from workflows.decisions.effects import Effect
+from workflows.decisions.of_the_ball import SCATTERED
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint
 
 if TYPE_CHECKING:
     import damper
-
-SCATTERED = 1.0
-"""Relative change of the damping by a mode beyond the leading ones, over the ball's mass times the mode's squared
-displacement at the cavity (its modal mass 1 kg): what `python -m tests.benchmarks.modes_needed` measures at most."""
 
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
@@ -168,6 +165,25 @@ def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
     return found
+
+
+def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
+    """Amplitudes of the modes at a release: the leading ones displace the cavity so, the others rest. None without any.
+
+    A ball is judged by what it takes from the vibration let go, not by what a pull at its cavity sets ringing besides.
+    """
+    if system.modes is None:
+        return None
+    first, across = (system.leading(axis) for axis in range(2))
+    found = [0.0] * len(system.modes)
+    a, b = system.modes[first].shape, system.modes[across].shape
+    determinant = a[0] * b[1] - a[1] * b[0]
+    if first == across or determinant == 0.0:
+        found[first] = release[0] / a[0]
+    else:
+        found[first] = (release[0] * b[1] - release[1] * b[0]) / determinant
+        found[across] = (release[1] * a[0] - release[0] * a[1]) / determinant
+    return tuple(found)
 
 
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:

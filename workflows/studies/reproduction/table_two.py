@@ -198,10 +198,10 @@ def _with_tilt(study: Study) -> Claim:
         None,
         ratios,
         judge(all(map(_near_a_tenth, ratios))),
-        "Cut-off over load with the tilt simulated, at the seven loads: the load pulls the ball back down the slope, by"
-        f" {_percent(study.plate[0].tilt_share)} to {_percent(study.plate[-1].tilt_share)} % of its drive. What it takes"
-        f" of a cycle's energy at best falls from {_percent(own[0])} to {_percent(taken[0])} % at the lowest load, from"
-        f" {_percent(own[-1])} to {_percent(taken[-1])} % at the highest.",
+        "Cut-off over load with the tilt simulated, at all seven loads: the load pulls the ball back down the slope, by"
+        f" {_percent(study.plate[0].tilt_share)} to {_percent(study.plate[-1].tilt_share)} % of its drive. At best it"
+        f" takes not {_percent(own[0])} but {_percent(taken[0])} % of a cycle's energy at the lowest load, and not"
+        f" {_percent(own[-1])} but {_percent(taken[-1])} % at the highest.",
     )
 
 
