@@ -207,6 +207,12 @@ def in_blocks(
         work(block)
         return block[1] - begin
 
+    if threads == 1:  # a pool would take as long as a short sweep
+        for begin in range(0, size, block_size):
+            done = begin + counted(begin)
+            if progress is not None:
+                progress(done)
+        return
     with ThreadPoolExecutor(threads) as pool:
         pending = {pool.submit(counted, begin) for begin in range(0, size, block_size)}
         done = 0

@@ -1,0 +1,73 @@
+"""A study as files for people: `sweep.json` and one page."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workflows import wording
+from workflows.report import drawing, templating
+from workflows.studies.sweep import folder, pictures, summary
+from workflows.studies.sweep.axes import SPEEDS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_FIGURES = (
+    ("best_damping_ratio", "damping ratio, %", 100.0),
+    ("best_amplitude", "at an amplitude of, mm", 1e3),
+    ("cutoff", "at rest below, mm", 1e3),
+    ("range_high", "half is left up to, mm", 1e3),
+    ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
+    ("ball_mass", "mass of the balls, g", 1e3),
+    ("error", "error of the damping ratio, %", 100.0),
+)
+"""What the page says of the best point."""
+
+
+def write(data: xr.Dataset, out: Path) -> None:
+    """Write `sweep.json` and `report.html` into a study's folder.
+
+    Raises:
+        BadInput: they cannot be written.
+    """
+    page = render(data)
+    with folder.writing(out):
+        folder.write_whole(out / "sweep.json", f"{dumps(data)}\n".encode())
+        folder.write_whole(out / "report.html", page.encode())
+
+
+def dumps(data: xr.Dataset) -> str:
+    """The machine-readable result."""
+    return json.dumps(summary.document(data), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def render(data: xr.Dataset) -> str:
+    """The page."""
+    from markupsafe import Markup
+
+    found = summary.document(data)
+    return templating.page(
+        "sweep.html.j2",
+        {"significant": wording.significant, "fixed": wording.fixed},
+        drawing.shades_css(pictures.SHADES),
+        found=found,
+        best=_best(data, found),
+        figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(data)],
+        code=json.loads(data.attrs["code"]),
+    )
+
+
+def _best(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None:
+    """The best point in words, name by name."""
+    if found["best"] is None:
+        return None
+    keys, values = found["best"]["keys"], found["best"]["values"]
+    words = {name: summary.said(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    numbers = {
+        title: wording.significant(factor * values[name])
+        for name, title, factor in _FIGURES
+        if values[name] is not None
+    }
+    return words | numbers

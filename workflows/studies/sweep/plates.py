@@ -1,0 +1,132 @@
+"""Structures for many dampers: a plate is solved once for all that sit on it, at all their speeds."""
+
+from __future__ import annotations
+
+import json
+from collections import OrderedDict
+from dataclasses import dataclass, field, replace
+from threading import Lock
+from typing import TYPE_CHECKING
+
+from workflows.decisions import effects as rules
+from workflows.decisions.answering import answering
+from workflows.decisions.decided import decide
+from workflows.decisions.effects import OF_THE_PLATE, Effect
+from workflows.scene.file import SceneFile
+from workflows.scene.scene import Scene
+from workflows.solve import damper_stage, plate_records, plate_stage
+from workflows.solve.plate_records import Discrete
+from workflows.solve.records import SpeedPoint, Surface
+from workflows.stages import Stages
+
+if TYPE_CHECKING:
+    import fem
+
+_KEPT, _MASSES = 4, 256
+"""Plates that are kept at a time, and balls' masses of each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A plate at all speeds: its effects and matrices, its modes, and the points of the speeds it has an answer at."""
+
+    effects: dict[str, Effect]
+    discrete: Discrete
+    diagram: fem.Campbell
+    points: tuple[SpeedPoint, ...]
+    numbers: tuple[int, ...]
+    surface: Surface | None
+    carrying: dict[tuple[float | None, float | None], tuple[SpeedPoint, ...]] = field(default_factory=dict)
+
+    def with_ball(self, source: SceneFile) -> tuple[SpeedPoint, ...]:
+        """The points with what a damper of the mass in this scene feels."""
+        damper = source.scene.damper
+        mass = (None, None) if damper is None else (damper.balls, damper.mass_ratio)
+        if mass not in self.carrying:
+            if len(self.carrying) >= _MASSES:
+                self.carrying.clear()
+            with answering(source):
+                reduced = plate_stage.reduce(source, self.discrete.choice.operators, self.diagram)
+            pairs = zip(self.points, self.numbers, strict=True)
+            self.carrying[mass] = tuple(replace(point, reduced=reduced[number]) for point, number in pairs)
+        return self.carrying[mass]
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What carries a damper: its effects, a point for each speed that has an answer, and the plate's surface."""
+
+    effects: dict[str, Effect]
+    points: dict[float, SpeedPoint]
+    surface: Surface | None
+
+
+class Plates:
+    """The plates that were solved last, for as long as their dampers need them; for several threads."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[str, Solved] = OrderedDict()
+        self._lock = Lock()
+
+    def carry(self, source: SceneFile) -> Carried:
+        """The structure of a scene at all its speeds.
+
+        Raises:
+            BadInput, NoAnswer: see :func:`workflows.solve.plate_stage.solve`.
+        """
+        scene = source.scene
+        if scene.plate is None:
+            effects = rules.resolve(scene, source.name)
+            known = {omega: damper_stage.known_structure(scene, omega) for omega in scene.rotor.speeds}
+            return Carried(effects, known, None)
+        solved = self._solved(source)
+        effects = solved.effects | of_the_damper(scene)
+        return Carried(effects, {point.omega: point for point in solved.with_ball(source)}, solved.surface)
+
+    def _solved(self, source: SceneFile) -> Solved:
+        key = plate_key(source.scene)
+        with self._lock:
+            if key in self._known:
+                self._known.move_to_end(key)
+                return self._known[key]
+        found = solve(source)
+        with self._lock:
+            self._known[key] = found
+            while len(self._known) > _KEPT:
+                self._known.popitem(last=False)
+        return found
+
+
+def plate_key(scene: Scene) -> str:
+    """What the solution of a scene's plate depends on, as text: all but the damper, of which the place counts."""
+    data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release"})
+    damper = scene.damper
+    place = None if damper is None else {"at": damper.at, "housing": damper.housing}
+    return json.dumps(data | {"damper": place}, sort_keys=True)
+
+
+def solve(source: SceneFile) -> Solved:
+    """Solve a plate at all speeds of a scene."""
+    quiet = Stages(visible=False)
+    decided = decide(source, quiet)
+    with answering(source):
+        discrete = plate_stage.discretise(source, decided, quiet)
+        diagram = plate_stage.sweep(source, discrete)
+        known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+        numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
+        points = plate_records.points(source, discrete, diagram, numbers, [None] * diagram.omega.size)
+        surface = None
+        if source.mesh is not None:
+            surface = plate_records.surface(discrete.choice.operators, diagram, numbers[:1], 1)
+    effects = {name: decided.effects[name] for name in OF_THE_PLATE}
+    return Solved(effects, discrete, diagram, points, tuple(numbers), surface)
+
+
+def of_the_damper(scene: Scene) -> dict[str, Effect]:
+    """The effects of a scene's damper, decided as in a run."""
+    found = {}
+    for name in (name for name in rules.NAMES if name not in OF_THE_PLATE):
+        called, why = rules.RULES[name](scene)
+        asked = getattr(scene.effects, name)
+        found[name] = Effect(called if asked == "auto" else asked is True, why)
+    return found
