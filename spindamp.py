@@ -120,6 +120,7 @@ def sweep(
     sample: int | None = None,
     seed: int = 0,
     quick: bool = False,
+    uncertain: bool = False,
     out: str | PathLike[str] | None = None,
     workers: int | None = None,
     dask: str | None = None,
@@ -136,6 +137,8 @@ def sweep(
         sample: so many points spread over all ranges, in place of a grid.
         seed: of the sample.
         quick: figures to about a percent, in a fifth of the time.
+        uncertain: take the ranges (or ``"normal:MEAN:DEVIATION"``) as distributions, by default of restitution,
+            friction, rolling friction, damping ratio and clearance; `sample` is then the number of base points.
         out: a folder to work in: ended in any way and called again, it goes on there. None: nothing is left.
         workers: processes of this machine; None: one for each core.
         dask: address of a Dask scheduler, whose workers compute instead.
@@ -143,7 +146,7 @@ def sweep(
 
     Returns:
         A data set in which every key is a dimension, or of a sample a coordinate; a point without an answer holds nan,
-        and `reason` says why.
+        and `reason` says why. Of what is uncertain it has percentiles and Sobol' indices as well.
 
     Raises:
         BadInput: scene, keys or values are wrong, or the folder belongs to another study.
@@ -154,7 +157,7 @@ def sweep(
 
     folder = None if out is None else Path(out)
     who: dict[str, Any] = {"workers": workers, "dask": dask, "executor": executor}
-    return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, out=folder, **who)
+    return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
 
 
 def dataset(results: Results) -> xarray.Dataset:

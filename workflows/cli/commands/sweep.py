@@ -22,12 +22,20 @@ Count = Annotated[
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Figures to about a percent, in a fifth of the time.")]
 
+Uncertain = Annotated[
+    bool,
+    typer.Option(
+        "--uncertain", help="Take ranges (or normal:MEAN:DEVIATION) as distributions: percentiles and Sobol' indices."
+    ),
+]
+
 
 def sweep(
     scene: SceneArgument = "paper",
     vary: Vary = None,
     sample: Count = None,
     quick: Quick = False,
+    uncertain: Uncertain = False,
     out: Out = None,
     workers: Processes = None,
     dask: Dask = None,
@@ -42,18 +50,19 @@ def sweep(
     from workflows.scene import file as scene_file
     from workflows.stages import Stages
     from workflows.studies.sweep import folder, page, study, summary
+    from workflows.studies.sweep import uncertain as doubts
 
-    asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick)
+    asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     if out is None and not json:
         out = Path(f"spindamp-sweep-{scene_file.slug(asked.source.scene.title)}")
     if out is not None:
         folder.checked(out)
     hired = study.crew_of(workers, dask)
     with Stages() as stages:
-        if out is None:
-            data = study.in_memory(asked, hired, stages)
-        else:
-            data = study.complete(asked, out, hired, stages)
+        data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
+        if uncertain:
+            data = doubts.analysed(data, seed)
+        if out is not None:
             with stages("report"):
                 page.write(data, out)
     typer.echo(page.dumps(data) if json else summary.text(data))

@@ -12,17 +12,20 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from contextlib import ExitStack, contextmanager
-from typing import Any, TypeVar
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from workflows.errors import BadInput
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 T = TypeVar("T")
 
 _AHEAD = 2
 """Tasks handed out for each worker: one that it does, one that waits."""
 
-_DEATHS = 3
+_DEATHS = 6
 """Times in a row that workers may die before any task is finished."""
 
 _DYING = (
@@ -54,15 +57,15 @@ class Crew:
         """Dismiss what is left of the workers and hire others."""
         before = self._executor
         self._executor, self.size = self._hire()
-        before.shutdown(wait=False, cancel_futures=True)
+        before.shutdown(wait=False)
 
     def submit(self, task: Callable[..., T], *arguments: Any) -> Future[T]:
         """Hand out a task."""
         return self._executor.submit(task, *arguments)
 
     def dismiss(self) -> None:
-        """Let go of all that is handed out."""
-        self._executor.shutdown(wait=False, cancel_futures=True)
+        """Hand out no more."""
+        self._executor.shutdown(wait=False)
 
 
 def results(crew: Crew, task: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
@@ -71,7 +74,18 @@ def results(crew: Crew, task: Callable[[int], T], numbers: Iterable[int]) -> Ite
     Raises:
         BadInput: workers die again and again.
     """
-    waiting, pending, deaths = deque(numbers), dict[Future[T], int](), 0
+    pending: dict[Future[T], int] = {}
+    try:
+        yield from _all(crew, task, deque(numbers), pending)
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def _all(
+    crew: Crew, task: Callable[[int], T], waiting: deque[int], pending: dict[Future[T], int]
+) -> Iterator[tuple[int, T]]:
+    deaths = 0
     while waiting or pending:
         whole = _hand_out(crew, task, waiting, pending)
         finished, _ = wait(pending, timeout=_LOOK, return_when=FIRST_COMPLETED)
@@ -133,11 +147,19 @@ def local(workers: int | None = None) -> Iterator[Crew]:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    with ExitStack() as stack:
-        stack.enter_context(_one_thread())
-        crew = Crew(lambda: (ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin), count))
-        stack.callback(crew.dismiss)
-        yield crew
+    context = get_context("spawn")
+    held, let_go = context.Pipe(duplex=False)  # workers end when the end that lets go is closed
+
+    def hire() -> tuple[Executor, int]:
+        return ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(held,)), count
+
+    with held, let_go, _one_thread():
+        crew = Crew(hire)
+        try:
+            yield crew
+        finally:
+            let_go.close()
+            crew.dismiss()
 
 
 @contextmanager
@@ -192,16 +214,15 @@ def _one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _begin() -> None:
-    """In a new process: leave Ctrl-C to the one that started it, and end when that one ends, however it does."""
+def _begin(held: Connection) -> None:
+    """In a new process: leave Ctrl-C to the one that started it, and end when that one lets go or ends, however."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_the_parent, daemon=True).start()
+    threading.Thread(target=_end_with_the_parent, args=(held,), daemon=True).start()
 
 
-def _end_with_the_parent() -> None:
+def _end_with_the_parent(held: Connection) -> None:
     from multiprocessing import connection, parent_process
 
     parent = parent_process()
-    if parent is not None:
-        connection.wait([parent.sentinel])
-        os._exit(1)
+    connection.wait([held] if parent is None else [held, parent.sentinel])
+    os._exit(0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import wording
 from workflows.report import drawing, templating
-from workflows.studies.sweep import folder, pictures, summary
+from workflows.studies.sweep import folder, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 
 if TYPE_CHECKING:
@@ -54,9 +54,39 @@ def render(data: xr.Dataset) -> str:
         drawing.shades_css(pictures.SHADES),
         found=found,
         best=_best(data, found),
+        doubts=_doubts(data) if "ST" in data else [],
+        spreads=_spreads(data) if "ST" in data else {},
         figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(data)],
         code=json.loads(data.attrs["code"]),
     )
+
+
+def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
+    rows = []
+    for quantity, factor, called in (
+        ("damping_ratio_peak", 100.0, "damping ratio, %"),
+        ("cutoff", 1e3, "at rest below, mm"),
+    ):
+        q = uncertain.QUANTITIES.index(quantity)
+        for k, rpm in enumerate(data["rpm"].values):
+            ranked = uncertain.worth_measuring(data, quantity, k)[:2]
+            worth = ", ".join(
+                f"{n.partition('.')[2].replace('_', ' ')} {100 * t:.0f} %" for n, t, _ in ranked if t > 0.05
+            )
+            values = [factor * float(value) for value in data["percentiles"].values[q, :, k]]
+            rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
+    return rows
+
+
+def _spreads(data: xr.Dataset) -> dict[str, str]:
+    """The ranges that were drawn from, in words."""
+    names = [str(name) for name in data["parameter"].values]
+    ends = {name: (data[name].values.min(), data[name].values.max()) for name in names}
+    return {
+        name: f"{summary.said(data, name, low)} to {summary.said(data, name, high)}"
+        for name, (low, high) in ends.items()
+    }
 
 
 def _best(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None:

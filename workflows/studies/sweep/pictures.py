@@ -47,6 +47,8 @@ def draw(data: xr.Dataset) -> list[Picture]:
     """What a study looks like: the damping first, then the amplitude below which the ball rests."""
     if not np.isfinite(data[HEADLINE].values).any():
         return []
+    if "ST" in data:
+        return [_picture(partial(_bars, data), _OF_BARS)]
     if SAMPLE in data.dims:
         return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
     best = _best(data)
@@ -240,6 +242,31 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
         drawing.key(figure, axes, sheet)
     return drawing.svg(figure, sheet, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
 
+
+_OF_BARS = (
+    "Which parameter is worth measuring: the share of the variance that each has together with all it acts with (total"
+    " Sobol' index), with 95 % confidence, at the middle speed."
+)
+
+
+def _bars(data: xr.Dataset, sheet: Sheet) -> str:
+    """Total indices of the peak and of the cut-off, a bar for each parameter."""
+    shown = ("damping_ratio_peak", "cutoff_ratio")
+    k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
+    figure, panels = drawing.canvas(sheet, 0.9 + 0.34 * len(names), len(shown))
+    for axes, quantity in zip(panels, shown, strict=True):
+        found = data.sel(quantity=quantity).isel({SPEEDS: k})
+        totals = 100 * np.nan_to_num(found["ST"].values)
+        axes.barh(range(len(names)), totals, color=drawing.CATEGORIES[0], height=0.5)
+        halves = 100 * np.nan_to_num(found["ST_conf"].values)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=drawing.INK, elinewidth=1.0)
+        axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
+        axes.grid(visible=False, axis="y")
+        axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
+    return drawing.svg(figure, sheet, "indices", "Total Sobol' indices of each parameter")
+
+
+_CALLED = {"damping_ratio_peak": "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
 
 _SCATTERED = 6
 _DOTS = 2000

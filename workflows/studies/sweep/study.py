@@ -20,6 +20,7 @@ from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
 from workflows.stages import Stages
 from workflows.studies.sweep import axes, blocks, code, crew, folder, kernels, keys, plans, scenes, table
+from workflows.studies.sweep import uncertain as doubts
 from workflows.studies.sweep.blocks import Block
 from workflows.studies.sweep.crew import Crew
 from workflows.studies.sweep.folder import Folder
@@ -96,6 +97,7 @@ def asked(
     count: int | None = None,
     seed: int = 0,
     quick: bool = False,
+    uncertain: bool = False,
 ) -> Study:
     """The study of a scene over what is varied.
 
@@ -106,6 +108,8 @@ def asked(
     if source.scene.damper is None:
         raise BadInput("the table is missing: sweep needs a damper", file=source.name, key="[damper]")
     needs.check(source)
+    if uncertain:
+        return _uncertain(source, vary, count, seed, quick)
     given = axes.read(vary, source.scene.rotor.gravity)
     if not given:
         raise BadInput(
@@ -116,6 +120,16 @@ def asked(
     if count is None:
         return Study(source, plans.grid(given, speeds), quick, code.digest())
     return Study(source, plans.sample(given, speeds, count, seed), quick, code.digest())
+
+
+def _uncertain(
+    source: SceneFile, vary: Mapping[str, object] | Iterable[str], count: int | None, seed: int, quick: bool
+) -> Study:
+    """The study from which percentiles and Sobol' indices are taken."""
+    given = doubts.axes(vary, source.scene)
+    scenes.base(source, [axis.key for axis in given])
+    plan = doubts.plan(given, source.scene.rotor.speeds, doubts.BASE if count is None else count, seed)
+    return Study(source, plan, quick, code.digest())
 
 
 def compute(study: Study, number: int) -> Block:
@@ -200,6 +214,7 @@ def sweep(
     sample: int | None = None,
     seed: int = 0,
     quick: bool = False,
+    uncertain: bool = False,
     out: str | Path | None = None,
     workers: int | None = None,
     dask: str | None = None,
@@ -207,6 +222,7 @@ def sweep(
     stages: Stages | None = None,
 ) -> xr.Dataset:
     """The headline numbers of a scene over any of its keys; see :func:`spindamp.sweep`."""
-    study = asked(scene, vary, count=sample, seed=seed, quick=quick)
+    study = asked(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
     hired, clock = crew_of(workers, dask, executor), stages or Stages()
-    return in_memory(study, hired, clock) if out is None else complete(study, Path(out), hired, clock)
+    found = in_memory(study, hired, clock) if out is None else complete(study, Path(out), hired, clock)
+    return doubts.analysed(found, seed) if uncertain else found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from workflows.studies.sweep import quantities, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.wording import significant
 
@@ -35,7 +36,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "schema_version": 1,
         "title": data.attrs["title"],
         "study": data.attrs["study"],
-        "dimensions": {str(name): int(size) for name, size in data.sizes.items()},
+        "dimensions": {str(name): int(data.sizes[name]) for name in data[HEADLINE].dims},
         "points": int(flat.size),
         "without_answer": sum(reasons.values()),
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
@@ -43,15 +44,18 @@ def document(data: xr.Dataset) -> dict[str, Any]:
     }
     if np.isfinite(flat).any():
         found["best"] = at(data, int(np.nanargmax(flat)))
+    if "ST" in data:
+        found["uncertain"] = uncertain.document(data)
     return found
 
 
 def at(data: xr.Dataset, number: int) -> dict[str, Any]:
     """A point by its absolute index: the keys that are varied, and what was found there."""
-    place = np.unravel_index(number, tuple(data.sizes.values()))
-    point = data.isel({name: int(k) for name, k in zip(data.sizes, place, strict=True)})
+    points = data[[*quantities.NUMBERS]]
+    place = np.unravel_index(number, tuple(points.sizes[name] for name in points[HEADLINE].dims))
+    point = points.isel({name: int(k) for name, k in zip(points[HEADLINE].dims, place, strict=True)})
     keys = {str(name): point.coords[name].item() for name in point.coords}
-    values = {str(name): point[name].item() for name in point.data_vars if name != "reason"}
+    values = {str(name): point[name].item() for name in point.data_vars}
     return {"keys": keys, "values": {name: value if math.isfinite(value) else None for name, value in values.items()}}
 
 
@@ -67,10 +71,28 @@ def text(data: xr.Dataset) -> str:
         amplitude = values["best_amplitude"]
         there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
+    if "ST" in data:
+        lines += _uncertain(data)
     if found["without_answer"]:
         lines.append(f"{found['without_answer']} points have no answer:")
         lines += [f"  {entry['points']} × {entry['reason']}" for entry in found["reasons"][:3]]
     return "\n".join(lines)
+
+
+def _uncertain(data: xr.Dataset) -> list[str]:
+    """How far the peak spreads, and what it is worth measuring for it, at the middle speed."""
+    k = (data.sizes[SPEEDS] - 1) // 2
+    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[0, :, k])
+    ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], k)
+    shares = ", ".join(
+        f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked
+    )
+    rpm = f"{float(data['rpm'].values[k]):.6g} rpm"
+    return [
+        f"At {rpm} the largest damping ratio is {significant(low)} to {significant(high)} % (90 %), median"
+        f" {significant(middle)} %; of its variance each has, with all it acts together with:",
+        f"  {shares}",
+    ]
 
 
 def said(data: xr.Dataset, name: str, value: Any) -> str:
