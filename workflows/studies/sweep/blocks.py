@@ -12,7 +12,7 @@ import numpy as np
 from workflows.errors import BadInput, SpindampError, one_line
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import damper_stage
+from workflows.solve import damper_stage, felt
 from workflows.solve.records import Results, SpeedPoint
 from workflows.studies.sweep import quantities, scenes
 from workflows.studies.sweep.keys import SPEEDS
@@ -45,6 +45,12 @@ class Placed:
     carried: Carried
     point: SpeedPoint
     damper: ParticleDamper
+    release: tuple[float, float]
+
+    @property
+    def judged(self) -> ParticleDamper:
+        """The damper that a verdict speaks of."""
+        return damper_stage.judged(self.scene, self.carried.effects, self.point)
 
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
@@ -111,7 +117,7 @@ def place(number: int, scene: Scene, carried: Carried, omega: float, row: Any) -
         raise BadInput("the plate diverges at this speed")
     damper = damper_stage.particle_damper(scene, carried.effects, point)
     quantities.of_the_structure(row, point, damper.ball_mass)
-    return Placed(number, scene, carried, point, damper)
+    return Placed(number, scene, carried, point, damper, felt.released_at(scene, point))
 
 
 def said(error: SpindampError, source: SceneFile) -> str:
@@ -130,7 +136,7 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how
 
 
 def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
-    point = replace(each.point, working=measured(each.damper, known, **how))
+    point = replace(each.point, working=measured(each.judged, known, **how))
     results = Results(each.scene, each.carried.effects, (point,), surface=each.carried.surface)
     quantities.of_the_damper(row, results, point)
 
@@ -152,7 +158,8 @@ def _together(each: Placed) -> Any:
     """What the dampers of a batch have in common."""
     damper, release = each.damper, each.scene.release
     cycles = "auto" if release is None else release.cycles
-    return damper.formulation, damper.modes, damper.floor_friction is None, cycles
+    most = damper_stage.most_cycles(damper)
+    return damper.formulation, damper.modes, damper.floor_friction is None, damper.floor_radius is None, most, cycles
 
 
 def _batch(group: list[Placed]) -> Any:
@@ -161,10 +168,13 @@ def _batch(group: list[Placed]) -> Any:
 
     first = group[0]
     cycles = first.scene.release.cycles if first.scene.release is not None else "auto"
-    released = np.array([damper_stage.released_at(each.scene, each.point) for each in group])
+    released = [each.release for each in group]
     rows = np.concatenate([each.damper.parameters for each in group])
     names = [name for name in PARAMETERS.names or () if name != "printed"]
     if first.damper.floor_friction is None:
         names.remove("floor_friction")
-    varied: dict[str, Any] = {name: rows[name] for name in names}
-    return ringdowns(first.damper, released, None if isinstance(cycles, str) else cycles, threads=1, **varied)
+    how: dict[str, Any] = {name: rows[name] for name in names}
+    if first.damper.modes is not None:
+        how["amplitudes"] = np.array([felt.amplitudes(each.damper, each.release) for each in group])
+    how["max_cycles"] = damper_stage.most_cycles(first.damper)
+    return ringdowns(first.damper, released, None if isinstance(cycles, str) else cycles, threads=1, **how)

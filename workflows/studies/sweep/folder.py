@@ -127,8 +127,11 @@ def checked(path: Path) -> Path:
     Raises:
         BadInput: see :func:`workflows.output.store.check`; or it holds what no study wrote.
     """
+    target = Path(os.path.realpath(path))
+    if (target / STUDY).is_file():
+        return target
     target = store.check(path)
-    if target.is_dir() and not (target / STUDY).exists():
+    if target.is_dir():
         others = [found.name for found in sorted(target.iterdir()) if found.name not in (SHARDS, LOCK)]
         others = [name for name in others if not name.startswith(_ASIDE)]
         if others:

@@ -14,13 +14,14 @@ from workflows.decisions.decided import decide
 from workflows.decisions.effects import OF_THE_PLATE, Effect
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import damper_stage, plate_records, plate_stage
+from workflows.solve import felt, plate_records, plate_stage
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
+    from workflows.scene.plate_mesh import Planform
 
 _KEPT, _MASSES = 4, 256
 """Plates that are kept at a time, and balls' masses of each."""
@@ -30,26 +31,31 @@ _KEPT, _MASSES = 4, 256
 class Solved:
     """A plate at all speeds: its effects and matrices, its modes, and the points of the speeds it has an answer at."""
 
+    form: Planform | None
     effects: dict[str, Effect]
     discrete: Discrete
     diagram: fem.Campbell
     points: tuple[SpeedPoint, ...]
     numbers: tuple[int, ...]
     surface: Surface | None
-    carrying: dict[tuple[float | None, float | None], tuple[SpeedPoint, ...]] = field(default_factory=dict)
+    carrying: dict[tuple[float | None, float | None, bool], tuple[SpeedPoint, ...]] = field(default_factory=dict)
 
-    def with_ball(self, source: SceneFile) -> tuple[SpeedPoint, ...]:
+    def with_ball(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The points with what a damper of the mass in this scene feels."""
-        damper = source.scene.damper
-        mass = (None, None) if damper is None else (damper.balls, damper.mass_ratio)
-        if mass not in self.carrying:
+        damper, modes = source.scene.damper, effects["structural_modes"].on
+        key = (None, None, modes) if damper is None else (damper.balls, damper.mass_ratio, modes)
+        if key not in self.carrying:
             if len(self.carrying) >= _MASSES:
                 self.carrying.clear()
+            operators = self.discrete.choice.operators
             with answering(source):
-                reduced = plate_stage.reduce(source, self.discrete.choice.operators, self.diagram)
-            pairs = zip(self.points, self.numbers, strict=True)
-            self.carrying[mass] = tuple(replace(point, reduced=reduced[number]) for point, number in pairs)
-        return self.carrying[mass]
+                reduced = plate_stage.reduce(source, operators, self.diagram)
+                at_cavity = plate_stage.cavity_modes(source, effects, operators, self.diagram, reduced)
+            self.carrying[key] = tuple(
+                replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
+                for point, number in zip(self.points, self.numbers, strict=True)
+            )
+        return self.carrying[key]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +83,12 @@ class Plates:
         scene = source.scene
         if scene.plate is None:
             effects = rules.resolve(scene, source.name)
-            known = {omega: damper_stage.known_structure(scene, omega) for omega in scene.rotor.speeds}
+            known = {omega: felt.known_structure(scene, omega) for omega in scene.rotor.speeds}
             return Carried(effects, known, None)
         solved = self._solved(source)
-        effects = solved.effects | of_the_damper(scene)
-        return Carried(effects, {point.omega: point for point in solved.with_ball(source)}, solved.surface)
+        effects = solved.effects | of_the_damper(scene, solved.form)
+        points = {point.omega: point for point in solved.with_ball(source, effects)}
+        return Carried(effects, points, solved.surface)
 
     def _solved(self, source: SceneFile) -> Solved:
         key = plate_key(source.scene)
@@ -114,19 +121,20 @@ def solve(source: SceneFile) -> Solved:
         diagram = plate_stage.sweep(source, discrete)
         known = {float(omega): number for number, omega in enumerate(diagram.omega)}
         numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
-        points = plate_records.points(source, discrete, diagram, numbers, [None] * diagram.omega.size)
+        none: list[None] = [None] * diagram.omega.size
+        points = plate_records.points(source, discrete, diagram, numbers, [*none], [() for _ in none])
         surface = None
         if source.mesh is not None:
             surface = plate_records.surface(discrete.choice.operators, diagram, numbers[:1], 1)
     effects = {name: decided.effects[name] for name in OF_THE_PLATE}
-    return Solved(effects, discrete, diagram, points, tuple(numbers), surface)
+    return Solved(decided.form, effects, discrete, diagram, points, tuple(numbers), surface)
 
 
-def of_the_damper(scene: Scene) -> dict[str, Effect]:
+def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
     """The effects of a scene's damper, decided as in a run."""
     found = {}
-    for name in (name for name in rules.NAMES if name not in OF_THE_PLATE):
-        called, why = rules.RULES[name](scene)
+    for name, rule in rules.OF_THE_BALL.items():
+        called, why = rule(scene, form)
         asked = getattr(scene.effects, name)
         found[name] = Effect(called if asked == "auto" else asked is True, why)
     return found

@@ -81,7 +81,7 @@ def of_the_structure(row: Any, point: SpeedPoint, ball_mass: float) -> None:
 
 def of_the_damper(row: Any, results: Results, point: SpeedPoint) -> None:
     """Fill in the damper's own figures."""
-    figures, best = worth.felt(point), worth.best(results, point)
+    figures, best = point.working, worth.best(results, point)
     row["grade"] = int(worth.grade(results, point))
     row["best_damping_ratio"] = 0.0
     if figures is None:

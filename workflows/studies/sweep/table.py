@@ -87,7 +87,7 @@ def _coordinates(plan: Plan, first: str, begin: int, end: int) -> dict[str, Any]
         mine = values[begin:end] if along == first else values
         found[name] = (along, _array(mine), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            from workflows.solve.damper_stage import rpm
+            from workflows.solve.felt import rpm
 
             found["rpm"] = (along, np.array([rpm(float(value)) for value in mine]), {"units": "rpm"})
     return found
