@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -34,9 +34,13 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in _OURS if isinstance(ki
 
 
 def write(results: records.Results, path: Path) -> None:
-    """Keep a run. Raises OSError where the file system refuses."""
+    """Keep a run but for its times, which stand in `results.json`: the same scene keeps the same bits.
+
+    Raises:
+        OSError: the file system refuses.
+    """
     arrays: Arrays = []
-    tree = _packed(results, arrays)
+    tree = _packed(replace(results, timings={}), arrays)
     text = json.dumps({"version": VERSION, "run": tree}, ensure_ascii=False)
     named = {f"array_{number}": array for number, array in enumerate(arrays)}
     np.savez_compressed(path, tree=np.frombuffer(text.encode(), np.uint8), **named)  # type: ignore[arg-type]
@@ -70,7 +74,15 @@ def read(folder: str | os.PathLike[str]) -> records.Results:
         raise _unreadable(given, f"is not what a run of ours keeps: {error}") from error
     if not isinstance(found, records.Results):
         raise _unreadable(given, "is not what a run of ours keeps")
-    return found
+    return replace(found, timings=_timings(path))
+
+
+def _timings(path: Path) -> dict[str, float]:
+    """What the stages took, from the file beside; nothing where that is gone."""
+    try:
+        return dict(json.loads(path.with_name("results.json").read_text(encoding="utf-8"))["timings"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
 
 
 def _unreadable(path: Path, problem: str) -> BadInput:
