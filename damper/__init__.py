@@ -9,7 +9,7 @@ of a `ParticleDamper` and the argument `harmonic` of `ringdown`, go beyond it; t
 The heavy parts (compiled kernels) load at the first ring-down.
 """
 
-from damper.backbone import Backbone, backbone
+from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
 from damper.forced import Forced, Regime, forced
@@ -24,6 +24,7 @@ from damper.working import Working, working
 __all__ = [
     "Backbone",
     "Batch",
+    "Branch",
     "Capacity",
     "EnergyBooks",
     "Forced",
@@ -37,6 +38,7 @@ __all__ = [
     "RingDown",
     "Start",
     "SteppedRingDown",
+    "Way",
     "Working",
     "backbone",
     "ball_density",

@@ -53,6 +53,7 @@ def test_a_locked_ball_is_the_textbook_s_oscillator(zeta: float) -> None:
         np.testing.assert_allclose(history.velocity[:, 0], (v * turn).real, atol=1e-10 * abs(v))
 
 
+@needs_compiler
 def test_a_locked_ball_from_anywhere() -> None:
     """Thrown or laid aside, a ball that comes to rest for good leaves the same linear answer."""
     damper = paper(damping_ratio=ZETA)
@@ -87,6 +88,7 @@ def test_locked_on_several_modes_and_a_moving_base() -> None:
         assert abs(answer[0] - np.array(weights) @ q * np.exp(0.4j)) <= 1e-12 * abs(answer[0])
 
 
+@needs_compiler
 def test_the_force_from_which_the_ball_moves() -> None:
     """a_r over the largest acceleration per force, less what the tilt of the floor takes of it."""
     for tilt in (0.0, 6.8):
@@ -122,6 +124,7 @@ def manifold(damper: ParticleDamper, amplitude: float, nu: float) -> float:
     return abs(structure - 4 * damper.ball_mass * nu / math.pi * (2 * nu / math.pi * theta))
 
 
+@needs_compiler
 @pytest.mark.parametrize("amplitude", [0.2, 0.3, 0.42, 0.55])
 def test_two_hits_a_cycle_of_a_free_ball(amplitude: float) -> None:
     """Near resonance the motion goes onto the manifold, wherever it begins but at rest; at rest no wall is reached."""
@@ -134,6 +137,7 @@ def test_two_hits_a_cycle_of_a_free_ball(amplitude: float) -> None:
     assert found.mean == pytest.approx(amplitude, rel=5e-3)
 
 
+@needs_compiler
 def test_answers_side_by_side() -> None:
     damper = free_ball(1e-3, 0.8, ZETA)
     found = forced(damper, [Harmonic(1.0, (manifold(damper, 0.3, 1.0), 0.0))], [Start.UP, Start.DOWN])
@@ -174,6 +178,7 @@ def dense(damper: ParticleDamper, force: float, nu: float, forget: int, cycles: 
     return np.diff(work) / (cycles / 16 * period)
 
 
+@needs_compiler
 @pytest.mark.parametrize(("force", "nu"), [(0.08, 1.01), (0.01, 1.0)])
 def test_chaotic_motion_beside_a_dense_integration(force: float, nu: float) -> None:
     damper = free_ball(0.05, 0.7, 0.01)
@@ -186,6 +191,7 @@ def test_chaotic_motion_beside_a_dense_integration(force: float, nu: float) -> N
     assert powers.mean() == pytest.approx(found.power_in[0, 0], abs=3.5 * error)
 
 
+@needs_compiler
 @pytest.mark.parametrize("zeta", [1e-3, 2e-2])
 def test_the_linear_absorber(zeta: float) -> None:
     """A ball in a bowl that nothing resists and that hits nothing: the linear absorber's response."""
@@ -207,6 +213,7 @@ def test_the_linear_absorber(zeta: float) -> None:
     np.testing.assert_allclose(found.mean, amplitude[:, None] * [1, 1], rtol=1e-6)
 
 
+@needs_compiler
 @pytest.mark.parametrize(
     ("lever", "load", "left"),
     [(0.01, 0.05, 0.30), (0.01, 0.15, 0.10), (0.01, 0.30, 0.05), (0.1, 0.15, 0.90), (0.1, 0.30, 0.50)],
@@ -285,11 +292,13 @@ def test_any_window_within_its_error(seed: int) -> None:
 
 def test_what_does_not_settle_is_said() -> None:
     damper = free_ball(0.02, 0.8, 5e-3)
-    found = forced(damper, [Harmonic(1.0, (0.01, 0.0))], [Start.DOWN], max_cycles=1000)
+    found = forced(damper, [Harmonic(1.0, (0.01, 0.0))], [Start.DOWN], max_cycles=128)
     assert found.regime[0, 0] is Regime.UNSETTLED
+    assert found.cycles[0, 0] <= 128
     assert found.error[0, 0] > 1e-2 * found.mean[0, 0] or abs(found.stored[0, 0]) > 1e-2 * found.power_in[0, 0]
 
 
+@needs_compiler
 def test_without_damping_a_locked_ball_has_no_steady_state() -> None:
     damper = paper()
     harmonic = Harmonic(1.01 * damper.stuck_frequency, (1.0, 0.0))
