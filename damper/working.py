@@ -81,32 +81,6 @@ class Working:
     half: tuple[float, float]
     error: float
 
-    def tilted(self, share: float) -> Working | None:
-        """The figures where the cavity's floor tilts with the structure; None where the ball can never move.
-
-        At a slope kappa over displacement the load G pulls the ball by G kappa u = -tau u'' down the slope,
-        tau = G kappa / omega_1^2, so that what drives it is (1 - tau) u'' instead of u'': nothing at tau = 1, beyond it
-        the pull of the slope. To leading order in the mass ratio the ball moves as it would at the
-        amplitude |1 - tau| A on a level floor, and takes the same energy.
-
-        Args:
-            share: tau [-].
-        """
-        left = abs(1 - share)
-        if left < _BALANCED:
-            return None
-        low, high = self.range
-        return replace(
-            self,
-            amplitude=self.amplitude / left,
-            damping_ratio=self.damping_ratio * left**2,
-            cutoff=self.cutoff / left,
-            peak=self.peak * left**2,
-            peak_amplitude=self.peak_amplitude / left,
-            range=(low / left, high / left),
-            half=(self.half[0] / left, self.half[1] / left),
-        )
-
 
 def working(damper: ParticleDamper, *, threads: int | None = None) -> Working:
     """Measure the damper on sweeps through the amplitudes along x, the structure's own damping set aside.

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from fem.plate.given import Material, Plate
     from fem.plate.root import ElasticRoot
     from fem.plate.rotor import Effects, Rotor
+    from fem.reduction.at_a_place import ModesAtPlace, modes_at
     from fem.reduction.at_one_speed import NoFlapMode, Reduced, reduce_at
     from fem.reduction.over_speeds import reduce_over
     from fem.statics.large_deflection import NoEquilibrium, equilibrium
@@ -48,6 +49,7 @@ _HOMES = {
     "Material": "fem.plate.given",
     "MeshError": "fem.meshes.planform",
     "Modes": "fem.modes.real",
+    "ModesAtPlace": "fem.reduction.at_a_place",
     "NoEquilibrium": "fem.statics.large_deflection",
     "NoFlapMode": "fem.reduction.at_one_speed",
     "NotConverged": "fem.linalg.lanczos",
@@ -69,6 +71,7 @@ _HOMES = {
     "equilibrium": "fem.statics.large_deflection",
     "estimate_error": "fem.accuracy.two_meshes",
     "families": "fem.modes.family",
+    "modes_at": "fem.reduction.at_a_place",
     "read_mesh": "fem.meshes.read",
     "rectangle": "fem.meshes.planform",
     "reduce_at": "fem.reduction.at_one_speed",
@@ -88,6 +91,7 @@ __all__ = [
     "Material",
     "MeshError",
     "Modes",
+    "ModesAtPlace",
     "NoEquilibrium",
     "NoFlapMode",
     "NotConverged",
@@ -109,6 +113,7 @@ __all__ = [
     "equilibrium",
     "estimate_error",
     "families",
+    "modes_at",
     "read_mesh",
     "rectangle",
     "reduce_at",

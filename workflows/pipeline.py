@@ -10,7 +10,7 @@ from workflows.findings.of_the_damper import remarks
 from workflows.report.brief import Shown
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import needs, records
+from workflows.solve import felt, needs, records
 from workflows.solve import plate_stage as plate
 from workflows.solve.plate_stage import PlateAnswer
 from workflows.solve.records import Results, SpeedPoint
@@ -45,7 +45,7 @@ def structure(
     """
     found = decided or decide(source, stages)
     if found.form is None:
-        points = tuple(ringdowns.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
+        points = tuple(felt.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Structure(source, found.effects, points, None)
     answer = plate.solve(source, found, stages, shapes=shapes, size=size)
     return Structure(source, found.effects, answer.points, answer, found.mesh_sha256)

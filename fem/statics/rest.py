@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.linalg.lanczos import SingularMatrix, factorise, lanczos, rounding
+from fem.operators.assembly import assemble
 
 if TYPE_CHECKING:
     from fem.operators.assembly import Operators
+    from fem.plate.root import ElasticRoot
 
 LOST = 0.1
 """What rounding may leave uncertain of the lowest frequency at rest, by an estimate that is some twenty times what is
@@ -17,18 +20,24 @@ measured (strips of h/L = 1e-4, W/L = 0.01 against thin-plate theory, 0.05 to 0.
 
 
 class Unresolved(ArithmeticError):
-    """Rounding has eaten up the stiffness: in double precision the theory has no answer for a plate so thin.
+    """Rounding has eaten up the stiffness: in double precision the theory has no answer.
 
-    uncertain: what is left uncertain of the lowest frequency at rest, relatively; infinite where it has none.
+    The plate is too thin, or stands on springs so soft that it is all but loose.
+
+    uncertain: what is left uncertain of the lowest frequency at rest, relatively; infinite where it has none. loose:
+    the root, where it is that which is too soft.
     """
 
-    def __init__(self, theory: str, uncertain: float) -> None:
+    def __init__(self, theory: str, uncertain: float, loose: ElasticRoot | None = None) -> None:
         left = f"rounding may be {100 * uncertain:.2g} % of" if uncertain < 1.0 else "rounding leaves nothing of"
-        super().__init__(
+        thin = (
             f"too thin for theory {theory!r} in double precision: {left} the lowest frequency at rest; "
             "of the theories, kirchhoff loses the fewest digits and solid the most"
         )
+        soft = f"too soft in double precision: the plate is all but loose, and {left} its lowest frequency at rest"
+        super().__init__(thin if loose is None else soft)
         self.uncertain = uncertain
+        self.loose = loose
 
 
 def check_speed(omega: float) -> None:
@@ -42,13 +51,24 @@ def check_rest(operators: Operators) -> None:
 
     At rest the stiffness is positive by construction: what is not so there, or is not there, is rounding.
     """
+    uncertain = _uncertain(operators)
+    if uncertain <= LOST:
+        return
+    root = operators.plate.elastic_root
+    if root is not None:
+        held = replace(operators.plate, elastic_root=None)
+        clamped = assemble(held, operators.rotor, operators.effects, operators.model.theory)
+        root = root if _uncertain(clamped) <= LOST else None
+    raise Unresolved(operators.model.theory, uncertain, root)
+
+
+def _uncertain(operators: Operators) -> float:
+    """What rounding leaves uncertain of the lowest frequency at rest, relatively; infinite where it has none."""
     try:
         factor = factorise(operators.stiffness)
     except SingularMatrix:
-        raise Unresolved(operators.model.theory, np.inf) from None
+        return np.inf
     if factor.negative:
-        raise Unresolved(operators.model.theory, np.inf)
+        return np.inf
     value, shape = lanczos(factor, operators.mass, 1)
-    uncertain = float(rounding(operators.stiffness, shape, value)[0])
-    if uncertain > LOST:
-        raise Unresolved(operators.model.theory, uncertain)
+    return float(rounding(operators.stiffness, shape, value)[0])

@@ -116,21 +116,36 @@ def test_ring_downs_lose_what_the_curve_says(zeta: float, over_cutoff: float) ->
 def test_peaks_on_level_and_tilting_floors(
     load: float, frequency: float, share: float, peak: tuple[float, float]
 ) -> None:
-    found = working(paper(load, frequency))
-    tilted = found.tilted(share)
-    assert tilted is not None
-    for figures, expected in zip((found, tilted), peak, strict=True):
+    level = paper(load, frequency)
+    found, tilting = working(level), working(tilted(level, share))
+    for figures, expected in zip((found, tilting), peak, strict=True):
         assert -math.expm1(-4 * math.pi * figures.peak) == pytest.approx(expected, rel=0.03)
-    assert tilted.cutoff == pytest.approx(found.cutoff / (1 - share))
+    assert tilting.cutoff == pytest.approx(found.cutoff / (1 - share))
 
 
-def test_a_floor_that_tilts_too_far() -> None:
-    """At 1 the slope takes all of the drive; beyond, it drives: at 2 as much as the vibration does on a level floor."""
-    found = working(paper())
-    assert found.tilted(1.0) is None
-    twice = found.tilted(2.0)
-    assert twice is not None
-    assert (twice.peak, twice.cutoff) == pytest.approx((found.peak, found.cutoff))
+@pytest.mark.parametrize("share", [-1.0, 0.5, 2.0])
+def test_the_slope_scales_the_drive(share: float) -> None:
+    """To leading order in the mass ratio the ball moves as at the amplitude |1 - tau| A on a level floor.
+
+    At tau = 2 the slope drives it as much as the vibration does on a level one.
+    """
+    level = paper(mass_ratio=1e-4)
+    found, tilting = working(level), working(tilted(level, share))
+    left = abs(1 - share)
+    assert tilting.peak == pytest.approx(found.peak * left**2, rel=0.02)
+    assert tilting.cutoff == pytest.approx(found.cutoff / left, rel=1e-9)
+
+
+def test_a_slope_that_takes_all_of_the_drive() -> None:
+    level = paper()
+    nothing = working(tilted(level, 1.0))
+    assert (nothing.peak, nothing.cutoff) == (0.0, math.inf)
+
+
+def tilted(damper: ParticleDamper, share: float) -> ParticleDamper:
+    """The damper on a floor whose slope takes a share of the ball's drive."""
+    slope = share * damper.stuck_frequency**2 / damper.centrifugal_acceleration
+    return replace(damper, floor_tilt=(slope, slope))
 
 
 @pytest.mark.parametrize("load", [0, 2687, 21932])

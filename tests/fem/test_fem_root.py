@@ -5,7 +5,7 @@ import pytest
 from fem_cases import STEEL
 from scipy.optimize import brentq
 
-from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, rectangle, solve_modes
+from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_error import theory_errors
 from fem.linalg.lanczos import factorise
 from fem.meshes.thickness import Polynomial
@@ -144,3 +144,13 @@ def test_stiff_springs_are_as_uncertain_as_a_clamp_not_moved(translation, rotati
     apart = np.abs(modes.frequencies_hz / solid.frequencies_hz - 1.0)
     said = theory_errors(free, modes.eigenvalues, modes.shapes)
     assert (apart < said + LAYERED[2] * thickness / length).all()
+
+
+@pytest.mark.parametrize(("thickness", "soft"), [(0.01, True), (1e-8, False)])
+def test_too_soft_is_not_too_thin(thickness, soft):
+    """By what is at fault: the springs of a plate that has its frequencies when clamped, or the plate."""
+    root = ElasticRoot(1e-6, 1e-9) if soft else ElasticRoot(1e12, 1e9)
+    plate = Plate(rectangle(0.2, 0.08, 8, 4), thickness, STEEL, elastic_root=root)
+    with pytest.raises(Unresolved, match="all but loose" if soft else "too thin for theory") as found:
+        solve_modes(assemble(plate, Rotor(), Effects(), "solid"), 0.0, 3)
+    assert (found.value.loose == root) == soft

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows import BadInput
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -106,3 +108,31 @@ def test_a_singular_matrix_is_named() -> None:
         factorise(csc_array(np.diag([1.0, 0.0])))
     with pytest.raises(ValueError, match="square"):
         factorise(csc_array(np.ones((2, 3))))
+
+
+def test_a_mass_that_tears_the_plate_off(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    """m Omega² R / (E b h): 1e6 kg at 3500 rpm and 0.2 m, on 8 cm² of 182.6 GPa, is a strain of 184."""
+    write(changed(paper, rotor__speeds=["3500 rpm"], damper__housing="1e6 kg"), tmp_path / "scene.toml")
+    outcome = spindamp("run", "scene.toml", "--json")
+    assert outcome.status == 3
+    (line,) = outcome.err.splitlines()
+    assert "1000000 kg ([plate] tip_mass, [damper] housing) pulls at 3500 rpm" in line
+    assert "would strain the root by 18000 %" in line
+    assert "critical" not in line
+
+
+def test_a_root_that_holds_nothing(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    springs = {"stiffness": 1e-6, "rotational_stiffness": 1e-9}
+    scene = changed(paper, rotor__speeds=["0 rpm"], plate__root=springs, damper=None, release=None)
+    write(scene, tmp_path / "scene.toml")
+    outcome = spindamp("campbell", "scene.toml", "--json")
+    assert outcome.status == 3
+    (line,) = outcome.err.splitlines()
+    assert "[plate.root] stiffness = 1e-06, rotational_stiffness = 1e-09: too soft" in line
+    assert "too thin" not in line
+
+
+@pytest.mark.parametrize("nothing", ["", " "])
+def test_no_scene_at_all(nothing: str) -> None:
+    with pytest.raises(BadInput, match=r"^expected the path of a scene, or the name of a shipped one: campbell, paper"):
+        workflows.run(nothing)

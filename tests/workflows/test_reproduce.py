@@ -24,6 +24,7 @@ VERDICTS = {
     "T2-cutoff-low": Verdict.NOT,
     "T2-ratio": Verdict.REPRODUCED,
     "T2-cutoff-rises": Verdict.REPRODUCED,
+    "T2-tilt": Verdict.NOT,
     "A-effective": Verdict.PARTLY,
     "S1-rolls": Verdict.PARTLY,
     "S2-threshold": Verdict.REPRODUCED,

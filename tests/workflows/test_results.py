@@ -199,7 +199,7 @@ def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
     notes = " ".join(document["notes"])
     for word in (
         "osmium",
-        "tilt of the floor",
+        "simulated with the tilt",
         "ζ = 0.01",
         "K1",
         "MPa",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from workflows.decisions import bending, theorising, turning
+from workflows.decisions import bending, of_the_ball, theorising, turning
 from workflows.decisions.left_out import Called, LeftOut
 from workflows.decisions.theorising import Theory
 from workflows.errors import BadInput
@@ -44,6 +44,7 @@ def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = 
 def called_for(scene: Scene, form: Planform | None = None) -> dict[str, Called]:
     """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
     found = {name: Called(*rule(scene)) for name, rule in RULES.items()}
+    found |= {name: Called(*rule(scene, form)) for name, rule in OF_THE_BALL.items()}
     found["large_deflection"] = _large_deflection(scene, form)
     asked = scene.effects.large_deflection
     found["coriolis"] = _coriolis(scene, form, found["large_deflection"][0] if asked == "auto" else asked is True)
@@ -66,6 +67,7 @@ def resolve(scene: Scene, file: str | None = None, form: Planform | None = None)
     _check_plate(scene, file)
     _check_large_deflection(scene, file)
     _check_slip(scene, file)
+    _check_beyond_the_paper(scene, file)
     decided = {}
     for name, (called, why, moves) in called_for(scene, form).items():
         asked = getattr(scene.effects, name)
@@ -107,6 +109,18 @@ def _check_slip(scene: Scene, file: str | None) -> None:
         raise BadInput("the printed equations know no slip", file=file, key="[effects] ball_slip", value=True)
     if damper.friction == 0:
         raise BadInput("ball_slip needs a friction above 0", file=file, key="[damper] friction", value=0)
+
+
+def _check_beyond_the_paper(scene: Scene, file: str | None) -> None:
+    """What the printed equations do not know, and a structure's own modes where none are known."""
+    damper, effects = scene.damper, scene.effects
+    for name in ("floor_tilt", "structural_modes"):
+        if getattr(effects, name) is True and damper is not None and damper.formulation == "printed":
+            problem = "the printed equations know one mode along each axis and a level floor"
+            raise BadInput(problem, file=file, key=f"[effects] {name}", value=True)
+    if effects.structural_modes is True and scene.plate is None:
+        problem = "the scene has no plate whose modes these could be"
+        raise BadInput(problem, file=file, key="[effects] structural_modes", value=True)
 
 
 def _spins(scene: Scene) -> bool:
@@ -160,38 +174,19 @@ def _rotary_inertia(scene: Scene) -> tuple[bool, str]:
     return True, "the cross-sections of a thick plate turn as they bend"
 
 
-def _rolling_resistance(scene: Scene) -> tuple[bool, str]:
-    if scene.damper is None:
-        return False, "no damper in the scene"
-    if scene.damper.rolling_friction == 0:
-        return False, "rolling_friction is 0"
-    if not _spins(scene):
-        return False, "nothing spins: no load presses the ball on the floor"
-    return True, "rolling_friction is above 0 and the load presses the ball on the floor"
-
-
-def _impact_friction(scene: Scene) -> tuple[bool, str]:
-    if scene.damper is None:
-        return False, "no damper in the scene"
-    if scene.damper.friction == 0:
-        return False, "friction is 0"
-    return True, "friction is above 0: it acts where the ball moves along a wall as it hits it"
-
-
-def _ball_slip(scene: Scene) -> tuple[bool, str]:
-    if scene.damper is None:
-        return False, "no damper in the scene"
-    return False, "the paper's model: the ball rolls again at once after a wall hit"
-
-
 RULES = {
     "stress_stiffening": _stress_stiffening,
     "spin_softening": _spin_softening,
     "rotary_inertia": _rotary_inertia,
-    "rolling_resistance": _rolling_resistance,
-    "impact_friction": _impact_friction,
-    "ball_slip": _ball_slip,
 }
-"""One rule per effect: whether the scene calls for it, and why (not). Those of the planform have two of their own."""
+OF_THE_BALL = {
+    "rolling_resistance": of_the_ball.rolling_resistance,
+    "impact_friction": of_the_ball.impact_friction,
+    "ball_slip": of_the_ball.ball_slip,
+    "floor_tilt": of_the_ball.floor_tilt,
+    "structural_modes": of_the_ball.structural_modes,
+}
+"""One rule per effect: whether the scene calls for it, and why (not). Large deflection and Coriolis forces, which need
+the plate solved, have two of their own."""
 
-NAMES = (*OF_THE_PLATE, *(name for name in RULES if name not in OF_THE_PLATE))
+NAMES = (*OF_THE_PLATE, *OF_THE_BALL)

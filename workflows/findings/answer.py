@@ -50,7 +50,7 @@ def answer(results: Results) -> Answer:
         _how_much(results, turning),
         _between(results, turning),
         _reach(results, turning),
-        _tilt(turning),
+        _tilt(results, turning),
         _beside_the_paper(results),
         None if trust.met(results) else trust.sentence(results),
     )
@@ -105,8 +105,8 @@ def _how_much(results: Results, points: list[SpeedPoint]) -> str:
 def _between(results: Results, points: list[SpeedPoint]) -> str | None:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
     limit = worth.endured(results) or math.inf
-    felt = [(p, w) for p in points if worth.best(results, p) is not None and (w := worth.felt(p)) is not None]
-    working = [(p, w) for p, w in felt if w.half[0] < limit]
+    known = [(p, w) for p in points if worth.best(results, p) is not None and (w := p.working) is not None]
+    working = [(p, w) for p, w in known if w.half[0] < limit]
     if not working:
         return None
     ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
@@ -125,7 +125,7 @@ def _between(results: Results, points: list[SpeedPoint]) -> str | None:
 def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = worth.endured(results)
-    lost = [(p, w) for p in points if worth.best(results, p) is None and (w := worth.felt(p)) is not None]
+    lost = [(p, w) for p in points if worth.best(results, p) is None and (w := p.working) is not None]
     lost = [(p, w) for p, w in lost if w.peak > 0]
     if limit is None or not lost:
         return None
@@ -138,10 +138,11 @@ def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     )
 
 
-def _tilt(points: list[SpeedPoint]) -> str | None:
+def _tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with it."""
     shares = [p.tilt_share for p in points]
-    if max(shares) < _NOTABLE_TILT:
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    if printed or max(shares) < _NOTABLE_TILT:
         return None
     text = (
         "As the plate bends, the cavity's floor tilts and the load pulls the ball back down the slope: these figures"
@@ -157,7 +158,7 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     fed = [
         (w.amplitude[w.damping_ratio < -1e-3 * w.peak].min(), p)
         for p in points
-        if (w := worth.felt(p)) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
+        if (w := p.working) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
     ]
     if not fed:
         return None
@@ -175,14 +176,14 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return "No: the ball never moves", ("The ball fills its cavity along the bending direction.",)
     low = points[0]
-    figures = worth.felt(low)
-    if figures is None:
+    figures = low.working
+    if figures is None or math.isinf(figures.cutoff):
         return "No: the ball never moves", (
             f"As the plate bends, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball down the"
             " slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
-        return "No: the ball never moves", tuple(part for part in (reach, _tilt(points)) if part)
+        return "No: the ball never moves", tuple(part for part in (reach, _tilt(results, points)) if part)
     return "No: the ball takes nothing", ("It neither rolls against a resistance nor loses speed at the walls.",)
 
 
@@ -196,9 +197,10 @@ def _beside_the_paper(results: Results) -> str | None:
         text += "The ball cannot do that: a bound on its work in this cavity rules it out."
     else:
         text += "The ball does not do that, even by the equations as printed."
+    tilts = results.effects["floor_tilt"].on
     off = [(abs(p.damping.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damping and p.damping.cutoff_g]
     near = [pair for pair in off if pair[0] <= _NEAR]
-    if near:
+    if near and not tilts:
         loads = [load for _, load in near]
         text += (
             f" Its cut-offs, for a floor that does not tilt, are reproduced to {100 * max(near)[0]:.0f} % at"

@@ -35,10 +35,8 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         found += [
-            (
-                "The structure vibrates in its first bending mode alone, with the same frequency on both axes.",
-                "paper, II.A",
-            ),
+            _structure(results),
+            _floor(results),
             ("The ball rolls on the cavity's floor, never lifts off and never slides except at walls.", "paper, II.A"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
@@ -64,6 +62,30 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         if scene.damper is not None and scene.damper.damping_ratio:
             found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
     return found
+
+
+def _structure(results: Results) -> tuple[str, str]:
+    if results.effects["structural_modes"].on:
+        text = (
+            "The structure vibrates in the modes of the plate that the cavity feels, without Coriolis forces; the"
+            " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
+        )
+        return text, "ours"
+    if results.scene.structure is not None:
+        return "The structure vibrates in one mode along each axis.", "paper, II.A"
+    return (
+        "The structure vibrates in its first bending mode alone, with the same frequency on both axes.",
+        "paper, II.A",
+    )
+
+
+def _floor(results: Results) -> tuple[str, str]:
+    if results.effects["floor_tilt"].on:
+        return (
+            "The cavity's floor tilts with the structure's slope, by small angles; the load is normal to it at rest.",
+            "ours",
+        )
+    return "The cavity's floor stays perpendicular to the load.", "paper, II.A"
 
 
 def _known(scene: Scene) -> list[tuple[str, str]]:

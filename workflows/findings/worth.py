@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from workflows.scene import thicknesses
 from workflows.solve.records import Results, SpeedPoint
-
-if TYPE_CHECKING:
-    from damper import Working
 
 AIR = (1.4e-3, 4.0e-3)
 """Damping ratios that the air alone gives free-standing turbine blades: 0.14 % (SO-3), 0.14 to 0.26 % (TFE731), 0.21 to
@@ -49,14 +45,9 @@ class Best:
     limited: bool
 
 
-def felt(point: SpeedPoint) -> Working | None:
-    """The damper's figures on a floor that tilts with the structure; None without any, or if the ball never moves."""
-    return None if point.working is None else point.working.tilted(point.tilt_share)
-
-
 def best(results: Results, point: SpeedPoint) -> Best | None:
     """The most that the damper does at a speed; None where it does nothing."""
-    figures = felt(point)
+    figures = point.working
     if figures is None or not figures.peak > 0:
         return None
     limit = endured(results)

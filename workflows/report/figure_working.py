@@ -24,7 +24,7 @@ _LEAST_SHOWN = 1e-3
 def working(results: Results, sheet: Sheet) -> str:
     """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; nothing without a damper."""
     lines = curves.damping_ratio(results)
-    felt = [w for point in results.speeds if (w := worth.felt(point)) is not None and w.amplitude.size]
+    felt = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
     if not lines:
         return ""
     figure, (axes,) = drawing.canvas(sheet, 3.1)

@@ -65,6 +65,7 @@ def render(results: Results, drawings: Drawings) -> str:
         errors=trust.worst(results),
         error_parts=trust.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        tilts=any(p.tilted for p in results.speeds),
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),
         mesh=Markup(drawings.mesh),
@@ -108,8 +109,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "felt": (felt := worth.felt(point)),
-        "share": -math.expm1(-4 * math.pi * felt.peak) if felt else 0.0,
+        "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
     }
 

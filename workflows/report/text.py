@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 
 from workflows.errors import one_line
-from workflows.findings import answer, worth
+from workflows.findings import answer
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import amount, fixed, percent, revolutions, significant
 
@@ -55,7 +55,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 
 
 def _damped(point: SpeedPoint) -> tuple[str, ...]:
-    damping, figures = point.damping, worth.felt(point)
+    damping, figures = point.damping, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
     return (

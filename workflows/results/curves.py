@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows import wording
-from workflows.findings import worth
 from workflows.solve.records import Floats, Results, SpeedPoint
 
 ERRORS = "frequency_errors"
@@ -77,7 +76,7 @@ def damping_ratio(results: Results) -> list[Curve]:
     """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
     curves = []
     for point in results.speeds:
-        figures = worth.felt(point)
+        figures = point.working
         if figures is not None and figures.amplitude.size:
             label = f"{wording.fixed(point.load_g)} g"
             name = f"damping_ratio_{speed_tag(point)}"

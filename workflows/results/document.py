@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from workflows.findings import worth
 from workflows.results import provenance, resolved
-from workflows.solve.records import Damping, Mode, Reduced, Results, SpeedPoint, expect
+from workflows.solve.records import CavityMode, Damping, Mode, Reduced, Results, SpeedPoint, expect
 
 if TYPE_CHECKING:
     from damper import Working
@@ -55,6 +55,8 @@ def _speed(point: SpeedPoint) -> dict[str, Any]:
     }
     if point.reduced is not None:
         entry["reduced"] = _reduced(point.reduced)
+    if point.cavity_modes:
+        entry["cavity_modes"] = [_cavity_mode(mode) for mode in point.cavity_modes]
     if point.working is not None:
         entry["working"] = _working(point)
     if point.damping is not None:
@@ -77,15 +79,29 @@ def _reduced(reduced: Reduced) -> dict[str, Any]:
     return {name: _number(getattr(reduced, name)) for name in REDUCED}
 
 
-def _working(point: SpeedPoint) -> dict[str, Any]:
-    """The damper's own figures, the tilt of its floor counted in, and those on a level floor."""
-    level, felt = point.working, worth.felt(point)
+def _cavity_mode(mode: CavityMode) -> dict[str, Any]:
     return {
-        **_figures(felt),
-        "error": None if level is None else _number(level.error),
-        "floor_tilt_share": _number(point.tilt_share),
-        "level_floor": None if level is None else _figures(level),
+        "number": mode.number,
+        "stiffness": _number(mode.stiffness),
+        "shape": list(map(_number, mode.shape)),
+        "slope": list(map(_number, mode.slope)),
     }
+
+
+def _working(point: SpeedPoint) -> dict[str, Any]:
+    """The damper's own figures on a floor that tilts, and on a level one where the scene has that."""
+    found = {
+        **_figures(point.working),
+        "error": None if point.working is None else _number(point.working.error),
+        "floor_tilt_share": _number(point.tilt_share),
+        "level_floor": None if point.level is None else _figures(point.level),
+    }
+    if point.tilted is not None:
+        found["tilted_cutoff_g"] = _number(point.tilted.g)
+        found["tilted_cutoff_ratio"] = _number(point.tilted.ratio)
+    if point.pendulum is not None:
+        found["pendulum"] = {name: list(map(_number, pair)) for name, pair in asdict(point.pendulum).items()}
+    return found
 
 
 def _figures(working: Working | None) -> dict[str, Any]:
@@ -135,7 +151,12 @@ def _damper(damping: Damping) -> dict[str, Any]:
             name: _number(getattr(energy, name))
             for name in ("initial", "final", "structure", "rolling", "impact", "slip", "residual")
         },
+        **({"modal_energies": modal} if (modal := _modal(damping)) else {}),
     }
+
+
+def _modal(damping: Damping) -> list[dict[str, Any]]:
+    return [{"mode": number, "energy": _number(energy)} for number, energy in damping.modal_energies.items()]
 
 
 def _number(value: float | None) -> float | None:

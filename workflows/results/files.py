@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.findings import worth
 from workflows.results import curves, provenance
 from workflows.results.document import ERROR_PARTS
 from workflows.solve.records import Floats, Results, Surface, expect
@@ -154,7 +153,7 @@ def _dampings(data: xr.Dataset, results: Results) -> None:
 
 def _workings(data: xr.Dataset, results: Results) -> None:
     """The damper's own figures, the tilt of its floor counted in."""
-    felt = [worth.felt(point) for point in results.speeds]
+    felt = [point.working for point in results.speeds]
     for name, field, unit, said in (
         ("damping_ratio_peak", "peak", "1", "largest damping ratio that the ball's losses amount to"),
         ("at_amplitude", "peak_amplitude", "m", "amplitude there"),
@@ -162,6 +161,10 @@ def _workings(data: xr.Dataset, results: Results) -> None:
         ("working_error", "error", "1", "relative error of the largest damping ratio"),
     ):
         _put(data, name, ("rpm",), [_known(w, field) for w in felt], unit, said)
+    if any(point.tilted is not None for point in results.speeds):
+        for name, field, unit in (("tilted_cutoff_g", "g", "g"), ("tilted_cutoff_ratio", "ratio", "1")):
+            values = [_known(point.tilted, field) for point in results.speeds]
+            _put(data, name, ("rpm",), values, unit, "cut-off with the tilt of the floor that the scene leaves out")
     for end, side in enumerate(("low", "high")):
         ends = [np.nan if w is None else w.range[end] for w in felt]
         _put(data, f"range_{side}", ("rpm",), ends, "m", f"{side} end of the amplitudes at which the damper works")

@@ -157,11 +157,24 @@ def damper(damper: Damper) -> None:
                 f"a ball of radius {damper.radius:g} m does not fit: expected sides of at least"
                 f" {2 * damper.radius:g} m",
             )
+    if damper.floor_radius is not None:
+        _hollow(damper, damper.floor_radius)
     if damper.rolling_friction > damper.radius * (1 + _ROUNDING):
         raise fault(
             "rolling_friction",
             f"expected a length of at most the ball's radius, {damper.radius:g} m: over it, this is the coefficient",
         )
+
+
+def _hollow(damper: Damper, floor: tuple[float, float]) -> None:
+    """A hollow floor in which the ball finds room, and whose equations are not the paper's."""
+    if damper.formulation == "printed":
+        raise fault("floor_radius", "the printed equations know a flat floor only: leave this out")
+    for radius, side in zip(floor, damper.cavity, strict=True):
+        least = max(damper.radius, side / 2)
+        if radius <= least * (1 + _ROUNDING):
+            why = "half the cavity's side" if side / 2 > damper.radius else "the ball's radius"
+            raise fault("floor_radius", f"expected more than {why}, {least:g} m")
 
 
 def release(release: Release) -> None:

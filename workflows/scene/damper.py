@@ -19,6 +19,7 @@ from workflows.scene.fields import (
     NotNegative,
     Number,
     Positive,
+    Radii,
     name_of,
 )
 from workflows.scene.table import Table
@@ -62,6 +63,10 @@ class Damper(Table):
     restitution: Annotated[Number, Field(ge=0, le=1)] = Field(description="e of a wall hit, dimensionless")
     friction: Annotated[Number, NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
     rolling_friction: Annotated[Length, NotNegative] = Field(description="μ_r, a length")
+    floor_radius: Radii | None = Field(
+        None,
+        description="of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat",
+    )
     formulation: Literal["consistent", "printed"] = Field(
         "consistent", description="equations that keep Newton's third law, or the paper's as printed"
     )

@@ -49,6 +49,22 @@ def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(validate), WithJsonSchema(schema)
 
 
+def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSchema]:
+    """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
+
+    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
+        both = value if isinstance(value, list | tuple) else [value, value]
+        if len(both) != 2:
+            raise wrong(f"expected a value such as '{kind.example}', or a list of two, one for each axis")
+        x, y = (_si(item, kind, info) for item in both)
+        if not zero and min(x, y) <= 0:
+            raise wrong("expected more than 0")
+        return x, y
+
+    pair = {"type": "array", "items": _json(kind), "minItems": 2, "maxItems": 2}
+    return BeforeValidator(validate), WithJsonSchema({"anyOf": [*_json(kind)["anyOf"], pair], "x-si": kind.si})
+
+
 def _row(value: object, kind: Kind, info: ValidationInfo) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or not value:
         raise wrong(f"expected a list such as ['{kind.example}', '{kind.example}']")
@@ -214,6 +230,9 @@ RotationalStiffness = Annotated[float, *_quantity(units.ROTATIONAL_STIFFNESS)]
 Density = Annotated[float, *_quantity(units.DENSITY)]
 LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
 Acceleration = Annotated[float, *_quantity(units.ACCELERATION)]
+Radii = Annotated[tuple[float, float], *_one_or_two(units.LENGTH, zero=False)]
+Frequencies = Annotated[tuple[float, float], *_one_or_two(units.FREQUENCY, zero=False)]
+Slopes = Annotated[tuple[float, float], *_one_or_two(units.SLOPE, zero=True)]
 LengthPair = Annotated[tuple[float, float], *_pair(units.LENGTH)]
 Lengths = Annotated[
     tuple[float, ...],

@@ -108,6 +108,8 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     """
     if not isinstance(where, str | os.PathLike):
         raise TypeError(f"load takes a scene's name or path, got {type(where).__name__}")
+    if not os.fspath(where).strip():
+        raise BadInput(f"expected the path of a scene, or the name of a shipped one: {', '.join(shipped())}")
     path = Path(where)
     if str(where) in shipped() and not path.is_file():
         path, name = SHIPPED / f"{where}.toml", f"{where}.toml"

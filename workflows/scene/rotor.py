@@ -11,12 +11,13 @@ from workflows.scene import units
 from workflows.scene.fields import (
     Acceleration,
     Angle,
-    Frequency,
+    Frequencies,
     Length,
     Mass,
     NotNegative,
     Number,
     Positive,
+    Slopes,
     Speeds,
     Switch,
 )
@@ -26,8 +27,15 @@ from workflows.scene.table import Table
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
 
-    frequency: Annotated[Frequency, Positive] = Field(description="ω1 / 2π, with the ball stuck")
+    frequency: Frequencies = Field(
+        description="ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"
+    )
     mass: Annotated[Mass, Positive] = Field(description="M2: effective mass at the damper, without the ball")
+    floor_tilt: Slopes = Field(
+        (0.0, 0.0),
+        description="slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along"
+        " each",
+    )
 
 
 class Rotor(Table):
@@ -66,6 +74,11 @@ class Effects(Table):
     rolling_resistance: Switch = Field(default="auto", description="the load resists the ball's rolling")
     impact_friction: Switch = Field(default="auto", description="friction where the ball hits a wall")
     ball_slip: Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
+    floor_tilt: Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
+    structural_modes: Switch = Field(
+        default="auto",
+        description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",
+    )
 
 
 class Accuracy(Table):

@@ -22,7 +22,7 @@ _SPACE = "[ \\t\u00a0\u2009\u202f]"
 _TEXT = re.compile(rf"{_SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?){_SPACE}*(\S.{{0,30}})?")
 # Only products, quotients and one-digit powers of names: nothing in a scene is ever evaluated.
 _NAME = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?[0-9])?"
-_UNIT = re.compile(rf"{_NAME}(?: *[*/· ] *{_NAME})*")
+_UNIT = re.compile(rf"(?:1 */ *)?{_NAME}(?: *[*/· ] *{_NAME})*")
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,7 @@ def length_power(power: int) -> Kind:
     )
 
 
+SLOPE = Kind("a slope over a displacement", "6.9 1/m", "1/m", 1e-30, 1e6)
 LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 

@@ -11,42 +11,25 @@ import numpy as np
 from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
-from workflows.solve.records import Damping, Energy, History, Reduced, SpeedPoint
+from workflows.solve import felt
+from workflows.solve.records import CutOff, Damping, Energy, History, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
 
 if TYPE_CHECKING:
     import damper
 
+_RESOLVING = 1e-3
+"""Damping ratio at which a cycle resolves a cut-off to 0.6 %."""
+
+_OUT_OF_REACH = 1e3
+"""Amplitude [m] from which on a ball that would move there counts as one that never does."""
+
+_MOST_CYCLES, _MOST_LINEAR_CYCLES = 100_000, 10_000
+"""Caps on cycles where a ball does not come to rest: on level floors, and on others, which are dearer."""
+
 _SAMPLES_PER_CYCLE = 40
 _SAMPLES_AT_MOST = 4000
-
-
-def known_structure(scene: Scene, omega: float) -> SpeedPoint:
-    """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
-    structure, rotor = scene.structure, scene.rotor
-    if structure is None or rotor.radius is None:
-        raise ValueError("the scene has no [structure]")
-    m2 = structure.mass
-    m1 = m2 + ball_mass(scene, m2)
-    stiffness = m1 * (2 * math.pi * structure.frequency) ** 2
-    f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
-    reduced = Reduced(structure.frequency, m1, stiffness, f2, m2, stiffness)
-    load = omega**2 * rotor.radius / rotor.gravity
-    return SpeedPoint(omega, rpm(omega), rotor.radius, load, reduced=reduced)
-
-
-def ball_mass(scene: Scene, m2: float) -> float:
-    """Mass of all balls together [kg] at an effective mass M2."""
-    damper = scene.damper
-    if damper is None:
-        return 0.0
-    return damper.balls if damper.balls is not None else (damper.mass_ratio or 0.0) * m2
-
-
-def rpm(omega: float) -> float:
-    """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{omega * 30 / math.pi:.13g}")
 
 
 def simulate(
@@ -57,23 +40,68 @@ def simulate(
     shown: int | None = None,
 ) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
-    from damper import working
-
     with stages("damper", len(points)) as step:
         done = []
         for number, point in enumerate(points):
-            system = particle_damper(scene, effects, point)
-            damping = _one(scene, system, point, keep=number == shown)
-            done.append(replace(point, damping=damping, working=working(system)))
+            done.append(_simulated(scene, effects, point, keep=number == shown))
             step.advance(f"{whole(point.rpm)} rpm")
     return tuple(done)
 
 
-def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
-    """The damper of a scene on the structure of a speed point.
+def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, keep: bool) -> SpeedPoint:
+    """The ring-down of the scene, and the figures of the damper on a floor that tilts whether the scene's does or not.
 
-    The stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens the plate.
+    A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
     """
+    system = particle_damper(scene, effects, point)
+    damping = _one(scene, system, point, keep=keep)
+    tilting = _tilting(scene, effects, point)
+    found = replace(point, damping=damping, pendulum=felt.pendulum(system))
+    if tilting is None:
+        return replace(found, working=_figures(system))
+    cutoff = _cutoff(tilting, point)
+    if system.formulation == "printed":
+        return replace(found, working=_figures(system), tilted=cutoff)
+    return replace(found, working=_figures(tilting), level=_figures(system), tilted=cutoff)
+
+
+def _figures(system: damper.ParticleDamper) -> damper.Working:
+    """The damper's own figures in the modes that yield most along either axis.
+
+    Others, which hits feed, change them by less than their error as long as they are damped by 0.1 % or more of their
+    own; without any damping they would shake the ball for ever.
+    """
+    from damper import working
+
+    if system.modes is None:
+        return working(system)
+    kept = sorted({system.leading(axis) for axis in range(2)})
+    return working(replace(system, modes=tuple(system.modes[k] for k in kept)))
+
+
+def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
+    """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
+    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
+        return None
+    consistent = scene.model_copy(update={"damper": scene.damper.model_copy(update={"formulation": "consistent"})})
+    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
+
+
+def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
+    """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
+    from damper import capacity, ringdown
+
+    left = abs(1 - system.tilt_share[0])
+    begin = math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
+    if not begin < _OUT_OF_REACH:
+        return CutOff(None, None)
+    motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
+    found, load = capacity(motion).cutoff, point.omega**2 * point.radius
+    return CutOff(None, None) if found is None else CutOff(found * point.load_g / load, found / load)
+
+
+def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
+    """The damper of a scene on the structure of a speed point."""
     from damper import Formulation, ParticleDamper
 
     given, reduced = scene.damper, point.reduced
@@ -81,11 +109,11 @@ def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint)
         raise ValueError("the scene has no [damper]")
     try:
         return ParticleDamper(
-            modal_mass=reduced.M2,
-            stiffness=(reduced.K1, reduced.K1),
-            ball_mass=ball_mass(scene, reduced.M2),
+            **felt.structure(scene, effects, point),
+            ball_mass=felt.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
             cavity=given.cavity,
+            floor_radius=given.floor_radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
             restitution=given.restitution,
             friction=given.friction if effects["impact_friction"].on else 0.0,
@@ -99,25 +127,15 @@ def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint)
         raise BadInput(str(error), key="[damper]") from error
 
 
-def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
-    """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck."""
-    release, reduced = scene.release, point.reduced
-    if release is None or reduced is None:
-        raise ValueError("the scene has no [release]")
-    if release.displacement is not None:
-        return release.displacement
-    square = (2 * math.pi * reduced.f1_hz) ** 2
-    if release.acceleration is not None:
-        return release.acceleration[0] / square, release.acceleration[1] / square
-    return (release.ratio or 0.0) * point.omega**2 * point.radius / square, 0.0
-
-
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
     from damper import capacity, ringdown
 
-    release = released_at(scene, point)
+    release = felt.released_at(scene, point)
     cycles = scene.release.cycles if scene.release is not None else "auto"
-    motion = ringdown(system, release, None if isinstance(cycles, str) else cycles, keep_events=keep, progress=_look_up)
+    asked = None if isinstance(cycles, str) else cycles
+    most = _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
+    start = felt.amplitudes(system, release)
+    motion = ringdown(system, release, asked, amplitudes=start, keep_events=keep, max_cycles=most, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
@@ -142,8 +160,17 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         energy=Energy(
             books.initial, books.final, books.structure, books.rolling, books.impact, books.slip, books.residual
         ),
+        modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
     )
+
+
+def _modal_energies(
+    scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, motion: damper.RingDown
+) -> dict[int, float]:
+    if system.modes is None or motion.modal_energies is None:
+        return {}
+    return {mode.number: float(e) for mode, e in zip(felt.taken(scene, point), motion.modal_energies, strict=True)}
 
 
 def _history(motion: damper.RingDown) -> History:

@@ -17,7 +17,7 @@ from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
 from workflows.scene.file import SceneFile
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import needs, plate_records, reckoned
+from workflows.solve import felt, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
@@ -96,7 +96,7 @@ def need(source: SceneFile, decided: Decided) -> Need:
     """
     small = _small(source)
     if decided.form is None:
-        points = tuple(ringdowns.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
+        points = tuple(felt.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
         memory, seconds = 0.0, 0.0
     else:
         points, memory, seconds = _plate(source, small, decided)
@@ -162,6 +162,7 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
         reduced = plate.reduce(small, operators, diagram)
+        at_cavity = plate.cavity_modes(small, decided.effects, operators, diagram, reduced)
         swept = perf_counter()
 
     large, model = operators.effects.large_deflection, operators.model.theory
@@ -174,7 +175,7 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
     search = (searched - began) * (1.0 if there == here else _SEARCH)
     seconds = (search + (swept - searched) * each) * (there / here) ** power
     numbers = [int((diagram.omega == omega).argmax()) for omega in small.scene.rotor.speeds if omega in diagram.omega]
-    points = plate_records.points(small, discrete, diagram, numbers, reduced)
+    points = plate_records.points(small, discrete, diagram, numbers, reduced, at_cavity)
     return _Trial(here, spent, points, needs.of_a_plate(model, there, scene.rotor.modes, large), seconds, there == here)
 
 

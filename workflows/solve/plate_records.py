@@ -11,8 +11,8 @@ from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
-from workflows.solve.damper_stage import rpm
-from workflows.solve.records import Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.solve.felt import rpm
+from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
 
 if TYPE_CHECKING:
     import fem
@@ -36,9 +36,14 @@ class Discrete:
 
 
 def points(
-    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: list[int], reduced: list[Reduced | None]
+    source: SceneFile,
+    discrete: Discrete,
+    diagram: fem.Campbell,
+    numbers: list[int],
+    reduced: list[Reduced | None],
+    at_cavity: list[tuple[CavityMode, ...]],
 ) -> tuple[SpeedPoint, ...]:
-    """Modes and reduced parameters at the speeds of these numbers in the sweep."""
+    """Modes and what the damper feels at the speeds of these numbers in the sweep."""
     from fem.accuracy.theory_error import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
@@ -55,6 +60,7 @@ def points(
                 load_g=omega**2 * radius / rotor.gravity,
                 modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number]),
                 reduced=reduced[number],
+                cavity_modes=at_cavity[number],
             )
         )
     return tuple(found)

@@ -19,7 +19,7 @@ from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import needs, plate_records
 from workflows.solve.plate_records import Discrete
-from workflows.solve.records import Diagram, Reduced, SpeedPoint, Surface
+from workflows.solve.records import CavityMode, Diagram, Reduced, SpeedPoint, Surface
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
@@ -88,11 +88,12 @@ def solve(
             diagram = sweep(source, discrete)
         with stages("reduction"):
             reduced = reduce(source, discrete.choice.operators, diagram)
+            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
     asked = source.scene.rotor.speeds
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
     numbers = [known[omega] for omega in asked if omega in known]
     with stages("modes"):
-        points = plate_records.points(source, discrete, diagram, numbers, reduced)
+        points = plate_records.points(source, discrete, diagram, numbers, reduced, at_cavity)
         surface = (
             plate_records.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes)
             if shapes
@@ -228,3 +229,30 @@ def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -
         modes = source.scene.rotor.modes
         raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
     return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+
+
+def cavity_modes(
+    source: SceneFile,
+    effects: dict[str, Effect],
+    operators: fem.Operators,
+    diagram: fem.Campbell,
+    reduced: list[Reduced | None],
+) -> list[tuple[CavityMode, ...]]:
+    """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
+    from fem import modes_at
+
+    balls = [0.0 if found is None else found.M1 - found.M2 for found in reduced]
+    if source.scene.damper is None or not effects["structural_modes"].on:
+        return [()] * len(balls)
+    found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
+    return [
+        tuple(
+            CavityMode(k + 1, float(stiffness[k]), _both(shape[:, k]), _both(slope[:, k]))
+            for k in range(len(stiffness))
+        )
+        for stiffness, shape, slope in zip(found.stiffness, found.shape, found.slope, strict=True)
+    ]
+
+
+def _both(pair: np.ndarray) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])

@@ -74,7 +74,7 @@ class Reduced:
     Attributes:
         f1_hz, M1, K1: frequency, mass and stiffness with the ball stuck.
         f2_hz, M2, K2: the same without the ball.
-        floor_tilt: slope over displacement of the cavity's floor as the structure bends [1/m]; None if unknown.
+        floor_tilt: slope over displacement of the cavity's floor as the structure bends [1/m].
     """
 
     f1_hz: float
@@ -83,7 +83,42 @@ class Reduced:
     f2_hz: float
     M2: float
     K2: float
-    floor_tilt: float | None = None
+    floor_tilt: float = 0.0
+
+
+@dataclass(frozen=True)
+class CavityMode:
+    """A mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes.
+
+    Attributes:
+        number: of the mode, from 1.
+        stiffness: modal, under the ball's pull but without its inertia [N/m].
+        shape: displacement of the cavity [-]; slope: of its floor [1/m].
+    """
+
+    number: int
+    stiffness: float
+    shape: tuple[float, float]
+    slope: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CutOff:
+    """Amplitude of the last cycle in which the ball moved, over g and over the load; None where it never moves."""
+
+    g: float | None
+    ratio: float | None
+
+
+@dataclass(frozen=True)
+class Pendulum:
+    """A ball in a hollow floor: frequency along each of the damper's axes [Hz], 0 where it finds no way back.
+
+    `order`: over the rotation's frequency; it is the same at all speeds.
+    """
+
+    frequency_hz: tuple[float, float]
+    order: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -119,7 +154,8 @@ class Damping:
     """One ring-down. `amplitude_g`, `sdc` and `peak_velocity` hold a value per vibration cycle.
 
     `stopped` is when the ball came to rest for good [s], None where it did not (yet); the cut-off is the amplitude
-    of the last cycle in which it moved.
+    of the last cycle in which it moved. `modal_energies` [J] are those left at the end in the plate's modes, by number,
+    where they are simulated.
     """
 
     outcome: str
@@ -139,6 +175,7 @@ class Damping:
     sdc: Floats = field(repr=False)
     peak_velocity: Floats = field(repr=False)
     energy: Energy
+    modal_energies: dict[int, float] = field(default_factory=dict)
     history: History | None = None
 
 
@@ -146,7 +183,13 @@ class Damping:
 class SpeedPoint:
     """Everything found at one speed. `radius` is the damper's (or the tip's) distance from the axis.
 
-    `damping` tells of the scene's release; `working` are the damper's own figures on a level floor.
+    Attributes:
+        cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
+        damping: what the scene's release leads to, with its effects.
+        working: the damper's own figures, on a floor that tilts as the structure bends.
+        level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
+        tilted: cut-off with the tilt that the scene leaves out.
+        pendulum: of a ball in a hollow floor.
     """
 
     omega: float
@@ -155,13 +198,17 @@ class SpeedPoint:
     load_g: float
     modes: tuple[Mode, ...] = ()
     reduced: Reduced | None = None
+    cavity_modes: tuple[CavityMode, ...] = ()
     damping: Damping | None = None
     working: Working | None = None
+    level: Working | None = None
+    tilted: CutOff | None = None
+    pendulum: Pendulum | None = None
 
     @property
     def tilt_share(self) -> float:
-        """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]; 0 where unknown."""
-        if self.reduced is None or self.reduced.floor_tilt is None:
+        """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
+        if self.reduced is None:
             return 0.0
         return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
 

@@ -70,6 +70,9 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     if own.damping is not None and other.damping is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
             found[name] = getattr(own.damping, name), getattr(other.damping, name)
+        figures = [point.level or point.working for point in (own, other)]
+        here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
+        found["ball_damping_ratio"] = here, there
         found["ball_share"] = own.damping.energy.ball_share, other.damping.energy.ball_share
     return found
 

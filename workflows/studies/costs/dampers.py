@@ -46,6 +46,11 @@ class _Balance(Protocol):
     def structure(self) -> float: ...
 
 
+def level(system: ParticleDamper) -> ParticleDamper:
+    """The damper on a level floor with one mode along each axis, which is what the other methods know."""
+    return replace(system, floor_tilt=(0.0, 0.0), floor_radius=None, rotation=0.0, modes=None)
+
+
 def ladder(
     system: ParticleDamper, release: tuple[float, float], point: SpeedPoint, step: Step
 ) -> tuple[Ladder | None, Chosen]:

@@ -13,8 +13,8 @@ from workflows.errors import NoAnswer
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
 from workflows.solve import damper_stage as ringdowns
+from workflows.solve import felt, records
 from workflows.solve import plate_stage as plate
-from workflows.solve import records
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Floats
 from workflows.stages import Stages
@@ -45,8 +45,8 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
         with stages("damper", len(dampers.STEPS) + sum(map(len, dampers.METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, decided=decided).points
             point = points[records.shown(points)]
-            system = ringdowns.particle_damper(source.scene, decided.effects, point)
-            ladder, exact = dampers.ladder(system, ringdowns.released_at(source.scene, point), point, step)
+            system = dampers.level(ringdowns.particle_damper(source.scene, decided.effects, point))
+            ladder, exact = dampers.ladder(system, felt.released_at(source.scene, point), point, step)
         ladders += [] if ladder is None else [ladder]
         chosen["damper"] = exact
     with stages("pipeline", len(pipelines.ASKED) + 1) as step:

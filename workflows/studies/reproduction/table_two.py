@@ -10,6 +10,7 @@ from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.solve.records import SpeedPoint
 from workflows.studies.reproduction.claim import Claim, judge
 from workflows.studies.reproduction.study import Study
+from workflows.wording import significant
 
 WHERE = "Table II"
 _HIGH = slice(2, 7)
@@ -23,6 +24,7 @@ def claims(study: Study) -> Iterator[Claim]:
     yield _rest(study)
     cutoffs = _Cutoffs.of(study)
     yield from (cutoffs.high(), cutoffs.low(), cutoffs.ratio(), cutoffs.rises(), cutoffs.effective(study))
+    yield _with_tilt(study)
 
 
 def _loads(study: Study) -> Claim:
@@ -181,6 +183,30 @@ class _Cutoffs:
             f"Above the ratio the ball does move, but takes {100 * max(taken):.2g} % of the energy in a cycle at best,"
             f" not the {100 * SDC_RANGE[0]:.0f} % or more that the paper calls effective.",
         )
+
+
+def _with_tilt(study: Study) -> Claim:
+    """The cut-offs of the blade itself, whose floor tilts as it bends."""
+    ratios = [math.nan if p.tilted is None or p.tilted.ratio is None else p.tilted.ratio for p in study.plate]
+    taken = [0.0 if p.working is None else -math.expm1(-4 * math.pi * p.working.peak) for p in study.plate]
+    own = [0.0 if p.level is None else -math.expm1(-4 * math.pi * p.level.peak) for p in study.plate]
+    return Claim(
+        "T2-tilt",
+        f"{WHERE}, II.A",
+        "The cavity's floor stays level as the plate bends, so that the ratio is the same at all loads.",
+        "0.10 to 0.11",
+        None,
+        ratios,
+        judge(all(map(_near_a_tenth, ratios))),
+        "Cut-off over load with the tilt simulated, at all seven loads: the load pulls the ball back down the slope, by"
+        f" {_percent(study.plate[0].tilt_share)} to {_percent(study.plate[-1].tilt_share)} % of its drive. At best it"
+        f" takes not {_percent(own[0])} but {_percent(taken[0])} % of a cycle's energy at the lowest load, and not"
+        f" {_percent(own[-1])} but {_percent(taken[-1])} % at the highest.",
+    )
+
+
+def _percent(share: float) -> str:
+    return significant(100 * share, 2)
 
 
 def _first(point: SpeedPoint) -> float:

@@ -1,0 +1,102 @@
+"""The plate's modes as a ball in a cavity feels them: how they move its place and tilt the floor, speed by speed.
+
+The cavity's floor faces the axis. Its axis 1 lies along z, through the thickness, and its axis 2 along y. As the plate
+moves, its place goes by (w, v), and the floor, which bends and turns with the material, tilts by (w_x, -u_y): the slope
+against the load of a ball that moves along either axis.
+
+A ball in a cavity pulls on the plate even while it rolls and has no inertia of its own there. The modes are therefore
+those of the plate under that pull, within the span of its own: K(Omega) + Omega² m K_a, K_a being what the load of 1 kg
+at the place adds, against the plate's mass. What lies beyond that span changes them in second order of the mass ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.modes.real import Divergence
+from fem.operators.assembly import point_rows, with_point_mass
+from fem.statics.linearised import linearise
+from fem.sweep.diagram import campbell
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_array
+
+    from fem.operators.assembly import Operators
+    from fem.sweep.diagram import Campbell
+    from fem.sweep.grow import Answer
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ModesAtPlace:
+    """Modes of a plate at a place, without the ball's inertia, ascending; every modal mass is 1 kg.
+
+    Attributes:
+        omega: speeds, shape (n,) [rad/s].
+        stiffness: omega_k² under the ball's pull, shape (n, k) [N/m].
+        shape: displacement of the place along the floor's two axes, shape (n, 2, k) [-].
+        slope: of the floor along them, shape (n, 2, k) [1/m].
+    """
+
+    omega: Array
+    stiffness: Array
+    shape: Array
+    slope: Array
+
+
+def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], masses: Array) -> ModesAtPlace:
+    """Modes at = (x, y) in m under the pull of balls of masses (n,) in kg, at every speed of a diagram.
+
+    The modes are real: a diagram with Coriolis forces is made again without them.
+    Raises PlaceError off the plate; Divergence where the pull takes the stiffness of a mode.
+    """
+    count = diagram.frequencies_hz.shape[1]
+    if operators.gyroscopic is not None:
+        operators = replace(operators, gyroscopic=None)
+        pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
+        known = tuple((omega, state) for omega, state in pairs if state is not None)
+        diagram = campbell(operators, diagram.omega, count, states=known)
+    rows = floor_rows(operators, at)
+    stiffness, motions = [], []
+    for part in diagram.parts:
+        balls, masses = masses[: part.omega.size], masses[part.omega.size :]
+        values, vectors = _under_pull(operators, part, at, balls, count)
+        stiffness.append(values)
+        motions.append((rows @ part.basis) @ vectors)
+    motion = np.concatenate(motions)
+    return ModesAtPlace(diagram.omega, np.concatenate(stiffness), motion[:, :2], motion[:, 2:])
+
+
+def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
+    """Rows (4, n): displacement of a place along the floor's axes, w and v, and the floor's slopes, w_x and -u_y."""
+    from scipy.sparse import vstack
+
+    moved, along, across = (point_rows(operators.model, at, derivative) for derivative in ((), (0,), (1,)))
+    return vstack([moved[[2, 1]], along[[2]], -across[[0]]]).tocsc()
+
+
+def _under_pull(
+    operators: Operators, part: Answer, at: tuple[float, float], balls: Array, count: int
+) -> tuple[Array, Array]:
+    """Squared circular frequencies (k, count) and vectors (k, r, count) in a part's basis, ascending."""
+    vectors = part.vectors[:, :, :count]
+    if part.state is None:
+        heavy = with_point_mass(operators, at, 1.0)
+        pull = part.basis.T @ ((heavy.spinning - operators.spinning) @ part.basis)
+        own = part.rates[:, :count, None] ** 2 * np.eye(count)
+        weight = (part.omega**2 * balls)[:, None, None]
+        stiffness = own + weight * (vectors.transpose(0, 2, 1) @ pull @ vectors)
+    else:
+        shapes = part.basis @ vectors[0]
+        heavy = with_point_mass(operators, at, float(balls[0]))
+        stiffness = (shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None]
+    values, turned = np.linalg.eigh(stiffness)
+    if values.min() <= 0.0:
+        worst = int(values[:, 0].argmin())
+        raise Divergence(float(part.omega[worst]), float(values[worst, 0]))
+    return values, vectors @ turned

@@ -1,0 +1,67 @@
+"""How much a structural mode beyond the leading one moves the damping: over its weight at the cavity.
+
+    python -m tests.benchmarks.modes_needed [COUNT] [SEED]
+
+Random dampers on a flap mode, with and without a second one that the cavity feels as much, six times as fast. Both are
+compared by the energy that the ball takes in a ring-down through the working range, averaged over releases that differ
+by a few percent, since hits make single ones chaotic. The weight is the ball's mass over the second mode's there.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+from damper import Mode, ParticleDamper, ringdown
+
+RELEASES = 100
+
+
+def share(damper: ParticleDamper, release: np.ndarray) -> tuple[float, float]:
+    """What the ball takes of the initial energy until it rests, and the standard error of it."""
+    rest = (0.0,) * (len(damper.modes or ()) - 1)
+    books = [ringdown(damper, (0.0, 0.0), amplitudes=(float(x), *rest), max_cycles=2000).energy for x in release]
+    part = np.array([(found.rolling + found.impact + found.slip) / found.initial for found in books])
+    return float(part.mean()), float(part.std() / np.sqrt(len(part)))
+
+
+def main(count: int = 40, seed: int = 1) -> None:
+    random = np.random.default_rng(seed)
+    ratios = []
+    for number in range(count):
+        mass, zeta = 10 ** random.uniform(-3.5, -1.5), 10 ** random.uniform(-3, -2.3)
+        omega, load = 2 * np.pi * 300.0, 10 ** random.uniform(3.5, 5.0)
+        damper = ParticleDamper(
+            modal_mass=1.0,
+            stiffness=(omega**2, omega**2),
+            ball_mass=mass,
+            ball_radius=1e-3,
+            cavity=(2e-3 + 10 ** random.uniform(-4, -2.5), 2.4e-3),
+            centrifugal_acceleration=load,
+            restitution=random.uniform(0.2, 0.9),
+            rolling_friction=10 ** random.uniform(-5.5, -4),
+            damping_ratio=zeta,
+            modes=(Mode(1.0, omega**2, (1.0, 0.0)),),
+        )
+        cutoff = damper.rolling_threshold / omega**2
+        top = 4 * max(cutoff, 2 * damper.half_gap[0])
+        release = top * np.linspace(0.9, 1.1, RELEASES)
+        alone, own = share(damper, release)
+        second = Mode(1.0, (6.27 * omega) ** 2, (1.0, 0.0))
+        both, other = share(replace(damper, modes=(*(damper.modes or ()), second)), release)
+        change, noise = abs(both / alone - 1), 2 * np.hypot(own, other) / alone
+        ratios.append((change / mass, noise / mass))
+        print(
+            f"{number:3d} weight {mass:.1e} zeta {zeta:.1e}: {100 * change:.3f} ± {100 * noise:.3f} %, over the weight"
+            f" {change / mass:.2f} ± {noise / mass:.2f}",
+            flush=True,
+        )
+    found = np.array(ratios)
+    certain = found[found[:, 0] > found[:, 1]]
+    print(f"median {np.median(found[:, 0]):.2f}, greatest beyond its noise {certain[:, 0].max():.2f}")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,226 @@
+"""Floors that tilt or are hollow, and the plate's own modes, from the scene to the verdict."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import workflows
+from tests.workflows.conftest import Scene, changed, write
+from workflows import pipeline
+from workflows.decisions import effects as rules
+from workflows.errors import BadInput
+from workflows.scene.file import opened
+from workflows.solve import damper_stage, felt
+from workflows.stages import Stages
+
+RPM = math.pi / 30
+QUIET = Stages(visible=False)
+
+PROTOTYPE = (0.113, 0.126, 0.159, 0.210, 0.281, 0.377, 0.504)
+"""Cut-off over load on a tilting floor at the seven speeds, measured once by another program, with steps in time."""
+
+
+def built(scene: Scene, rpm: float | None = None) -> Any:
+    """The damper that a scene's run simulates at its first speed, or at the one given."""
+    source = opened(scene)
+    found = pipeline.structure(source, QUIET, shapes=False)
+    point = found.points[0] if rpm is None else next(p for p in found.points if abs(p.rpm - rpm) < 1e-6)
+    return damper_stage.particle_damper(source.scene, found.effects, point), point
+
+
+def test_the_papers_report_has_cutoffs_with_the_tilt_beside_it(document: dict[str, Any]) -> None:
+    """Simulated: as the prototype's, and as a_r/(1 - tau) to the cycle and a half in which the drive peaks thrice."""
+    for speed, theirs in zip(document["speeds"], PROTOTYPE, strict=True):
+        found, tau = speed["working"]["tilted_cutoff_ratio"], speed["working"]["floor_tilt_share"]
+        assert found == pytest.approx(theirs, rel=5e-3)
+        assert 0.0 <= math.log(found * (1 - tau) / 0.1) <= 1.5 * 2 * math.pi * 1e-3 + 1e-4
+        assert speed["damper"]["cutoff_ratio"] == pytest.approx(0.108, abs=0.004)
+    assert any("0.112 to 0.504 of the load" in note for note in document["notes"])
+
+
+def test_the_verdict_tilts_whatever_the_scene_does(paper: Scene) -> None:
+    """What the ball takes at its best falls as measured once by another program, and the verdict is that."""
+    slow = changed(paper, rotor__speeds=["3500 rpm", "10000 rpm"], damper__damping_ratio=0.001)
+    slow["release"] = {"displacement": ["20 mm", "0 mm"]}
+    level, tilting = workflows.run(slow), workflows.run(changed(slow, effects__floor_tilt="auto"))
+    for k, share in ((0, 0.339e-2), (1, 0.027e-2)):
+        peaks = [run.speeds[k].working.peak for run in (level, tilting)]
+        assert peaks[0] == pytest.approx(peaks[1], rel=1e-9)
+        assert -math.expm1(-4 * math.pi * peaks[0]) == pytest.approx(share, rel=0.03)
+    assert level.speeds[1].level.peak > 3 * level.speeds[1].working.peak
+    assert (tilting.speeds[1].level, tilting.speeds[1].tilted) == (None, None)
+    assert tilting.speeds[1].damping.cutoff_ratio == pytest.approx(PROTOTYPE[3], rel=0.01)
+
+
+def test_a_hinged_blade_never_drives_its_ball(structure: Scene) -> None:
+    """It flaps as a tilted orbit, at the frequency of rotation: kappa = 1/R takes all of the drive."""
+    hinged = changed(structure, structure__frequency=10000 / 60, structure__floor_tilt=5.0, release__cycles=None)
+    found = workflows.run(hinged)
+    assert found.speeds[0].tilt_share == pytest.approx(1.0, rel=1e-12)
+    assert found.speeds[0].damping.impacts == 0
+    assert workflows.document(found)["speeds"][0]["working"]["damping_ratio_peak"] == 0.0
+    assert "never moves" in repr(found)
+
+
+def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scene) -> None:
+    scene = changed(structure, structure__frequency=["269.5 Hz", "1400 Hz"], structure__floor_tilt=["6.9 1/m", 2.0])
+    system, _ = built(scene)
+    assert [math.sqrt(k / system.stuck_mass) / (2 * math.pi) for k in system.stiffness] == pytest.approx([269.5, 1400])
+    assert system.floor_tilt == (6.9, 2.0)
+    run = workflows.run(changed(scene, release__cycles=3, release__displacement=["0 mm", "1 mm"]))
+    assert len(run.speeds[0].damping.sdc) == 3
+    assert built(changed(scene, structure__floor_tilt=None))[0].level
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("damper__floor_radius", "1.2 mm", "half the cavity's side"),
+        ("damper__floor_radius", ["9 mm", "-9 mm"], "more than 0"),
+        ("damper__floor_radius", ["9 mm"] * 3, "list of two"),
+        ("structure__floor_tilt", "3 m", "slope"),
+        ("structure__frequency", [269.5], "list of two"),
+        ("effects__structural_modes", True, "no plate"),
+        ("effects__floor_tilt", "yes", "auto"),
+    ],
+)
+def test_bad_values_of_the_new_keys(key: str, value: object, said: str, structure: Scene) -> None:
+    with pytest.raises(BadInput, match=said):
+        rules.of(opened(changed(structure, **{key: value})))
+
+
+@pytest.mark.parametrize("effect", ["floor_tilt", "structural_modes"])
+def test_the_printed_equations_know_neither(effect: str, paper: Scene) -> None:
+    printed = changed(paper, damper__formulation="printed")
+    with pytest.raises(BadInput, match="printed equations"):
+        rules.of(opened(changed(printed, **{f"effects__{effect}": True})))
+    with pytest.raises(BadInput, match="flat floor"):
+        opened(changed(printed, damper__floor_radius="16 mm"))
+    assert not rules.of(opened(changed(printed, effects=None)))[effect].on
+
+
+def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scene) -> None:
+    """Against tau of the plate as solved; the beam that the rule goes by errs by less than its doubt."""
+    auto = changed(paper, effects=None)
+    assert not rules.of(opened(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
+        "floor_tilt"
+    ].on
+    for rpm in (20, 100, 1000):
+        scene = changed(auto, rotor__speeds=[f"{rpm} rpm"])
+        system, _ = built(changed(scene, effects__floor_tilt=True))
+        tau = 1 - abs(1 - system.tilt_share[0])
+        if tau > 1e-3:
+            assert rules.of(opened(scene))["floor_tilt"].on
+    assert not rules.of(opened(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
+    slight = changed(structure, structure__floor_tilt=1e-3)
+    assert not rules.of(opened(slight))["floor_tilt"].on
+    assert rules.of(opened(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
+
+
+def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
+    """As the paper's plate at rest: in-plane bending of a beam with shear, about 1400 Hz; and its own slope."""
+    scene = changed(paper, effects=None, rotor__speeds=["0 rpm", "10000 rpm"])
+    system, point = built(scene)
+    lag = felt.leading(point.cavity_modes, 1)
+    assert lag is not None
+    assert math.sqrt(lag.stiffness) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
+    shear = 3 * 0.08**2 / 12 * 2.6 / (5 / 6 * 0.2**2)  # of a Timoshenko beam's deflection, over that by bending
+    assert lag.slope[1] / lag.shape[1] == pytest.approx(1.3765 / 0.2 / (1 + shear), rel=0.03)
+    assert [m.shape[0] == 0.0 or m.shape[1] == 0.0 for m in system.modes] == [True] * len(system.modes)
+    square = system.stiffness[1] / system.stuck_mass
+    assert math.sqrt(square) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
+    release = opened(scene).scene
+    none = replace(point, cavity_modes=tuple(mode for mode in point.cavity_modes if mode.number != lag.number))
+    with pytest.raises(BadInput, match="ask for more"):
+        felt.released_at(release, none)
+
+
+def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:
+    """The leading ones always; others by the ball's mass over theirs."""
+    light = changed(paper, effects=None, rotor__speeds=["5000 rpm"], damper__mass_ratio=1e-5)
+    system, point = built(light)
+    leaders = {felt.leading(point.cavity_modes, axis).number for axis in range(2)}
+    assert {m.number for m in felt.taken(opened(light).scene, point)} == leaders
+    assert len(system.modes) == 2
+    heavy, _ = built(changed(light, damper__mass_ratio=0.01))
+    assert len(heavy.modes) > 2
+    assert len(built(changed(light, accuracy__damping=1e-7))[0].modes) > 2
+
+
+def test_a_release_sets_the_leading_modes_going(paper: Scene) -> None:
+    """Each axis moves by what was asked for, and no other mode does."""
+    scene = changed(
+        paper, effects=None, rotor__speeds=["7500 rpm"], rotor__stagger="30 deg", damper__at=["19 cm", "2 cm"]
+    )
+    system, _ = built(scene)
+    found = felt.amplitudes(system, (3e-3, 1e-3))
+    moved = np.array(found) @ np.array([mode.shape for mode in system.modes])
+    assert moved == pytest.approx([3e-3, 1e-3], rel=1e-9)
+    assert np.count_nonzero(found) == 2 < len(system.modes)
+
+
+def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    import fem.reduction.at_a_place as place
+
+    calls: list[int] = []
+    plain = place.modes_at
+    monkeypatch.setattr(place, "modes_at", lambda *a: (calls.append(1), plain(*a))[1])
+    monkeypatch.setattr("fem.modes_at", place.modes_at, raising=False)
+    one = changed(paper, rotor__speeds=["5000 rpm"])
+    pipeline.structure(opened(one), QUIET, shapes=False)
+    assert not calls
+    pipeline.structure(opened(changed(one, effects__structural_modes=True)), QUIET, shapes=False)
+    assert calls
+
+
+def test_a_hollow_floor_is_a_pendulum_of_one_engine_order(paper: Scene, tmp_path: Path) -> None:
+    """omega_s² = (5/7) G/rho as it bends, (5/7) (G/rho - Omega²) in the plane of rotation: one order at all speeds."""
+    scene = changed(
+        paper,
+        rotor__speeds=["4261 rpm", "9000 rpm"],
+        damper__floor_radius=["16.9 mm", "20 mm"],
+        damper__cavity=["9 mm", "9 mm"],
+        release__cycles=2,
+        effects__floor_tilt="auto",
+    )
+    run = workflows.run(write(scene, tmp_path / "hollow.toml"))
+    for point in run.speeds:
+        assert point.pendulum.order[0] == pytest.approx(math.sqrt(5 / 7 * 0.2 / 0.0159), rel=1e-6)
+        assert point.pendulum.order[1] == pytest.approx(math.sqrt(5 / 7 * (0.2 / 0.019 - 1)), rel=1e-6)
+        assert point.pendulum.frequency_hz[0] == pytest.approx(point.pendulum.order[0] * point.rpm / 60, rel=1e-9)
+    assert any("engine orders 3 and 2.6" in note for note in run.notes)
+    workflows.document(run)
+    wide = workflows.run(changed(scene, damper__floor_radius="8 mm", rotor__speeds=["4261 rpm"]))
+    assert any("radii of its path" in note for note in wide.notes)
+
+
+def test_a_stagger_couples_the_axes(paper: Scene) -> None:
+    """A ball on a level floor of a staggered blade is drawn outwards in the plane of rotation: -Omega² P s."""
+    scene = changed(paper, rotor__speeds=["9000 rpm"], rotor__stagger="35 deg", effects__floor_tilt="auto")
+    system, point = built(scene)
+    assert (system.rotation, system.stagger) == (point.omega, pytest.approx(math.radians(35)))
+    pull = system.pull - np.diag(np.diag(system.pull))
+    assert abs(pull[0, 1]) == pytest.approx(point.omega**2 * 0.5 * math.sin(math.radians(70)), rel=1e-9)
+    assert rules.of(opened(changed(scene, effects=None)))["structural_modes"].on
+
+
+def test_results_carry_the_modes(paper: Scene) -> None:
+    import jsonschema
+
+    from tests.workflows.test_results import SCHEMA
+
+    run = workflows.run(changed(paper, effects=None, rotor__speeds=["7500 rpm"], release__cycles=3))
+    found = workflows.document(run)
+    jsonschema.validate(found, SCHEMA)
+    modes = found["speeds"][0]["cavity_modes"]
+    assert [mode["number"] for mode in modes] == [1, 2, 3, 4, 5, 6]
+    energies = found["speeds"][0]["damper"]["modal_energies"]
+    assert {entry["mode"] for entry in energies} <= {mode["number"] for mode in modes}
+    total = sum(entry["energy"] for entry in energies)
+    assert total == pytest.approx(found["speeds"][0]["damper"]["energy"]["final"], rel=0.05)

@@ -1,0 +1,200 @@
+"""The structure as a ball in its cavity feels it: from a speed point to the arguments of a `damper.ParticleDamper`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from workflows.decisions.effects import Effect
+from workflows.decisions.of_the_ball import SCATTERED
+from workflows.errors import BadInput
+from workflows.scene.scene import Scene
+from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint
+
+if TYPE_CHECKING:
+    import damper
+
+
+def known_structure(scene: Scene, omega: float) -> SpeedPoint:
+    """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
+    structure, rotor = scene.structure, scene.rotor
+    if structure is None or rotor.radius is None:
+        raise ValueError("the scene has no [structure]")
+    m2, f1 = structure.mass, structure.frequency[0]
+    m1 = m2 + ball_mass(scene, m2)
+    stiffness = m1 * (2 * math.pi * f1) ** 2
+    f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
+    reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
+    load = omega**2 * rotor.radius / rotor.gravity
+    return SpeedPoint(omega, rpm(omega), rotor.radius, load, reduced=reduced)
+
+
+def rpm(omega: float) -> float:
+    """Revolutions per minute, without the last digits that the conversion leaves behind."""
+    return float(f"{omega * 30 / math.pi:.13g}")
+
+
+def ball_mass(scene: Scene, m2: float) -> float:
+    """Mass of all balls together [kg] at an effective mass M2."""
+    given = scene.damper
+    if given is None:
+        return 0.0
+    return given.balls if given.balls is not None else (given.mass_ratio or 0.0) * m2
+
+
+def structure(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
+    """Mass, springs, tilt and modes of the structure, and the spin that draws the ball outwards in its plane.
+
+    Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
+    the plate.
+    """
+    reduced, tilts = point.reduced, effects["floor_tilt"].on
+    if reduced is None:
+        raise ValueError("the structure is not known at the damper's place")
+    hollow = scene.damper is not None and scene.damper.floor_radius is not None
+    turning: dict[str, Any] = {}
+    if scene.plate is not None and (tilts or hollow):
+        turning = {"rotation": point.omega, "stagger": scene.rotor.stagger}
+    if effects["structural_modes"].on and point.cavity_modes:
+        return _of_modes(scene, point, taken(scene, point), tilts=tilts) | turning
+    both = (1.0, 1.0)
+    tilt = (reduced.floor_tilt,) * 2
+    if scene.structure is not None:
+        both = (1.0, (scene.structure.frequency[1] / scene.structure.frequency[0]) ** 2)
+        tilt = scene.structure.floor_tilt
+    return {
+        "modal_mass": reduced.M2,
+        "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
+        "floor_tilt": tilt if tilts else (0.0, 0.0),
+        **turning,
+    }
+
+
+def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:
+    """The structure of several modes; mass and stiffness are those of the mode that yields most along each axis."""
+    from damper import Mode
+
+    first, across = leading(modes, 0), leading(modes, 1)
+    if first is None:
+        raise ValueError("none of the modes moves the cavity along the bending direction")
+    mass = first.shape[0] ** -2
+    ball = ball_mass(scene, mass if point.reduced is None else point.reduced.M2)
+    square = across.stiffness / (1 + ball * across.shape[1] ** 2) if across is not None else math.inf
+    own = first.stiffness * mass
+    return {
+        "modal_mass": mass,
+        "stiffness": (own, (mass + ball) * square if math.isfinite(square) else own),
+        "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0)) for m in modes),
+    }
+
+
+def leading(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
+    """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
+    found = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
+    if found is None or abs(found.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
+        return None
+    return found
+
+
+_STILL = 1e-6
+"""Relative displacement of a cavity that counts as none: a mesh's rounding, by symmetry zero."""
+
+
+def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
+    """As few of the plate's modes as `accuracy.damping` needs, ascending.
+
+    Those that yield most along either axis, and the others that a hit feeds enough: by `SCATTERED`, the heaviest first
+    as far as there is room.
+    """
+    from damper.system import MODES
+
+    modes = point.cavity_modes
+    if point.reduced is None or not modes:
+        return ()
+    leaders = {found.number for axis in range(2) if (found := leading(modes, axis)) is not None}
+    ball, asked = ball_mass(scene, point.reduced.M2), scene.accuracy.damping
+    others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
+    needed = [m for m in others if SCATTERED * ball * math.hypot(*m.shape) ** 2 > asked]
+    kept = leaders | {m.number for m in needed[: MODES - len(leaders)]}
+    return tuple(_on_axis(m) for m in modes if m.number in kept)
+
+
+def _on_axis(mode: CavityMode) -> CavityMode:
+    """The mode without the displacements and slopes that symmetry forbids and rounding leaves."""
+    still = [abs(part) <= _STILL * math.hypot(*mode.shape) for part in mode.shape]
+    x, y = (0.0 if none else part for none, part in zip(still, mode.shape, strict=True))
+    a, b = (0.0 if none else part for none, part in zip(still, mode.slope, strict=True))
+    return CavityMode(mode.number, mode.stiffness, (x, y), (a, b))
+
+
+def pendulum(damper: damper.ParticleDamper) -> Pendulum | None:
+    """Frequencies of a ball that swings in a hollow floor, at small amplitudes; None on a flat one.
+
+    omega_s² = beta (G / rho - Omega² P), P the axis' share in the plane of rotation.
+    """
+    if damper.floor_radius is None or (damper.rotation == 0.0 and damper.centrifugal_acceleration == 0.0):
+        return None
+    sides = (math.sin(damper.stagger) ** 2, math.cos(damper.stagger) ** 2)
+    found = []
+    for radius, side in zip(damper.floor_radius, sides, strict=True):
+        pull = damper.centrifugal_acceleration / (radius - damper.ball_radius) - damper.rotation**2 * side
+        found.append(math.sqrt(max(damper.inertia_ratio * pull, 0.0)) / (2 * math.pi))
+    x, y = found
+    turns = damper.rotation / (2 * math.pi)
+    return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
+
+
+def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+    """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
+
+    Raises:
+        BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
+    """
+    release, reduced = scene.release, point.reduced
+    if release is None or reduced is None:
+        raise ValueError("the scene has no [release]")
+    squares = _squares(scene, point)
+    if release.displacement is not None:
+        found = release.displacement
+    elif release.acceleration is not None:
+        found = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
+    else:
+        found = (release.ratio or 0.0) * point.omega**2 * point.radius / squares[0], 0.0
+    if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
+        problem = "none of these modes moves the cavity across, as the release does: ask for more"
+        raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
+    return found
+
+
+def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
+    """Amplitudes of the modes at a release: the leading ones displace the cavity so, the others rest. None without any.
+
+    A ball is judged by what it takes from the vibration let go, not by what a pull at its cavity sets ringing besides.
+    """
+    if system.modes is None:
+        return None
+    first, across = (system.leading(axis) for axis in range(2))
+    found = [0.0] * len(system.modes)
+    a, b = system.modes[first].shape, system.modes[across].shape
+    determinant = a[0] * b[1] - a[1] * b[0]
+    if first == across or determinant == 0.0:
+        found[first] = release[0] / a[0]
+    else:
+        found[first] = (release[0] * b[1] - release[1] * b[0]) / determinant
+        found[across] = (release[1] * a[0] - release[0] * a[1]) / determinant
+    return tuple(found)
+
+
+def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+    """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
+    reduced = point.reduced
+    if reduced is None:
+        raise ValueError("the structure is not known at the damper's place")
+    first = (2 * math.pi * reduced.f1_hz) ** 2
+    if scene.structure is not None:
+        return first, (2 * math.pi * scene.structure.frequency[1]) ** 2
+    across = leading(point.cavity_modes, 1)
+    if across is None:
+        return first, first
+    return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
