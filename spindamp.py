@@ -10,6 +10,7 @@
 
     spindamp.campbell("blade.toml")              # the plate alone
     spindamp.ringdown("blade.toml", rpm=6000)    # the damper at one speed
+    spindamp.response("paper")                   # forced response at the crossings of engine orders
     spindamp.accuracy("paper")                   # what accuracy costs in time
     spindamp.effects("paper")                    # what each effect changes, and costs
     spindamp.reproduce()                         # the paper, claim by claim
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from workflows.studies.costs.ladder import Study
     from workflows.studies.costs.switching import Switches
     from workflows.studies.reproduction import Reproduction
+    from workflows.studies.response.study import Response
 
 __all__ = [
     "BadInput",
@@ -56,6 +58,7 @@ __all__ = [
     "parse",
     "report",
     "reproduce",
+    "response",
     "ringdown",
     "run",
     "save",
@@ -92,6 +95,16 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     from workflows import parts, pipeline
 
     return pipeline.run(parts.at_one_speed(opened(scene), rpm))
+
+
+def response(scene: SceneLike = DEFAULT) -> Response:
+    """Steady states where engine orders cross modes, without and with the ball; forces from the scene's [excitation].
+
+    Takes and raises what :func:`run` does.
+    """
+    from workflows.studies.response.study import respond
+
+    return respond(opened(scene))
 
 
 def reproduce() -> Reproduction:

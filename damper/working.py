@@ -117,7 +117,7 @@ def working(
         reach: amplitude up to which the curve goes at least [m].
     """
     pace = _Pace(sweeps, stay)
-    bare = replace(damper, damping_ratio=0.0)
+    bare = undamped(damper)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED:
@@ -135,6 +135,12 @@ def working(
         if whole.damping_ratio[-1] < whole.peak / 2 or top > lowest * 2**_MOST_OCTAVES:
             return replace(whole, error=max(_spread(samples, whole), _BINNED))
         top *= 2**_OCTAVES
+
+
+def undamped(damper: ParticleDamper) -> ParticleDamper:
+    """The damper on a structure without damping of its own."""
+    modes = None if damper.modes is None else tuple(replace(mode, damping_ratio=None) for mode in damper.modes)
+    return replace(damper, damping_ratio=0.0, modes=modes)
 
 
 def _freely(damper: ParticleDamper) -> float:

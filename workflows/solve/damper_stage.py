@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve import felt
-from workflows.solve.records import CutOff, Damping, Energy, History, SpeedPoint
+from workflows.solve.records import CavityMode, CutOff, Damping, Energy, History, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
 
@@ -58,11 +59,11 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     tilting = _tilting(scene, effects, point)
     found = replace(point, damping=damping, pendulum=felt.pendulum(system))
     if tilting is None:
-        return replace(found, working=_figures(system))
+        return replace(found, working=figures(system))
     cutoff = _cutoff(tilting, point)
     if system.formulation == "printed":
-        return replace(found, working=_figures(system), tilted=cutoff)
-    return replace(found, working=_figures(tilting), level=_figures(system), tilted=cutoff)
+        return replace(found, working=figures(system), tilted=cutoff)
+    return replace(found, working=figures(tilting), level=figures(system), tilted=cutoff)
 
 
 def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
@@ -84,7 +85,8 @@ def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
     return replace(system, modes=tuple(system.modes[k] for k in kept))
 
 
-def _figures(system: damper.ParticleDamper) -> damper.Working:
+def figures(system: damper.ParticleDamper) -> damper.Working:
+    """The damper's own figures in the modes that yield most along either axis."""
     from damper import working
 
     return working(leading(system))
@@ -116,8 +118,10 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
     return CutOff(None, None) if found is None else CutOff(found * point.load_g / load, found / load)
 
 
-def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
-    """The damper of a scene on the structure of a speed point."""
+def particle_damper(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
+) -> damper.ParticleDamper:
+    """The damper of a scene on the structure of a speed point; `only`: see `felt.structure`."""
     from damper import Formulation, ParticleDamper
 
     given, reduced = scene.damper, point.reduced
@@ -125,7 +129,7 @@ def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint)
         raise ValueError("the scene has no [damper]")
     try:
         return ParticleDamper(
-            **felt.structure(scene, effects, point),
+            **felt.structure(scene, effects, point, only),
             ball_mass=felt.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
             cavity=given.cavity,

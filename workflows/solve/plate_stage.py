@@ -82,18 +82,11 @@ def solve(
         BadInput: the theory or a place on the plate is no good.
         NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
     """
-    with answering(source):
-        with stages("modes"):
-            discrete = discretise(source, decided, stages, size)
-            diagram = sweep(source, discrete)
-        with stages("reduction"):
-            reduced = reduce(source, discrete.choice.operators, diagram)
-            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+    with answering(source), stages("modes"):
+        discrete = discretise(source, decided, stages, size)
+    points, diagram, numbers = points_on(source, decided, discrete, stages)
     asked = source.scene.rotor.speeds
-    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
-    numbers = [known[omega] for omega in asked if omega in known]
     with stages("modes"):
-        points = plate_records.points(source, discrete, diagram, numbers, reduced, at_cavity)
         surface = (
             plate_records.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes)
             if shapes
@@ -101,6 +94,26 @@ def solve(
         )
         beyond = plate_records.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
     return PlateAnswer(points, surface, discrete.theory, beyond)
+
+
+def points_on(
+    source: SceneFile, decided: Decided, discrete: Discrete, stages: Stages
+) -> tuple[tuple[SpeedPoint, ...], fem.Campbell, list[int]]:
+    """What is found at the speeds of a scene on matrices that are known; the sweep, and their numbers in it.
+
+    Raises:
+        BadInput, NoAnswer: see :func:`solve`.
+    """
+    with answering(source):
+        with stages("modes"):
+            diagram = sweep(source, discrete)
+        with stages("reduction"):
+            reduced = reduce(source, discrete.choice.operators, diagram)
+            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+    numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
+    with stages("modes"):
+        return plate_records.points(source, discrete, diagram, numbers, reduced, at_cavity), diagram, numbers
 
 
 def discretise(
@@ -247,10 +260,17 @@ def cavity_modes(
     found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
     return [
         tuple(
-            CavityMode(k + 1, float(stiffness[k]), _both(shape[:, k]), _both(slope[:, k]))
-            for k in range(len(stiffness))
+            CavityMode(
+                number=k + 1,
+                stiffness=float(found.stiffness[n, k]),
+                shape=_both(found.shape[n, :, k]),
+                slope=_both(found.slope[n, :, k]),
+                drawn=_both(found.drawn[n, :, k]),
+                pressed=float(found.pressed[n, k]),
+            )
+            for k in range(found.stiffness.shape[1])
         )
-        for stiffness, shape, slope in zip(found.stiffness, found.shape, found.slope, strict=True)
+        for n in range(found.stiffness.shape[0])
     ]
 
 
