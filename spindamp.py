@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray
 
     from workflows.solve.records import Results
-    from workflows.studies.costs.ladder import Study
+    from workflows.studies.costs.ladder import Costs
     from workflows.studies.costs.switching import Switches
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.study import Response
@@ -114,7 +114,7 @@ def reproduce() -> Reproduction:
     return reproduction.reproduce()
 
 
-def accuracy(scene: SceneLike = DEFAULT) -> Study:
+def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.costs.study import study
 

@@ -23,7 +23,7 @@ from workflows.report import drawing, mode_picture, mode_shape
 from workflows.report import page as report
 from workflows.solve.records import Results
 from workflows.studies.costs import page, plots
-from workflows.studies.costs.ladder import Chosen, Ladder, Row, Study
+from workflows.studies.costs.ladder import Costs, Ladder, Picked, Rung
 from workflows.studies.costs.switching import Switched, Switches
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -105,7 +105,7 @@ LADDER = Ladder(
     "relative error of the cut-off at 10000 rpm",
     "the same scene",
     tuple(
-        Row(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
+        Rung(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
         for name in ("pipeline", "thin plate, Argyris triangles, graded")
         for n, time in enumerate(WORKING)
     ),
@@ -396,9 +396,9 @@ def test_a_known_structure_has_no_mesh(spinning_up: tuple[Results, list[Any]]) -
     assert report.draw(results).mesh == ""
 
 
-def study() -> Study:
-    chosen = Chosen("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
-    return Study(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
+def study() -> Costs:
+    chosen = Picked("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
+    return Costs(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
 
 
 def pages(tmp_path: Path) -> dict[str, Path]:

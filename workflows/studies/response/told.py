@@ -130,8 +130,8 @@ def _sentence(found: Response, through: Through) -> str:
     if best.ratio > HELPS:
         left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
         return (
-            f"{place}: the ball does not help. Under none of the forces followed does it take {most} % of the amplitude:"
-            f" at best {left} % of that without it are left{begins}"
+            f"{place}: the ball does not help. Under none of the forces followed does it take {most} % of the amplitude"
+            f": at best {left} % of that without it are left{begins}"
         )
     helped = [row.force for row in mine if row.ratio <= HELPS]
     span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
