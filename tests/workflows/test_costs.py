@@ -298,7 +298,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(timing, "_RUNS", 1)
     monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
     monkeypatch.setattr(plates, "_SPEEDS", 7)
-    monkeypatch.setattr(plates, "_SOLID_AT_MOST", 1)
+    monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None

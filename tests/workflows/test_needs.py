@@ -214,7 +214,7 @@ sys.exit(status)
 @pytest.mark.parametrize(
     "changes",
     [
-        {},
+        {"rotor__speeds": ["3500 rpm", "17500 rpm"]},
         {"plate__theory": "mindlin", "rotor__speeds": ["5000 rpm"], "effects": {"large_deflection": True}},
         {"damper__rolling_friction": 0, "release__cycles": 100_000, "rotor__speeds": ["5000 rpm"]},
     ],
