@@ -29,11 +29,11 @@ from workflows.wording import whole
 if TYPE_CHECKING:
     import damper
 
-SPEEDS = 60
-"""Through a crossing."""
+SPEEDS, FEW_SPEEDS = 60, 20
+"""Through a crossing; fewer where each speed of the plate is solved by itself."""
 
-_ACROSS = 61
-"""Speeds over the whole range, by which crossings are found."""
+_ACROSS, _FEW_ACROSS = 61, 13
+"""The same over the whole range, by which crossings are found."""
 
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
@@ -44,7 +44,7 @@ _CYCLES = 30_000
 _STILL = 1e-6
 """Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
 
-_PATH_CYCLES, _PATH_SAMPLES = 3, 240
+_PATH_CYCLES, _PATH_SAMPLES = 3, 1500
 """Of the ball's path that is shown."""
 
 
@@ -124,7 +124,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     decided = decide(source, stages)
     low, high = min(source.scene.rotor.speeds), max(source.scene.rotor.speeds)
     solved = _Solved(source, decided, stages)
-    points = solved.at(np.linspace(low, high, _ACROSS))
+    points = solved.at(np.linspace(low, high, _FEW_ACROSS if solved.dear else _ACROSS))
     passed, idle = [], []
     for crossing in crossings.of_points(points, excitation.orders):
         found = _through(solved, crossing, excitation, (low, high))
@@ -176,6 +176,11 @@ class _Solved:
     def scene(self) -> Scene:
         return self.source.scene
 
+    @property
+    def dear(self) -> bool:
+        """Whether every speed of the plate is solved by itself."""
+        return self.discrete is not None and plate.one_by_one(self.scene, self.discrete.choice.operators)
+
     def at(self, omega: Floats) -> tuple[SpeedPoint, ...]:
         """Modes and what the damper feels at speeds [rad/s]."""
         if self.discrete is None:
@@ -205,7 +210,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
     reduced, given = at.reduced, solved.scene.damper
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     band = crossing.band(given.damping_ratio if given is not None else 0.0, shift, *speeds)
-    omega = crossings.gathered(crossing.omega, *band, SPEEDS)
+    omega = crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
     dampers, harmonics = [], []
     for point in solved.at(omega):
         own = _modes(point, crossing)
