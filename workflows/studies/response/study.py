@@ -201,7 +201,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
     from damper import Start, forced
 
     (at,) = solved.at(np.array([crossing.omega]))
-    modes = _modes(at, crossing)
+    modes = _modes(at, _branch((at,), crossing))
     if modes is not None:
         idle = _idle(modes, excitation)
         if idle:
@@ -212,8 +212,10 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
     band = crossing.band(given.damping_ratio if given is not None else 0.0, shift, *speeds)
     omega = crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
     dampers, harmonics = [], []
-    for point in solved.at(omega):
-        own = _modes(point, crossing)
+    through = solved.at(omega)
+    branch = _branch(through, crossing)
+    for point in through:
+        own = _modes(point, branch)
         system = solved.damper(point, None if own is None else _kept(point, own))
         dampers += [system] * len(excitation.levels)
         harmonics += [_harmonic(system, crossing, point, excitation, level) for level in excitation.levels]
@@ -233,7 +235,8 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         )
         shape = len(omega), len(excitation.levels)
         middle = dampers[count // 2 // shape[1] * shape[1]]
-        short = _short(middle, dampers, harmonics, states, crossing, at, axis).reshape(*shape, len(starts))
+        leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
+        short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads).reshape(*shape, len(starts))
         levels = np.tile(excitation.levels, shape[0])
         top = int(np.argmax(states.mean.max(axis=1)))
         return Through(
@@ -249,11 +252,18 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         )
 
 
-def _modes(point: SpeedPoint, crossing: Crossing) -> list[CavityMode] | None:
+def _branch(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
+    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
+    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
+    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency), default=None)
+    return 0 if near is None else near.branch
+
+
+def _modes(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
     """The mode that is crossed first, then the others; None where the structure is given."""
     if not point.cavity_modes:
         return None
-    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == crossing.branch), 0)
+    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
     return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
 
 
@@ -304,11 +314,11 @@ def _short(
     dampers: list[damper.ParticleDamper],
     harmonics: list[damper.Harmonic],
     states: damper.Forced,
-    crossing: Crossing,
-    at: SpeedPoint,
-    axis: int,
+    *,
+    speaks: bool,
 ) -> Floats:
-    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed.
+    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed,
+    which is so where another yields more along x.
 
     One measurement at the crossing serves all of it: frequencies scale with the structure's own, forces with its
     stiffness.
@@ -316,9 +326,7 @@ def _short(
     from damper import backbone
 
     short = np.full(states.mean.shape, np.nan)
-    leading = felt.leading(at.cavity_modes, 0) if at.cavity_modes else None
-    modes = _modes(at, crossing)
-    if axis == 1 or (modes is not None and leading is not modes[0]):
+    if not speaks:
         return short
     found = backbone(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
