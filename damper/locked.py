@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from damper.linear import forces_on
 from damper.parameters import half_gap, rolling_threshold
-from damper.threshold import MARGIN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,6 +71,8 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
+    from damper.threshold import MARGIN
+
     threshold = MARGIN * np.where(half_gap(rows) > 0, rolling_threshold(rows)[:, None], np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.inf)

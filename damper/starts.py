@@ -14,7 +14,7 @@ from damper.locked import Complex, Locked, forgets, locked, moves_from, without_
 from damper.motion import flights, kinds, structures_by
 from damper.parameters import half_gap, number
 from damper.prepare import prepare
-from damper.trace import BATCHES, TALLY, TRACE
+from damper.tallies import BATCHES, TALLY, TRACE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -23,8 +23,9 @@ from damper.compiled import kernel
 from damper.engine_linear import fly, happen, let_go, restart
 from damper.guards import largest_drive
 from damper.records import NOTHING, STUCK
+from damper.tallies import BATCHES
 from damper.threshold import MARGIN
-from damper.trace import BATCHES, add_cycle, close_tally, distance, follow, mark, open_tally
+from damper.trace import add_cycle, close_tally, distance, follow, mark, open_tally
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Record, Records

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.meshes import thickness
 from fem.modes.real import Divergence
 from fem.operators.assembly import point_rows, with_point_mass
 from fem.statics.linearised import linearise
@@ -98,9 +99,8 @@ def load_rows(operators: Operators) -> Array:
         if plate.tip_mass > 0.0 and plate.tip_at is not None:
             load = load + plate.tip_mass * (point_rows(model, plate.tip_at).T @ np.eye(3)[axis])
         drawn.append(load)
-    given = plate.thickness
-    thickness = np.asarray(given if isinstance(given, float | int) else given.at(model.points[:2]))
-    return np.array([*drawn, uniform_load(model, 1.0 / thickness, np.eye(3)[2])])
+    height = thickness.of(plate.thickness, model.points[:2])
+    return np.array([*drawn, uniform_load(model, 1.0 / height, np.eye(3)[2])])
 
 
 def _under_pull(

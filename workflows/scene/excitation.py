@@ -14,7 +14,9 @@ from workflows.scene.table import Table
 class Excitation(Table):
     """Harmonic forces whose frequency is a multiple of the rotation's, at one level or several."""
 
-    orders: Orders = Field(description="engine orders: whole numbers, frequency over that of the rotation")
+    orders: Orders = Field(
+        description="engine orders, frequency over that of the rotation: whole numbers, dimensionless"
+    )
     force: Forces | None = Field(
         None,
         description="height of a force at the damper's place along the damper's axis 1: a level, or a list of them",

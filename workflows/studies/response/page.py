@@ -11,7 +11,7 @@ from workflows.findings import worth
 from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.response import files, plots, told
-from workflows.studies.response.study import SPEEDS, Response
+from workflows.studies.response.study import Response
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 """What is written beside the usual files, as a regular expression."""
@@ -69,5 +69,4 @@ def render(found: Response) -> str:
         campbell=Markup(drawing.both(partial(plots.campbell, found))),
         damping=Markup(drawing.both(partial(plots.damping, found))),
         air=worth.AIR,
-        speeds=SPEEDS,
     )

@@ -29,11 +29,11 @@ from workflows.wording import whole
 if TYPE_CHECKING:
     import damper
 
-SPEEDS = 60
-"""Through a crossing."""
+SPEEDS, FEW_SPEEDS = 60, 20
+"""Through a crossing; fewer where each speed of the plate is solved by itself."""
 
-_ACROSS = 61
-"""Speeds over the whole range, by which crossings are found."""
+_ACROSS, _FEW_ACROSS = 61, 13
+"""The same over the whole range, by which crossings are found."""
 
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
@@ -44,7 +44,7 @@ _CYCLES = 30_000
 _STILL = 1e-6
 """Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
 
-_PATH_CYCLES, _PATH_SAMPLES = 3, 240
+_PATH_CYCLES, _PATH_SAMPLES = 3, 1500
 """Of the ball's path that is shown."""
 
 
@@ -124,7 +124,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     decided = decide(source, stages)
     low, high = min(source.scene.rotor.speeds), max(source.scene.rotor.speeds)
     solved = _Solved(source, decided, stages)
-    points = solved.at(np.linspace(low, high, _ACROSS))
+    points = solved.at(np.linspace(low, high, _FEW_ACROSS if solved.dear else _ACROSS))
     passed, idle = [], []
     for crossing in crossings.of_points(points, excitation.orders):
         found = _through(solved, crossing, excitation, (low, high))
@@ -176,6 +176,11 @@ class _Solved:
     def scene(self) -> Scene:
         return self.source.scene
 
+    @property
+    def dear(self) -> bool:
+        """Whether every speed of the plate is solved by itself."""
+        return self.discrete is not None and plate.one_by_one(self.scene, self.discrete.choice.operators)
+
     def at(self, omega: Floats) -> tuple[SpeedPoint, ...]:
         """Modes and what the damper feels at speeds [rad/s]."""
         if self.discrete is None:
@@ -196,7 +201,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
     from damper import Start, forced
 
     (at,) = solved.at(np.array([crossing.omega]))
-    modes = _modes(at, crossing)
+    modes = _modes(at, _branch((at,), crossing))
     if modes is not None:
         idle = _idle(modes, excitation)
         if idle:
@@ -205,10 +210,12 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
     reduced, given = at.reduced, solved.scene.damper
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     band = crossing.band(given.damping_ratio if given is not None else 0.0, shift, *speeds)
-    omega = crossings.gathered(crossing.omega, *band, SPEEDS)
+    omega = crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
     dampers, harmonics = [], []
-    for point in solved.at(omega):
-        own = _modes(point, crossing)
+    through = solved.at(omega)
+    branch = _branch(through, crossing)
+    for point in through:
+        own = _modes(point, branch)
         system = solved.damper(point, None if own is None else _kept(point, own))
         dampers += [system] * len(excitation.levels)
         harmonics += [_harmonic(system, crossing, point, excitation, level) for level in excitation.levels]
@@ -228,7 +235,8 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         )
         shape = len(omega), len(excitation.levels)
         middle = dampers[count // 2 // shape[1] * shape[1]]
-        short = _short(middle, dampers, harmonics, states, crossing, at, axis).reshape(*shape, len(starts))
+        leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
+        short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads).reshape(*shape, len(starts))
         levels = np.tile(excitation.levels, shape[0])
         top = int(np.argmax(states.mean.max(axis=1)))
         return Through(
@@ -244,11 +252,18 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         )
 
 
-def _modes(point: SpeedPoint, crossing: Crossing) -> list[CavityMode] | None:
+def _branch(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
+    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
+    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
+    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency), default=None)
+    return 0 if near is None else near.branch
+
+
+def _modes(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
     """The mode that is crossed first, then the others; None where the structure is given."""
     if not point.cavity_modes:
         return None
-    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == crossing.branch), 0)
+    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
     return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
 
 
@@ -299,11 +314,11 @@ def _short(
     dampers: list[damper.ParticleDamper],
     harmonics: list[damper.Harmonic],
     states: damper.Forced,
-    crossing: Crossing,
-    at: SpeedPoint,
-    axis: int,
+    *,
+    speaks: bool,
 ) -> Floats:
-    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed.
+    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed,
+    which is so where another yields more along x.
 
     One measurement at the crossing serves all of it: frequencies scale with the structure's own, forces with its
     stiffness.
@@ -311,9 +326,7 @@ def _short(
     from damper import backbone
 
     short = np.full(states.mean.shape, np.nan)
-    leading = felt.leading(at.cavity_modes, 0) if at.cavity_modes else None
-    modes = _modes(at, crossing)
-    if axis == 1 or (modes is not None and leading is not modes[0]):
+    if not speaks:
         return short
     found = backbone(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):

@@ -107,14 +107,40 @@ def endured(found: Response, through: Through) -> float | None:
 
 
 def sentences(found: Response) -> list[str]:
-    """The headline of each crossing in plain words."""
+    """Whether the ball helps, in one plain sentence; then each crossing."""
     if not found.passed and not found.idle:
         low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
         return [f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."]
-    said = [_sentence(found, through) for through in found.passed]
+    said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
     for crossing, why in found.idle:
         said.append(f"{_place(crossing.order, crossing.family, crossing.rpm)}: nothing to follow, {why}.")
+    given = found.results.scene.damper
+    if given is not None and given.damping_ratio == 0 and found.passed:
+        said.append("Without damping of its own ([damper] damping_ratio) the structure has no bound at resonance.")
     return said
+
+
+def _verdict(found: Response) -> str:
+    """Whether the ball helps anywhere under amplitudes that a blade endures."""
+    helped = {
+        row.through.crossing.order: row.ratio
+        for row in sorted(rows(found), key=lambda row: -row.ratio)
+        if row.ratio <= HELPS and row.mean <= (endured(found, row.through) or np.inf)
+    }
+    orders = _listed(sorted({through.crossing.order for through in found.passed}))
+    if not found.passed:
+        return "No crossing is driven at the damper's place."
+    if not helped:
+        bearable = "" if found.strain_per_amplitude is None else " at any amplitude that its root endures"
+        return f"No: at order{orders} the ball does not help{bearable}."
+    best = significant(100 * (1 - min(helped.values())), 2)
+    return f"Yes: at order{_listed(sorted(helped))} the ball takes up to {best} % of the amplitude at resonance."
+
+
+def _listed(orders: list[int]) -> str:
+    """Of a few orders, as the end of a word: s 2 and 3."""
+    words = [str(order) for order in orders]
+    return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
 
 
 def _place(order: int, family: str, rpm: float) -> str:
@@ -130,8 +156,8 @@ def _sentence(found: Response, through: Through) -> str:
     if best.ratio > HELPS:
         left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
         return (
-            f"{place}: the ball does not help. Under none of the forces followed does it take {most} % of the amplitude"
-            f": at best {left} % of that without it are left{begins}"
+            f"{place}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
+            f" {left} % of it are left{begins}"
         )
     helped = [row.force for row in mine if row.ratio <= HELPS]
     span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
