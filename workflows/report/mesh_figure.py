@@ -9,6 +9,7 @@ import numpy as np
 from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.scene import plate_mesh
+from workflows.scene.scene import Scene
 from workflows.solve.records import Floats, Results, Surface
 
 if TYPE_CHECKING:
@@ -42,9 +43,8 @@ def mesh(results: Results, sheet: Sheet) -> str:
         _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), drawing.MUTED, 0.35)
     _draw(axes, points, surface.outline, drawing.INK, 0.9)
     _draw(axes, points, surface.root, drawing.CATEGORIES[0], 3.0)
-    plate = results.scene.plate
-    held = "clamped root" if plate is None or plate.root is None else "root on springs"
-    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=held)
+    root = held(results.scene)
+    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=root)
     if results.scene.damper is not None:
         x, y = (metres * value for value in plate_mesh.damper_at(results.scene, surface.points.T[:2]))
         axes.plot(x, y, "o", ms=7, mfc="none", mec=drawing.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
@@ -52,7 +52,12 @@ def mesh(results: Results, sheet: Sheet) -> str:
     axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
-    return drawing.svg(figure, sheet, "mesh", f"Mesh of the plate from above: cells, {held}, place of the damper")
+    return drawing.svg(figure, sheet, "mesh", f"Mesh of the plate from above: cells, {root}, place of the damper")
+
+
+def held(scene: Scene) -> str:
+    """What the root is."""
+    return "clamped root" if scene.plate is None or scene.plate.root is None else "root on springs"
 
 
 def cells_are_drawn(surface: Surface, sheet: Sheet = drawing.WIDE) -> bool:
