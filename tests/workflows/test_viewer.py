@@ -93,7 +93,7 @@ def read(data: dict[str, Any], number: int) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["triangle", "quad"])
 def test_what_is_packed_is_what_was_there(kind: str) -> None:
     surface = swinging(plate(20, kind))
-    view = viewer.of_surface(surface, points_of(), None)
+    view = viewer.of_surface(surface, points_of())
     data = json.loads(view.data)
     assert not view.thinned
     places = np.frombuffer(base64.b64decode(data["points"]), "<u2").reshape(-1, 2) / 65535 * data["span"] + data["low"]
@@ -109,7 +109,7 @@ def test_what_is_packed_is_what_was_there(kind: str) -> None:
 def test_motion_a_quarter_of_a_period_behind_is_kept() -> None:
     surface = swinging(plate(20))
     behind = np.roll(surface.shapes, 1, axis=-1)
-    view = viewer.of_surface(dataclasses.replace(surface, behind=behind), points_of(), None)
+    view = viewer.of_surface(dataclasses.replace(surface, behind=behind), points_of())
     data = json.loads(view.data)
     count = len(SPEEDS) * 4
     for number in range(count):
@@ -156,7 +156,7 @@ def around_hole(surface: Surface) -> float:
 
 
 def test_a_million_unknowns_are_thinned() -> None:
-    view = viewer.of_surface(swinging(plate(640)), points_of(), None)
+    view = viewer.of_surface(swinging(plate(640)), points_of())
     assert view.of > 160_000, "three unknowns each, and two slopes: a million"
     assert view.thinned
     assert view.points <= 1.5 * viewer.POINTS

@@ -56,13 +56,13 @@ def _thinned(surface: Surface, most: int) -> Shown:
 
     places = surface.points[:, :2]
     spacing = np.sqrt(_area(places, surface.cells[1]) / (0.8 * most))
-    loops = [_along(places, loop, spacing) for loop in _loops(surface.outline)]
-    rim = np.concatenate(loops)
+    rims = [_along(places, loop, spacing) for loop in loops(surface.outline)]
+    rim = np.concatenate(rims)
     inner = np.setdiff1d(_one_a_square(places, spacing), surface.outline)
     inner = inner[KDTree(places[rim]).query(places[inner])[0] > _CLEAR * spacing]
     kept = np.concatenate([rim, inner])
     number = {int(point): k for k, point in enumerate(kept)}
-    outline = np.array([(number[a], number[b]) for loop in loops for a, b in zip(loop, np.roll(loop, -1), strict=True)])
+    outline = np.array([(number[a], number[b]) for loop in rims for a, b in zip(loop, np.roll(loop, -1), strict=True)])
     triangles = np.asarray(Delaunay(places[kept]).simplices, dtype=np.int64)
     middles = places[kept][triangles].mean(axis=1)
     triangles = triangles[_inside(middles, places[kept][outline])]
@@ -75,13 +75,13 @@ def _area(places: Floats, cells: Indices) -> float:
     return float(0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum())
 
 
-def _loops(outline: Indices) -> list[Indices]:
+def loops(outline: Indices) -> list[Indices]:
     """The edges (k, 2) put one after another: closed chains of points."""
     beside: dict[int, list[int]] = defaultdict(list)
     for a, b in outline.tolist():
         beside[a].append(b)
         beside[b].append(a)
-    loops = []
+    found = []
     while beside:
         start = at = next(iter(beside))
         loop = []
@@ -95,8 +95,8 @@ def _loops(outline: Indices) -> list[Indices]:
             at = onwards
             if at == start:
                 break
-        loops.append(np.array(loop))
-    return loops
+        found.append(np.array(loop))
+    return found
 
 
 def _along(places: Floats, loop: Indices, spacing: float) -> Indices:

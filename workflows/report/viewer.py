@@ -10,7 +10,6 @@ import numpy as np
 
 from workflows.report import packing, thinning
 from workflows.scene import plate_mesh
-from workflows.scene.scene import Scene
 from workflows.solve.records import Floats, Results, SpeedPoint, Surface, shown
 
 POINTS = 1200
@@ -49,41 +48,56 @@ def view(results: Results) -> View | None:
     """The viewer of a run, within the room a report has; None without a plate."""
     if results.surface is None:
         return None
-    kept = shown(results.speeds)
-    return of_surface(results.surface, results.speeds, results.scene, kept)
+    mark = None
+    if results.scene.damper is not None:
+        mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
+    plate = results.scene.plate
+    thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
+    return of_surface(results.surface, results.speeds, mark, thickness, shown(results.speeds))
 
 
 def of_surface(
-    surface: Surface, speeds: tuple[SpeedPoint, ...], scene: Scene | None, first: int = 0, most: int = POINTS
+    surface: Surface,
+    speeds: tuple[SpeedPoint, ...] = (),
+    mark: tuple[float, float] | None = None,
+    thickness: float | None = None,
+    first: int = 0,
+    mode: int = 0,
+    most: int = POINTS,
+    room: int = _BYTES,
 ) -> View:
     """The viewer of a surface.
 
     Args:
         surface: with as many shapes as there are, also none.
         speeds: those of the run, which `surface.at` counts.
-        scene: says where the damper is and how thick the plate; None for a mesh alone.
+        mark: where the damper is (x, y) [m], if there is one.
+        thickness: of the whole plate [m]; None where `surface` has it or it is not known.
         first: which of the speeds is shown first, or the one kept next to it.
+        mode: which of its modes, from 0.
         most: points to be drawn.
+        room: bytes that the vectors of the shapes may take.
     """
     drawn = thinning.shown(surface, most)
     shapes, behind = _shapes(surface, drawn.kept)
     found = packing.packed(np.concatenate([shapes, behind])) if len(shapes) else None
-    room = most if found is None else max(_LEAST, _BYTES * most // POINTS // (2 * max(found.rank, 1)))
-    if room < len(drawn.kept):
-        return of_surface(surface, speeds, scene, first, room)
-    data = _plate(surface, drawn, scene) | {"speeds": [], "behind": bool(len(behind)), "shapes": []}
+    fit = most if found is None else max(_LEAST, room // (2 * max(found.rank, 1)))
+    if fit < len(drawn.kept) and fit < most:
+        return of_surface(surface, speeds, mark, thickness, first, mode, fit, room)
+    data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
+    data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
     if found is not None:
         data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
-        data["first"] = int(np.argmin(np.abs(np.asarray(surface.at) - first)))
+        data["first"] = [int(np.argmin(np.abs(np.asarray(surface.at) - first))), mode]
         data["shapes"] = packing.vectors(found)
     return View(_for_a_page(data), len(surface.points), len(drawn.kept), found is not None)
 
 
-def _plate(surface: Surface, drawn: thinning.Shown, scene: Scene | None) -> dict[str, Any]:
+def _plate(surface: Surface, drawn: thinning.Shown, thickness: float | None) -> dict[str, Any]:
     """Points, triangles, edges and what is marked on them."""
     places = surface.points[drawn.kept, :2]
     low, span = places.min(axis=0), np.ptp(places, axis=0)
-    data: dict[str, Any] = {
+    return {
         "low": low.tolist(),
         "span": span.tolist(),
         "points": packing.whole(np.round((places - low) / span * 65535.0)),
@@ -91,21 +105,16 @@ def _plate(surface: Surface, drawn: thinning.Shown, scene: Scene | None) -> dict
         "edges": "" if drawn.edges is None else packing.whole(drawn.edges),
         "outline": packing.whole(drawn.outline),
         "root": packing.whole(drawn.root),
-        "thickness": _thickness(surface, drawn, scene),
-        "damper": None,
+        "thickness": _thickness(surface, drawn, thickness),
     }
-    if scene is not None and scene.damper is not None:
-        data["damper"] = list(map(float, plate_mesh.damper_at(scene, surface.points.T[:2])))
-    return data
 
 
-def _thickness(surface: Surface, drawn: thinning.Shown, scene: Scene | None) -> dict[str, Any]:
+def _thickness(surface: Surface, drawn: thinning.Shown, thickness: float | None) -> dict[str, Any]:
     """The thickness [m] of all points, or of each as a part of the largest; 0 where it is not known."""
-    if surface.thickness is not None:
-        largest = float(surface.thickness.max())
-        return {"largest": largest, "parts": packing.shorts(surface.thickness[drawn.kept], largest)}
-    known = None if scene is None or scene.plate is None else scene.plate.thickness
-    return {"largest": known if isinstance(known, float) else 0.0, "parts": ""}
+    if surface.thickness is None:
+        return {"largest": thickness or 0.0, "parts": ""}
+    largest = float(surface.thickness.max())
+    return {"largest": largest, "parts": packing.shorts(surface.thickness[drawn.kept], largest)}
 
 
 def _shapes(surface: Surface, kept: thinning.Indices) -> tuple[Floats, Floats]:

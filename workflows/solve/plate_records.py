@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -107,18 +107,23 @@ def _share(shifts: Floats | None, k: int) -> float | None:
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
-    from fem.meshes.planform import root_facets
 
     kept = _kept(len(numbers))
     shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
     by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
-    mesh = operators.plate.mesh
+    found = bare(operators.plate.mesh)
+    return replace(found, shapes=by_speed.real, at=kept, thickness=_thickness(operators.plate), behind=behind)
+
+
+def bare(mesh: Any) -> Surface:
+    """A mesh's mid-surface, without shapes."""
+    from fem.meshes.planform import root_facets
+
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
-    cells = (kind, np.asarray(mesh.t.T))
-    return Surface(points, cells, outline, root, by_speed.real, kept, _thickness(operators.plate), behind)
+    return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
 def _thickness(plate: fem.Plate) -> Floats | None:

@@ -497,7 +497,7 @@ function start(figure) {
   figure.classList.add("live");
   form.hidden = false;
   looks();
-  if (moving) show(data.first, 0);
+  if (moving) show(...data.first);
   play(state.playing);
   draw();
 }
