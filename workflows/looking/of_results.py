@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -84,12 +86,13 @@ def _surface(folder: Path, points: tuple[SpeedPoint, ...]) -> Surface:
 
     path = folder / "modes.vtu"
     try:
-        file = meshio.read(path)
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            file = meshio.read(path)
         cells = file.cells[0]
         kind = MeshQuad if cells.type == "quad" else MeshTri
         mesh = kind(np.ascontiguousarray(file.points[:, :2].T, dtype=float), np.ascontiguousarray(cells.data.T))
         surface = bare(mesh)
-    except Exception as error:  # whatever a damaged file makes the reader stumble over
+    except (Exception, SystemExit) as error:  # whatever a damaged file makes the reader stumble over
         problem = f"is no modes.vtu of spindamp, or is damaged ({type(error).__name__})"
         raise BadInput(problem, file=str(path)) from error
     names = [[f"mode_{k + 1}_at_{p.rpm:.13g}_rpm" for k in range(len(p.modes))] for p in points]
