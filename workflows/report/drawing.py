@@ -184,10 +184,34 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = text.replace('xlink:href="#', f'href="#{name}-').replace("url(#", f"url(#{name}-")
     text = re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?:, sans-serif)?", r"\1var(--sans)", text)
-    text = re.sub(r' d="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
+    text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var({variable})")
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
-    return text.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+    return _compact(text).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+
+
+def _compact(text: str) -> str:
+    """The same drawing without remarks, blanks and names that nothing refers to, the style of markers said once."""
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
+    named = set(re.findall(r"[(\"]#([^)\"]+)", text))
+    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in named else "", text)
+    text = re.sub(r' transform="rotate\(-0 [^"]*"', "", text)
+    text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)
+    text = re.sub(r' style="[^"]*"', lambda style: re.sub(r"([:;]) ", r"\1", style[0]), text)
+    text = re.sub(r">\s+<", "><", text)
+    text = re.sub(r'(?:<use [^>]*? style="[^"]*"/>){2,}', _markers, text)
+    while (plain := re.sub(r"<g>(<(?:path|use|text)\b[^>]*(?:/>|>[^<]*</\w+>))</g>", r"\1", text)) != text:
+        text = plain
+    return text.replace("><", ">\n<")
+
+
+def _markers(run: re.Match[str]) -> str:
+    """Markers one after another; where they have one style, in a group that has it."""
+    styles = set(re.findall(r' style="([^"]*)"', run[0]))
+    if len(styles) > 1:
+        return run[0]
+    bare = re.sub(r' style="[^"]*"', "", run[0])
+    return f'<g style="{styles.pop()}">{bare}</g>'

@@ -11,8 +11,9 @@ from typing import Any
 from workflows import wording
 from workflows.findings import answer, trust, worth
 from workflows.findings.assumptions import assumptions
-from workflows.report import drawing, figure_working, figures, mesh_figure, templating
+from workflows.report import drawing, figure_working, figures, mesh_figure, templating, viewer
 from workflows.report.mode_shape import Picture
+from workflows.report.viewer import View
 from workflows.results import curves, resolved
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
@@ -33,6 +34,7 @@ class Drawings:
     working: str
     css: str
     shape: Picture | None = None
+    view: View | None = None
 
 
 def draw(results: Results) -> Drawings:
@@ -45,6 +47,7 @@ def draw(results: Results) -> Drawings:
             capacity=drawing.both(partial(figures.capacity, results)),
             working=drawing.both(partial(figure_working.working, results)),
             css=drawing.shades_css(len(results.speeds)),
+            view=viewer.view(results),
         )
 
 
@@ -83,6 +86,9 @@ def render(results: Results, drawings: Drawings) -> str:
         shape=None if shape is None else base64.b64encode(shape.png).decode(),
         shape_remark="" if shape is None else shape.remark,
         shape_point=_shape_point(results),
+        view=drawings.view,
+        script=templating.script("viewer.js"),
+        held=mesh_figure.held(results.scene),
         assumptions=assumptions(results),
         versions=versions(),
         hashes=hashes(results),
