@@ -319,3 +319,14 @@ def test_the_meshes_reckoned_are_those_of_a_search(
     if expected[-1] < 10_000:  # others take long
         tried = plate.discretise(source, decided, Stages(visible=False)).choice.tried
         assert tuple(size for size, _ in tried) == solved
+
+
+def test_what_no_mesh_takes_away_asks_for_no_finer_one(paper: Scene, tmp_path: Path) -> None:
+    """Under a point mass the search ends short of the accuracy, by itself: so does what is reckoned of it."""
+    heavy = changed(paper, plate__tip_mass="50 g", plate__thickness="4 mm", plate__theory="mindlin", damper=None)
+    scene = changed(heavy, release=None, rotor__speeds=["0 rpm"], accuracy={"frequency": 3e-4})
+    source = load(write(scene, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+    discrete = plate.discretise(source, decided, Stages(visible=False))
+    assert not discrete.choice.met
+    assert pilot._growth(source, decided.plate[0], discrete, discrete.choice.operators.mass.shape[0]) == 1.0
