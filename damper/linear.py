@@ -151,6 +151,8 @@ def systems_of(
         "place": [order.index(k), order.index(k + 1)],
         "coordinates": k + 2,
         "groups": len(members),
+        "inertia": np.concatenate([structures.mass, zeros[:, 0]], axis=1)[:, one],
+        "several": k > 2 and harmonic is None,
         "damped": (structures.dashpot > 0).any(axis=1),
     }.items():
         _fill(systems[name], np.asarray(values))

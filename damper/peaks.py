@@ -55,7 +55,7 @@ def close(cycle: Record, last_motion: float) -> None:
     cycle.last_speed = cycle.speed
     cycle.opens = cycle.time + cycle.wait
     cycle.closes = cycle.opens + 0.5 * cycle.period
-    cycle.speed = -1.0
+    cycle.speed = cycle.square = -1.0
 
 
 @kernel

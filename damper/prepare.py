@@ -79,7 +79,7 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     windows["period"], windows["wait"], windows["closes"] = period, _waits(laws[:, 0, STUCK], period), 0.5 * period
     clocks["tail"] = np.maximum(_CYCLES_AFTER_REST * period, windows["wait"] + period) if cycles is None else np.inf
     windows["waiting_since"] = -np.inf
-    for name in ("speed", "last_speed", "moving_speed", "waiting_speed"):
+    for name in ("speed", "square", "last_speed", "moving_speed", "waiting_speed"):
         windows[name] = -1.0
     return Prepared(
         laws=laws,

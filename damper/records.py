@@ -84,6 +84,7 @@ CYCLE = record(
     ("closes", "f8"),
     ("time", "f8"),  # of the largest speed in it so far
     ("speed", "f8"),
+    ("square", "f8"),  # of the cavity's speed then, where several modes move it
     ("last_time", "f8"),  # of the velocity maximum before, 0 for the first
     ("last_speed", "f8"),  # negative before the first
     ("peak_sdc", "f8"),  # largest specific damping capacity of a cycle so far

@@ -48,6 +48,8 @@ SYSTEM = record(
     ("group", "i8", 2),  # of each axis
     ("place", "i8", 2),  # which coordinate is s along each axis
     ("damped", "i8"),
+    ("inertia", "f8", _N),  # of the modes [kg]
+    ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
 )
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups.
 

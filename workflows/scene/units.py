@@ -5,12 +5,17 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     import pint
 
 STANDARD_GRAVITY = 9.80665
@@ -87,9 +92,23 @@ class UnitError(ValueError):
     """A value that is not a quantity of the kind expected; the message says what would be right."""
 
 
+@contextmanager
+def _without(package: str) -> Iterator[None]:
+    """Keep pint from loading a large package that it takes where it is installed, and that no unit here needs."""
+    if package in sys.modules:
+        yield
+        return
+    sys.modules[package] = cast("ModuleType", None)
+    try:
+        yield
+    finally:
+        del sys.modules[package]
+
+
 @cache
 def _registry() -> pint.UnitRegistry[float]:
-    from pint import UnitRegistry
+    with _without("dask"):
+        from pint import UnitRegistry
 
     return UnitRegistry(str(Path(__file__).parents[1] / "units.txt"), on_redefinition="raise")
 

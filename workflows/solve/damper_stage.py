@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -66,18 +66,35 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     return replace(found, working=figures(tilting), level=figures(system), tilted=cutoff)
 
 
-def figures(system: damper.ParticleDamper) -> damper.Working:
-    """The damper's own figures in the modes that yield most along either axis.
+def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
+    """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
+    system = particle_damper(scene, effects, point)
+    tilting = None if system.formulation == "printed" else _tilting(scene, effects, point)
+    return leading(tilting or system)
 
-    Others, which hits feed, change them by less than their error as long as they are damped by 0.1 % or more of their
-    own; without any damping they would shake the ball for ever.
+
+def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
+    """The damper in the modes that yield most along either axis.
+
+    Others, which hits feed, change its figures by less than their error as long as they are damped by 0.1 % or more of
+    their own; without any damping they would shake the ball for ever.
     """
+    if system.modes is None:
+        return system
+    kept = sorted({system.leading(axis) for axis in range(2)})
+    return replace(system, modes=tuple(system.modes[k] for k in kept))
+
+
+def figures(system: damper.ParticleDamper) -> damper.Working:
+    """The damper's own figures, in the leading modes."""
     from damper import working
 
-    if system.modes is None:
-        return working(system)
-    kept = sorted({system.leading(axis) for axis in range(2)})
-    return working(replace(system, modes=tuple(system.modes[k] for k in kept)))
+    return working(leading(system))
+
+
+def most_cycles(system: damper.ParticleDamper) -> int:
+    """Cap on the cycles of a ring-down whose ball does not come to rest."""
+    return _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
 
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
@@ -136,9 +153,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     release = felt.released_at(scene, point)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     asked = None if isinstance(cycles, str) else cycles
-    most = _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
-    start = felt.amplitudes(system, release)
-    motion = ringdown(system, release, asked, amplitudes=start, keep_events=keep, max_cycles=most, progress=_look_up)
+    how: dict[str, Any] = {"amplitudes": felt.amplitudes(system, release), "max_cycles": most_cycles(system)}
+    motion = ringdown(system, release, asked, **how, keep_events=keep, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity

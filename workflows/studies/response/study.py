@@ -317,9 +317,9 @@ def _short(
     *,
     speaks: bool,
 ) -> Floats:
-    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed,
-    which is so where another yields more along x.
+    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed.
 
+    That is so where another yields more along x.
     One measurement at the crossing serves all of it: frequencies scale with the structure's own, forces with its
     stiffness.
     """
