@@ -182,9 +182,15 @@ def dataset(results: Results) -> xarray.Dataset:
     return results_files.dataset(results)
 
 
-def save(results: Results, folder: str | PathLike[str]) -> Path:
-    """Write a folder with all that the command `run` writes; see :func:`workflows.save`."""
+def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
+    """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
     from workflows.report import publish
+    from workflows.studies.response.study import Response
+
+    if isinstance(results, Response):
+        from workflows.studies.response import page
+
+        return page.write(results, folder)
 
     return publish.save(results, folder)
 

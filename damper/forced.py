@@ -39,7 +39,7 @@ class Regime(StrEnum):
     PERIODIC = "periodic"
     MODULATED = "modulated"
     CHAOTIC = "chaotic"
-    UNSETTLED = "not settled"
+    UNSETTLED = "not settled"  # within the cycles allowed, or the events of a cycle: power is nan then
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +220,7 @@ def _summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
         return np.where(still, resting, moving)
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        time = part["cycles"] * period
+        time = np.where(verdict == steady.TIRED, np.nan, part["cycles"] * period)  # its books are not closed
         mean = part["total"] / part["cycles"]
         unsure = np.maximum(error[:, 0], 0.5 * np.abs(m.traces["drift"]))
         return {

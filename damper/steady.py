@@ -55,7 +55,7 @@ _LONGEST = 64
 """Cycles after which a periodic motion must repeat itself."""
 
 EVENTS = 5000
-"""Most events in a cycle: a ball that has more neither flies nor comes to rest."""
+"""Most events in a cycle; a ball that has more, hardly free to move, is left at that."""
 
 APART, NUDGE, TOGETHER = 1e-4, 1e-9, 512
 """Two motions that begin `NUDGE` apart and are `APART` within so many cycles are chaotic."""

@@ -301,6 +301,14 @@ def test_what_does_not_settle_is_said() -> None:
 
 
 @needs_compiler
+def test_a_ball_with_no_end_of_hits_is_left_at_that() -> None:
+    damper = replace(free_ball(1e-4, 1.0, 1e-2), cavity=(2 + 2e-4, 2 + 2e-4))
+    found = forced(damper, [Harmonic(1.0, (0.02, 0.0))], [Start.DOWN])
+    assert found.regime[0, 0] is Regime.UNSETTLED
+    assert np.isnan(found.power_in[0, 0])
+
+
+@needs_compiler
 def test_without_damping_a_locked_ball_has_no_steady_state() -> None:
     damper = paper()
     harmonic = Harmonic(1.01 * damper.stuck_frequency, (1.0, 0.0))

@@ -93,7 +93,7 @@ def test_document(known):
 
 
 def test_files(known, tmp_path):
-    page.write(known, tmp_path / "out")
+    assert spindamp.save(known, tmp_path / "out") == tmp_path / "out"
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
     with xr.open_dataset(tmp_path / "out" / "response.nc", engine="h5netcdf") as data:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from functools import partial
 from pathlib import Path
 
@@ -22,13 +23,13 @@ def dumps(found: Response) -> str:
     return json.dumps(told.document(found), indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def write(found: Response, out: Path) -> None:
-    """Write `response.json`, `response.nc`, tables, pictures and `report.html` into `out`, or nothing.
+def write(found: Response, out: str | os.PathLike[str]) -> Path:
+    """Write `response.json`, `response.nc`, tables, pictures and `report.html` into `out`, or nothing; returns `out`.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    page = render(found)
+    page, out = render(found), Path(out)
     with store.replacing(out) as folder:
         (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
         files.dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
@@ -39,6 +40,7 @@ def write(found: Response, out: Path) -> None:
             drawn = drawing.standalone(plots.response(found, through, str(number), drawing.WIDE))
             (folder / f"response_{files.tag(through)}.svg").write_text(drawn, encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
+    return out
 
 
 def render(found: Response) -> str:

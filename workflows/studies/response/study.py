@@ -48,7 +48,7 @@ _PATH_CYCLES, _PATH_SAMPLES = 3, 1500
 """Of the ball's path that is shown."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
     """The ball in its cavity over some cycles of a steady state: time (n,) [s], places (n, 2) [m]."""
 
@@ -59,7 +59,7 @@ class Path:
     ball: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Through:
     """Steady states through a crossing: s speeds, f forces, from each start.
 
@@ -87,7 +87,7 @@ class Through:
         return values.reshape(len(self.omega), len(self.forces), *values.shape[1:])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Response:
     """All that a forced response found.
 
@@ -238,7 +238,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
         short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads).reshape(*shape, len(starts))
         levels = np.tile(excitation.levels, shape[0])
-        top = int(np.argmax(states.mean.max(axis=1)))
+        top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
         return Through(
             crossing=crossing,
             axis=axis,
@@ -365,6 +365,6 @@ def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float
 
 def peak(found: Through, force: int) -> tuple[int, int]:
     """Speed and start at which the mean amplitude under a force is largest, whatever the start."""
-    means = found.shaped(found.states.mean)[:, force]
+    means = np.nan_to_num(found.shaped(found.states.mean)[:, force])  # nan where a ball has no end of hits
     speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
     return int(speed), int(start)
