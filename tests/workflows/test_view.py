@@ -17,7 +17,7 @@ import pytest
 from tests.limits import HANG
 from tests.workflows.browser import driven
 from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
-from workflows.looking import page, screen, sight
+from workflows.looking import page, screen, target
 
 MESHES = Path(__file__).parents[2] / "meshes"
 SIDE = 0.1
@@ -94,7 +94,7 @@ def test_a_folder_shows_what_its_run_kept(
     speed = document["speeds"][2]
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
-    found = sight.of(str(finished))
+    found = target.of(str(finished))
     data = json.loads(page.view(found, 2, 2).data)
     assert data["first"] == [2, 2]
     assert [each["rpm"] for each in data["speeds"]] == [each["rpm"] for each in document["speeds"]]
@@ -157,7 +157,7 @@ def test_damaged_results_are_named(finished: Path, spindamp: View, tmp_path: Pat
 
 
 def test_a_window_draws_frames_and_closes(finished: Path) -> None:
-    found = sight.of(str(finished))
+    found = target.of(str(finished))
     done = subprocess.run(
         [sys.executable, *screen.COMMAND, "3"],
         input=screen.archive(found, 0, 0, "a plate"),
@@ -185,7 +185,7 @@ def test_where_the_window_fails_there_is_the_page(
 @needs_chromium
 def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     path = tmp_path / "page.html"
-    page.write(sight.of(str(MESHES / "plate_with_hole.msh")), path)
+    page.write(target.of(str(MESHES / "plate_with_hole.msh")), path)
     script = """
     const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
     const copy = document.createElement('canvas').getContext('2d');

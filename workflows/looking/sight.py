@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from workflows.errors import BadInput
@@ -35,29 +34,6 @@ class Sight:
     root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
-
-
-def of(target: str, rpm: float | None = None) -> Sight:
-    """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
-
-    Raises:
-        BadInput: it is none of these, or it has no plate.
-        NoAnswer: the scene's physics has none.
-    """
-    from workflows.looking import of_mesh, of_results, of_scene
-
-    path = Path(target)
-    try:
-        folder, file = path.is_dir(), path.is_file()
-    except (OSError, ValueError) as error:
-        raise BadInput("expected a folder of results, a scene or a mesh file", file=target) from error
-    if folder:
-        return of_results.sight(path)
-    if file and path.suffix.lower() != ".toml":
-        return of_mesh.sight(path)
-    if not file and path.suffix.lower() not in ("", ".toml"):
-        raise BadInput("no such folder of results, scene or mesh file", file=target)
-    return of_scene.sight(target, rpm)
 
 
 def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:

@@ -25,13 +25,13 @@ def view(
 
     In a window where there is a screen, else as a page, whose name is printed.
     """
-    from workflows.looking import page, screen, sight
+    from workflows.looking import page, screen, sight, target
     from workflows.report.publish import writable
     from workflows.scene.file import slug
 
     if out is not None:
         writable(out, "--out")
-    found = sight.of(what, rpm)
+    found = target.of(what, rpm)
     first, number = sight.chosen(found, rpm, mode)
     if json:
         from json import dumps
