@@ -8,6 +8,7 @@ used without pyplot, and imported here only when something is drawn.
 from __future__ import annotations
 
 import io
+import json
 import logging
 import re
 from collections.abc import Callable, Iterator
@@ -129,8 +130,11 @@ def both(draw: Callable[[Sheet], str]) -> str:
     return draw(WIDE) + draw(NARROW)
 
 
-def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
-    """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'."""
+def svg(figure: Figure, sheet: Sheet, name: str, description: str, *, live: bool = False) -> str:
+    """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'.
+
+    `live`: with its axes, so that a script finds the place of a value.
+    """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     ticks.label(figure)
@@ -138,7 +142,26 @@ def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name}", description)
-    return drawn.replace("<svg", f'<svg class="{sheet.name}"', 1)
+    axes = f" data-axes='{json.dumps(_frames(figure))}'" if live else ""
+    return drawn.replace("<svg", f'<svg class="{sheet.name}"{axes}', 1)
+
+
+def _frames(figure: Figure) -> list[dict[str, Any]]:
+    """Where the axes are in the drawing (left, right, top, bottom), what they run over, and which are logarithmic."""
+    width, height = (72.0 * side for side in figure.get_size_inches())
+    found = []
+    for axes in figure.axes:
+        box = axes.get_position()
+        sides = (box.x0 * width, box.x1 * width, (1 - box.y1) * height, (1 - box.y0) * height)
+        found.append(
+            {
+                "box": [round(float(side), 2) for side in sides],
+                "x": [float(end) for end in axes.get_xlim()],
+                "y": [float(end) for end in axes.get_ylim()],
+                "log": [axes.get_xscale() == "log", axes.get_yscale() == "log"],
+            }
+        )
+    return found
 
 
 def standalone(drawn: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from workflows import wording
 from workflows.findings import answer, trust, worth
 from workflows.findings.assumptions import assumptions
-from workflows.report import drawing, figure_working, figures, mesh_figure, templating, viewer
+from workflows.report import drawing, figure_books, figure_working, figures, hover, mesh_figure, templating, viewer
 from workflows.report.mode_shape import Picture
 from workflows.report.viewer import View
 from workflows.results import curves, resolved
@@ -32,6 +32,7 @@ class Drawings:
     velocity: str
     capacity: str
     working: str
+    books: str
     css: str
     shape: Picture | None = None
     view: View | None = None
@@ -46,6 +47,7 @@ def draw(results: Results) -> Drawings:
             velocity=drawing.both(partial(figures.velocity, results)),
             capacity=drawing.both(partial(figures.capacity, results)),
             working=drawing.both(partial(figure_working.working, results)),
+            books=drawing.both(partial(figure_books.books, results)),
             css=drawing.shades_css(len(results.speeds)),
             view=viewer.view(results),
         )
@@ -79,6 +81,13 @@ def render(results: Results, drawings: Drawings) -> str:
         velocity=Markup(drawings.velocity),
         capacity=Markup(drawings.capacity),
         working=Markup(drawings.working),
+        books=Markup(drawings.books),
+        points={
+            "campbell": hover.campbell(results) if drawings.campbell else "",
+            "working": hover.working(results) if drawings.working else "",
+            "books": hover.books(results) if drawings.books else "",
+        },
+        hovering=templating.script("hover.js"),
         air=worth.AIR,
         endured=worth.endured(results),
         strain=worth.ENDURED,

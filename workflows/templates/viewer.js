@@ -493,7 +493,7 @@ function start(figure) {
   new ResizeObserver(later).observe(canvas);
   new IntersectionObserver(([entry]) => { state.seen = entry.isIntersecting; if (state.seen) { state.last = performance.now(); later(); } }).observe(canvas);
 
-  figure.viewer = { show, draw, frame, play, view };
+  figure.viewer = { show, draw, frame, play, view, at: () => moving && { speed: form.speed.selectedIndex, mode: form.mode.selectedIndex } };
   figure.classList.add("live");
   form.hidden = false;
   looks();
