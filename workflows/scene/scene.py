@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from workflows.scene import checks as scene_checks
 from workflows.scene.damper import Damper, Release
+from workflows.scene.design import Design
 from workflows.scene.fields import (
     Line,
 )
@@ -32,6 +33,7 @@ class Scene(Table):
     damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
     release: Release | None = Field(None, description="how a ring-down begins")
     accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
+    design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
 
     @model_validator(mode="after")
     def _together(self) -> Self:

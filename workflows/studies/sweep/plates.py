@@ -106,7 +106,7 @@ class Plates:
 
 def plate_key(scene: Scene) -> str:
     """What the solution of a scene's plate depends on, as text: all but the damper, of which the place counts."""
-    data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release"})
+    data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release", "design"})
     damper = scene.damper
     place = None if damper is None else {"at": damper.at, "housing": damper.housing}
     return json.dumps(data | {"damper": place}, sort_keys=True)
