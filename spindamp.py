@@ -5,6 +5,7 @@
     results = spindamp.run("paper")              # a shipped scene, the path of a scene, a dict, a Scene
     print(results)
     spindamp.save(results, "out")                # all that the command writes
+    spindamp.load_results("out")                 # the same results again
     spindamp.report(results, "report.html")      # the page alone
 
     spindamp.campbell("blade.toml")              # the plate alone
@@ -54,6 +55,7 @@ __all__ = [
     "design",
     "effects",
     "load",
+    "load_results",
     "parse",
     "report",
     "reproduce",
@@ -198,6 +200,13 @@ def save(results: Results, folder: str | PathLike[str]) -> Path:
     from workflows.report import publish
 
     return publish.save(results, folder)
+
+
+def load_results(folder: str | PathLike[str]) -> Results:
+    """What a run has written into a folder; see :func:`workflows.load_results`."""
+    from workflows.report import publish
+
+    return publish.load_results(folder)
 
 
 def report(results: Results, path: str | PathLike[str]) -> Path:
