@@ -134,5 +134,7 @@ def test_a_root_that_holds_nothing(paper: Scene, spindamp: Callable[..., Outcome
 
 @pytest.mark.parametrize("nothing", ["", " "])
 def test_no_scene_at_all(nothing: str) -> None:
-    with pytest.raises(BadInput, match=r"^expected the path of a scene, or the name of a shipped one: campbell, design, paper"):
+    with pytest.raises(
+        BadInput, match=r"^expected the path of a scene, or the name of a shipped one: campbell, design, paper"
+    ):
         workflows.run(nothing)

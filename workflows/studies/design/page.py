@@ -48,7 +48,7 @@ def render(found: Designed) -> str:
     return templating.page(
         "design.html.j2",
         {},
-        drawing.shades_css(max(maps.SHADES, len(lines))),
+        drawing.shades_css(maps.SHADES),
         title=found.space.source.scene.title,
         verdict=verdict.verdict(found.space, found.found),
         sentences=_sentences(found),

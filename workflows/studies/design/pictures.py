@@ -47,8 +47,8 @@ _OF_THE_MAP = (
 def _curves(found: Designed, curves: list[Curve], sheet: Sheet) -> str:
     figure, (axes,) = drawing.canvas(sheet, 3.1)
     low, high = found.space.design.amplitude
-    colours = drawing.shades(len(curves))
-    for curve, colour in zip(curves, colours, strict=True):
+    colours = maps.spread(len(curves) + 1)
+    for curve, colour in zip(curves, colours, strict=False):
         shown = curve.working.damping_ratio > 0
         at, ratio = curve.working.amplitude[shown], curve.working.damping_ratio[shown]
         axes.plot(1e3 * at, 100 * ratio, color=colour, label=f"{whole(curve.rpm)} rpm")
@@ -73,7 +73,9 @@ def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
     colours = maps.spread(len(levels) - 1)
     axes.contourf(xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours)
     best = found.space.values(found.found.shares)
-    axes.plot(_shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y]), "x", color=drawing.INK, ms=7, mew=1.6)
+    axes.plot(
+        _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y]), "x", color=drawing.INK, ms=7, mew=1.6, clip_on=False
+    )
     scales: dict[str, Any] = {"xscale": maps.scale(grid.xs), "yscale": maps.scale(grid.ys)}
     axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
     axes.grid(visible=False)

@@ -110,7 +110,7 @@ def design(
     needs.check(source)
     clock = stages or Stages()
     with hired or crew.local() as workers, clock("design") as step:
-        score = partial(_scored, workers, code.digest())
+        score = partial(scored, workers, code.digest())
         found = search.search(space, partial(score, space), seed, step.advance)
         held = verdict.holds(space, found, score)
         grid = _around(space, found, partial(score, space))
@@ -134,7 +134,7 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, number: int) ->
     return objective.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
 
 
-def _scored(workers: Crew, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
+def scored(workers: Crew, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
     """Score designs, part by part on all workers."""
     parts = range(-(-len(shares) // _PART))
     found = dict(crew.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))

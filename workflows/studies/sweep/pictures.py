@@ -141,7 +141,7 @@ def _maps(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str,
         if quantity == HEADLINE:
             _boundaries(each, xs, ys, values)
         if panel is None or places[number] == best[panel] or len(places) == 1:
-            each.plot(xs[best[x]], ys[best[y]], "x", color=drawing.INK, ms=7, mew=1.6)
+            each.plot(xs[best[x]], ys[best[y]], "x", color=drawing.INK, ms=7, mew=1.6, clip_on=False)
         scales: dict[str, Any] = {
             "xscale": maps.scale(xs),
             "yscale": maps.scale(ys),

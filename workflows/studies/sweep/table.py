@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from workflows.studies.sweep.blocks import Block
     from workflows.studies.sweep.plans import Plan
 
-_SLAB = 65536
+_SLAB = 16384
 """Points that are held at a time while a data set is written, and of its chunks."""
 
 
