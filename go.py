@@ -3,6 +3,7 @@
 
     python3 go.py run [ARGS]    runs `spindamp run ARGS`
     python3 go.py test [ARGS]   runs ruff, mypy and pytest on all cores (ARGS go to pytest)
+    python3 go.py docs          builds the documentation into docs/_build, its examples run
 
 Any other command is handed to spindamp: `python3 go.py check paper`.
 """
@@ -18,6 +19,7 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 OLDEST = (3, 11)
+EXTRAS = ("test", "docs")
 PACKAGES = ["spindamp.py", "fem", "damper", "workflows", "tests", "meshes", "go.py"]
 
 
@@ -38,10 +40,12 @@ def main(arguments):
         return 0 if arguments else 2
     command, rest = arguments[0], arguments[1:]
     try:
-        install("[test]" if command == "test" else "")
+        install(f"[{command}]" if command in EXTRAS else "")
     except subprocess.CalledProcessError as error:
         return fail(f"the installation ended with status {error.returncode}; remove .venv to begin afresh")
     try:
+        if command == "docs":
+            return call(PYTHON, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "docs", "docs/_build", *rest)
         return test(rest) if command == "test" else call(SPINDAMP, command, *rest)
     except KeyboardInterrupt:
         return 130
@@ -67,17 +71,17 @@ def test(arguments):
 
 def install(extra):
     """Make .venv and install the project into it, unless that was done for this very pyproject.toml."""
-    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest() + extra
+    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest()
     stamp = VENV / ".installed"
     done = stamp.read_text() if stamp.is_file() else ""
-    if PYTHON.is_file() and done in (wanted, wanted + "[test]"):
+    if PYTHON.is_file() and done.startswith(wanted) and extra in done:
         return
     if not PYTHON.is_file():
         make_venv()
     print("installing spindamp into .venv (once, a minute or two)", file=sys.stderr, flush=True)
     pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
     subprocess.run([*pip, "-e", f"{ROOT}{extra}"], check=True)
-    stamp.write_text(wanted)
+    stamp.write_text((done if done.startswith(wanted) else wanted) + extra)
 
 
 def make_venv():

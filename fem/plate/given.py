@@ -67,11 +67,14 @@ class Material:
 class Plate:
     """A flat plate, held where its mid-surface has the smallest x: clamped, or by the springs of an elastic root.
 
-    mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
-        through the thickness.
-    thickness in m, or one that varies (`fem.meshes.thickness`). tip_mass: a point mass in kg at tip_at = (x, y) in m on
-    the
-        mid-surface.
+    Attributes:
+        mesh: a scikit-fem mesh of the mid-surface, triangles or quadrilaterals, in m; x points outwards, y across, z
+            through the thickness.
+        thickness: in m, or one that varies (`fem.meshes.thickness`).
+        material: what it is made of.
+        tip_mass: a point mass in kg.
+        tip_at: its place (x, y) in m on the mid-surface.
+        root: springs of an elastic root; None is the clamp.
 
     Raises ValueError for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the
     plate, TypeError for a material that is none, and `MeshError` for a mesh that no plate can be made of.

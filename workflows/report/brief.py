@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from html import escape
+from typing import TYPE_CHECKING
 
 from workflows.errors import one_line
 from workflows.findings import answer, trust
 from workflows.report import text as summary
 from workflows.solve.records import Results
 from workflows.wording import amount
+
+if TYPE_CHECKING:
+    from workflows.report.plots import Plots
 
 _ROWS_AT_MOST = 12
 
@@ -21,6 +25,13 @@ class Shown(Results):
 
     def _repr_html_(self) -> str:
         return html(self)
+
+    @property
+    def plot(self) -> Plots:
+        """The pictures of the run: `results.plot.campbell()` and so on."""
+        from workflows.report.plots import Plots
+
+        return Plots(self)
 
 
 def text(results: Results) -> str:

@@ -12,7 +12,7 @@ import json
 import logging
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +33,9 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
     colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
 }
+_LIGHT = {"--ink": "#1c1d20", "--muted": "#6b6d73", "--rule": "#e2dfd6", "--paper": "#ffffff"}
+"""The colours of a light page."""
+
 _HUNDREDTHS = re.compile(r"(\.\d\d)\d+")
 """Coordinates beyond hundredths of a point, which nobody sees."""
 
@@ -166,20 +169,32 @@ def _frames(figure: Figure) -> list[dict[str, Any]]:
 
 def standalone(drawn: str) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page."""
-    light = {
-        "--ink": "#1c1d20",
-        "--muted": "#6b6d73",
-        "--rule": "#e2dfd6",
-        "--paper": "#ffffff",
-        "--sans": "sans-serif",
-    }
-    light |= {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    light = _LIGHT | {"--sans": "sans-serif"} | {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)
     width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
     ground = f'<rect width="{width}" height="{height}" fill="#ffffff"/>'
     start = drawn.index(">", drawn.index("<svg")) + 1
     return drawn[: start - 1] + ' xmlns="http://www.w3.org/2000/svg">' + ground + drawn[start:] + "\n"
+
+
+def coloured(figure: Figure, count: int) -> Figure:
+    """The figure with the colours of a light page in the place of placeholders, `count` of them shades."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex, to_rgba
+
+    steps = [0.05 + 0.71 * i / max(count - 1, 1) for i in range(min(count, 256))]
+    known = {place: _LIGHT[_VARIABLES[place]] for place in (INK, MUTED, RULE, PAPER)}
+    known |= {place: to_hex(colormaps["plasma"](step)) for place, step in zip(shades(count), steps, strict=False)}
+    for artist in figure.findobj():
+        for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
+            found: Any = getattr(artist, f"get_{part}", lambda: None)()
+            with suppress(ValueError, TypeError):
+                to = known.get(to_hex(found))
+                if to is not None and to_rgba(found)[3] > 0:
+                    getattr(artist, f"set_{part}")(to)
+    figure.set_facecolor(_LIGHT["--paper"])
+    return figure
 
 
 def shades(count: int) -> list[str]:

@@ -37,19 +37,26 @@ def rows(results: Results) -> list[tuple[float, Energy]]:
     return [found[k] for k in np.unique(np.linspace(0, len(found) - 1, _BARS_AT_MOST).round().astype(int))]
 
 
+def panels(bars: list[tuple[float, Energy]]) -> list[tuple[tuple[str, str], ...]]:
+    """The parts that each panel shows."""
+    return [PARTS, PARTS[1:4]] if any(energy.structure > 0.0 for _, energy in bars) else [PARTS]
+
+
 def books(results: Results, sheet: Sheet) -> str:
-    """Shares of the energy of the release, on two scales: all of it, and what the ball took."""
+    """Shares of the energy of the release; beside what the structure took, what the ball did on a scale of its own."""
     bars = rows(results)
     if not bars:
         return ""
-    height = 0.75 + 0.2 * len(bars)
-    figure, (whole, ball) = drawing.canvas(sheet, height, 2)
-    _bars(whole, bars, PARTS)
-    _bars(ball, bars, PARTS[1:4])
-    whole.set(title="All of it", xlabel="share of the energy at the start, %", xlim=(0, 100))
-    ball.set(title="What the ball took", xlabel="share of the energy at the start, %")
-    ball.set_xlim(0, max(ball.get_xlim()[1], 1e-6))
-    drawing.key(figure, whole, sheet)
+    shown = panels(bars)
+    figure, drawn = drawing.canvas(sheet, 0.75 + 0.2 * len(bars), len(shown))
+    for axes, parts in zip(drawn, shown, strict=True):
+        _bars(axes, bars, parts)
+        axes.set(xlabel="share of the energy at the start, %")
+    drawn[0].set(xlim=(0, 100))
+    if len(shown) == 2:
+        drawn[0].set(title="All of it")
+        drawn[1].set(title="What the ball took", xlim=(0, max(drawn[1].get_xlim()[1], 1e-6)))
+    drawing.key(figure, drawn[0], sheet)
     return drawing.svg(figure, sheet, "books", "Where the energy went at each speed, in shares", live=True)
 
 

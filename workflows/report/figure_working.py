@@ -11,6 +11,7 @@ from workflows.solve.records import Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from workflows.report.drawing import Sheet
 
@@ -22,11 +23,17 @@ _LEAST_SHOWN = 1e-3
 
 
 def working(results: Results, sheet: Sheet) -> str:
-    """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; nothing without a damper."""
+    """The damping ratio over amplitude for a page; nothing without a damper."""
+    figure, said = drawn(results, sheet), "Damping ratio by the ball over the amplitude of the vibration"
+    return "" if figure is None else drawing.svg(figure, sheet, "working", said, live=True)
+
+
+def drawn(results: Results, sheet: Sheet) -> Figure | None:
+    """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
     lines = curves.damping_ratio(results)
     felt = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
     if not lines:
-        return ""
+        return None
     figure, (axes,) = drawing.canvas(sheet, 3.1)
     for line, figures, colour in zip(lines, felt, drawing.shades(len(lines)), strict=True):
         shown = line.y > 0
@@ -42,9 +49,7 @@ def working(results: Results, sheet: Sheet) -> str:
     _beside(axes, worth.endured(results))
     if len(lines) <= _LEGEND_AT_MOST:
         drawing.key(figure, axes, sheet, title="load", reverse=sheet is drawing.WIDE)
-    return drawing.svg(
-        figure, sheet, "working", "Damping ratio by the ball over the amplitude of the vibration", live=True
-    )
+    return figure
 
 
 def _beside(axes: Axes, limit: float | None) -> None:

@@ -17,6 +17,7 @@ from workflows.solve.records import Floats, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LEGEND_AT_MOST = 16
 """Curves that a legend can name."""
@@ -32,10 +33,16 @@ _CYCLES_AT_MOST = 80
 
 
 def campbell(results: Results, sheet: Sheet) -> str:
-    """Frequencies over speed with the engine orders that excite them; nothing for a plate at rest."""
+    """The Campbell diagram for a page; nothing for a plate at rest."""
+    figure, said = campbell_drawn(results, sheet), "Campbell diagram: natural frequencies over rotation speed"
+    return "" if figure is None else drawing.svg(figure, sheet, "campbell", said, live=True)
+
+
+def campbell_drawn(results: Results, sheet: Sheet) -> Figure | None:
+    """Frequencies over speed with the engine orders that excite them; None for a plate at rest."""
     tracks, fastest = curves.campbell(results), max(point.rpm for point in results.speeds)
     if not tracks or fastest == 0:
-        return ""
+        return None
     figure, (axes,) = drawing.canvas(sheet, 3.5)
     highest = 1.06 * max(float(track.y.max()) for track in tracks)
     axes.set(xlim=(0, fastest), ylim=(0, highest), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
@@ -48,16 +55,20 @@ def campbell(results: Results, sheet: Sheet) -> str:
     met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
     axes.plot(*met, "o", ms=2.4, color=drawing.INK, zorder=3)
     _table_two(axes, results)
-    return drawing.svg(
-        figure, sheet, "campbell", "Campbell diagram: natural frequencies over rotation speed", live=True
-    )
+    return figure
 
 
 def velocity(results: Results, sheet: Sheet) -> str:
-    """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2)."""
+    """The velocity over time for a page; nothing without a ring-down."""
+    figure = velocity_drawn(results, sheet)
+    return "" if figure is None else drawing.svg(figure, sheet, "velocity", "Velocity of the structure over time")
+
+
+def velocity_drawn(results: Results, sheet: Sheet) -> Figure | None:
+    """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2), or None."""
     point = next((p for p in results.speeds if curves.velocity(p)), None)
     if point is None or point.damping is None:
-        return ""
+        return None
     figure, (axes,) = drawing.canvas(sheet, 2.5)
     axes.axhline(0, color=drawing.MUTED, lw=0.5)
     tracks = curves.velocity(point)
@@ -69,7 +80,7 @@ def velocity(results: Results, sheet: Sheet) -> str:
         _stop(axes, 1e3 * stop, end)
     axes.set(xlim=(0, end), xlabel="time, ms", ylabel="velocity, m/s")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
-    return drawing.svg(figure, sheet, "velocity", "Velocity of the structure over time")
+    return figure
 
 
 def capacity(results: Results, sheet: Sheet) -> str:

@@ -56,8 +56,9 @@ def working(results: Results) -> str:
 def books(results: Results) -> str:
     """Shares of the energy at the start, each in the middle of its bar in either panel."""
     found = []
-    for panel, parts in enumerate((figure_books.PARTS, figure_books.PARTS[1:4])):
-        for place, (rpm, energy) in enumerate(figure_books.rows(results)):
+    bars = figure_books.rows(results)
+    for panel, parts in enumerate(figure_books.panels(bars)):
+        for place, (rpm, energy) in enumerate(bars):
             begun = 0.0
             for name, label in parts:
                 part = getattr(energy, name)

@@ -215,7 +215,7 @@ class Painter {
     const corners = [];
     for (let i = 0; i < edges.length; i += 2) {
       const [a, b] = [edges[i], edges[i + 1]];
-      corners.push([a, b, 1], [a, b, -1], [b, a, 1], [b, a, 1], [a, b, -1], [b, a, -1]);
+      corners.push([a, b, 1], [a, b, -1], [b, a, 1], [b, a, 1], [a, b, 1], [b, a, -1]);
     }
     return corners;
   }

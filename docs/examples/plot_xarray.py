@@ -1,0 +1,27 @@
+"""
+Read the results with xarray
+============================
+
+A run leaves `results.nc`; `spindamp.dataset` gives the same without a file. Dimensions are rpm, mode and cycle,
+units stand in the attributes.
+"""
+
+import spindamp
+
+scene = {
+    "title": "A steel plate",
+    "plate": {"length": "20 cm", "width": "8 cm", "thickness": "1 cm"},
+    "material": {"name": "steel"},
+    "rotor": {"speeds": ["0 rpm", "5000 rpm", "10000 rpm"], "modes": 3},
+    "accuracy": {"frequency": 0.02},
+}
+data = spindamp.dataset(spindamp.campbell(scene))
+print(data)
+
+# %%
+# The first frequency at every speed, and how far each can be trusted:
+
+first = data.isel(mode=0)
+for rpm in data.rpm.values:
+    at = first.sel(rpm=rpm)
+    print(f"{rpm:6.0f} rpm: {float(at.frequency_hz):.2f} Hz, good to {float(at.error_estimate):.1%}")

@@ -1,0 +1,71 @@
+"""The documentation: its examples run, the tour works word for word, the reference names every key."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import runpy
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from workflows.cli.entry import main
+from workflows.looking import screen
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs(path, tmp_path, monkeypatch):
+    """Each is a page of the documentation, and asserts what it shows."""
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(path))
+
+
+def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
+    text = (DOCS / "tour.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(screen, "there_is", lambda: False)
+    (scene,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
+    (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    (tmp_path / "meshes").symlink_to(ROOT / "meshes")
+    lines = [line for block in re.findall(r"```\n(spindamp .*?)```", text, flags=re.S) for line in block.splitlines()]
+    assert len(lines) >= 4
+    for line in lines:
+        assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
+    (tmp_path / "mine.toml").write_text(scene.replace("length", "lenght"), encoding="utf-8")
+    assert main(["check", "mine.toml"]) == 2
+    assert "did you mean 'length'?" in capsys.readouterr().err
+    (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.S)
+    exec(compile(code, "tour.md", "exec"), {"__name__": "__main__"})
+    assert (tmp_path / "campbell.png").is_file()
+
+
+def test_the_reference_of_scenes_names_every_key():
+    spec = importlib.util.spec_from_file_location("reference_of_scenes", DOCS / "reference.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    page = module.page()
+    schema = json.loads((ROOT / "workflows" / "scene.schema.json").read_text(encoding="utf-8"))
+    for name, key in schema["properties"].items():
+        assert f"`[{name}]`" in page or f"`{name}`" in page, key
+    for table in schema["$defs"].values():
+        for name in table.get("properties", {}):
+            assert f"| `{name}` |" in page
+    rows = [line for line in page.splitlines() if line.startswith("|")]
+    assert all(len(re.findall(r"(?<!\\)\|", row)) == 5 for row in rows), "no cell breaks its table"
+
+
+def test_links_inside_the_documentation_resolve():
+    for page in DOCS.glob("*.md"):
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+            name = target.replace("questions/index", "examples/README.txt").replace("questions/", "examples/")
+            found = [page.parent / name, page.parent / f"{name}.md", page.parent / f"{name}.py"]
+            assert any(path.exists() for path in found), (page.name, target)

@@ -1,0 +1,84 @@
+"""`results.plot`: axes and plotters that hold what the results hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import workflows
+from workflows.report import drawing
+from workflows.results import curves
+
+
+@pytest.fixture(scope="module")
+def results() -> workflows.Results:
+    source = workflows.load("paper")
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 3})
+    accuracy = source.scene.accuracy.model_copy(update={"frequency": 0.05})
+    return workflows.run(source.changed(rotor=rotor, accuracy=accuracy))
+
+
+def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path) -> None:
+    axes = results.plot.campbell()
+    drawn = [line.get_xydata() for line in axes.get_lines()]
+    for track in curves.campbell(results):
+        assert any(np.array_equal(np.column_stack([track.x, track.y]), line) for line in drawn)
+    assert axes.get_xlabel() == "rotation speed, rpm"
+    path = tmp_path / "campbell.png"
+    axes.figure.savefig(path)
+    assert path.stat().st_size > 5000
+
+
+def test_damping_has_the_curves(results: workflows.Results) -> None:
+    drawn = [line.get_xydata() for line in results.plot.damping().get_lines()]
+    for line in curves.damping_ratio(results):
+        shown = line.y > 0
+        assert any(np.array_equal(np.column_stack([1e3 * line.x, 100 * line.y])[shown], each) for each in drawn)
+
+
+def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
+    assert results.plot.ringdown().get_xlabel() == "time, ms"
+    axes = results.plot.mesh()
+    at = results.scene.damper.at
+    marks = [line.get_xydata() for line in axes.get_lines() if line.get_label() == "damper"]
+    assert marks[0] == pytest.approx(1e3 * np.array([at]))
+
+
+@pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
+def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str) -> None:
+    from matplotlib.colors import to_hex
+
+    places = {drawing.INK, drawing.MUTED, drawing.RULE, drawing.PAPER, *drawing.shades(len(results.speeds))}
+    figure = getattr(results.plot, name)().figure
+    for artist in figure.findobj():
+        for part in ("color", "edgecolor", "facecolor"):
+            found = getattr(artist, f"get_{part}", lambda: None)()
+            try:
+                colour = to_hex(found)
+            except (TypeError, ValueError):
+                continue
+            assert colour not in places, (artist, part)
+
+
+def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
+    plotter = results.plot.mode(2, rpm=0)
+    try:
+        plate = next(mesh for mesh in plotter.meshes if mesh.n_cells == len(results.surface.cells[1]))
+        moved = np.asarray(plate.points) - results.surface.points
+        shape = results.surface.shapes[0, 1]
+        assert np.abs(moved / np.abs(moved).max() - shape / np.abs(shape).max()).max() < 1e-4
+    finally:
+        plotter.close()
+
+
+def test_what_is_not_there_is_said(results: workflows.Results) -> None:
+    with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
+        results.plot.mode(4)
+    with pytest.raises(workflows.BadInput, match="expected a speed with shapes"):
+        results.plot.mode(1, rpm=12345)
+    structure = workflows.run("structure")
+    for name in ("campbell", "mesh", "mode"):
+        with pytest.raises(workflows.BadInput, match="nothing to draw"):
+            getattr(structure.plot, name)()
