@@ -41,6 +41,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
 
     Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
     """
+    _said[:] = [_AGAIN]
     if threading.current_thread() is not threading.main_thread():
         yield
         return
