@@ -15,6 +15,7 @@
     spindamp.effects("paper")                    # what each effect changes, and costs
     spindamp.reproduce()                         # the paper, claim by claim
     spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
+    spindamp.design()                            # the best damper within what a scene's [design] allows
 
 Each does what the command of its name does, writes nothing that it is not told to, and returns what it found. The
 plate alone is in `fem`, the damper alone in `damper`.
@@ -37,8 +38,9 @@ if TYPE_CHECKING:
     import xarray
 
     from workflows.solve.records import Results
-    from workflows.studies.costs.ladder import Study
+    from workflows.studies.costs.ladder import Costs
     from workflows.studies.costs.switching import Switches
+    from workflows.studies.design.study import Designed
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.study import Response
 
@@ -52,6 +54,7 @@ __all__ = [
     "accuracy",
     "campbell",
     "dataset",
+    "design",
     "effects",
     "load",
     "load_results",
@@ -114,7 +117,7 @@ def reproduce() -> Reproduction:
     return reproduction.reproduce()
 
 
-def accuracy(scene: SceneLike = DEFAULT) -> Study:
+def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.costs.study import study
 
@@ -173,6 +176,29 @@ def sweep(
     folder = None if out is None else Path(out)
     who: dict[str, Any] = {"workers": workers, "dask": dask, "executor": executor}
     return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
+
+
+def design(
+    scene: SceneLike = "design",
+    *,
+    seed: int = 0,
+    workers: int | None = None,
+    dask: str | None = None,
+    executor: Executor | None = None,
+) -> Designed:
+    """The damper that damps best within what the table [design] of a scene allows; else as :func:`sweep`.
+
+    Returns:
+        The best design with all there is to say of it: `found`, `holds`, `document()`, and its scene as `toml`.
+
+    Raises:
+        BadInput: the scene is wrong, or has no [design].
+        NoAnswer: the plate has none.
+    """
+    from workflows.studies.design import study
+    from workflows.studies.sweep.study import crew_of
+
+    return study.design(scene, seed=seed, hired=crew_of(workers, dask, executor))
 
 
 def dataset(results: Results) -> xarray.Dataset:

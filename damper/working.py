@@ -116,8 +116,8 @@ def working(
             less than 1 %, mostly.
         reach: amplitude up to which the curve goes at least [m].
     """
-    bare = undamped(damper)
     pace = _Pace(sweeps, stay)
+    bare = undamped(damper)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED:

@@ -12,8 +12,8 @@ ROOMS = {
 GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "wording", "stages")}
 """What imports no room, and any room may import."""
 
-ATTIC = {"workflows": ("pipeline", "parts")}
-"""Modules over several rooms: the loop of a run, and what part of a scene a command solves."""
+ATTIC = {"workflows": ("pipeline", "parts", "looking")}
+"""What is over several rooms: the loop of a run, part of a scene as a command solves it, what there is to look at."""
 
 
 @pytest.fixture(scope="module")

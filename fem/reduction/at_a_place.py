@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from fem.operators.assembly import Operators
     from fem.sweep.diagram import Campbell
-    from fem.sweep.grow import Answer
+    from fem.sweep.grow import Swept
 
     Array = NDArray[np.float64]
 
@@ -104,7 +104,7 @@ def load_rows(operators: Operators) -> Array:
 
 
 def _under_pull(
-    operators: Operators, part: Answer, at: tuple[float, float], balls: Array, count: int
+    operators: Operators, part: Swept, at: tuple[float, float], balls: Array, count: int
 ) -> tuple[Array, Array]:
     """Squared circular frequencies (k, count) and vectors (k, r, count) in a part's basis, ascending."""
     vectors = part.vectors[:, :, :count]

@@ -119,7 +119,7 @@ def document(finished: Path) -> dict[str, Any]:
 
 def chromium(profile: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run chromium without a window."""
-    quiet = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking")
+    quiet = ("--headless", "--no-sandbox", "--hide-scrollbars", "--disable-background-networking")
     command = [str(CHROMIUM), *quiet, f"--user-data-dir={profile}", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
 

@@ -1,4 +1,4 @@
-"""The report: one file, for a person, that loads nothing and runs nothing."""
+"""The report: one file, for a person, that loads nothing and runs only what stands in it."""
 
 from __future__ import annotations
 
@@ -68,8 +68,8 @@ def test_self_contained(page: str) -> None:
     assert all(load.startswith("data:") for load in reader.loads)
     assert len(reader.ids) == len(set(reader.ids))
     assert {reference[1:] for reference in reader.references} <= set(reader.ids)
-    assert not reader.tags & {"script", "iframe", "object", "embed", "form"}
-    assert not re.search(r"https?:|@import|url\((?!#)", page)
+    assert not reader.tags & {"iframe", "object", "embed"}
+    assert not re.search(r"https?:|@import|url\((?!#)|fetch\(|XMLHttpRequest|\beval\(", page)
 
 
 def test_says_what_it_must(page: str) -> None:
@@ -79,7 +79,7 @@ def test_says_what_it_must(page: str) -> None:
         "Table II",
         "373.5",
         "Campbell diagram",
-        "First mode",
+        "The plate in motion",
         "Ring-down at 10\u2009000 rpm",
         "Damping over amplitude",
         "What to bear in mind",
@@ -96,7 +96,7 @@ def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Ou
     scene = write(changed(structure, title=title), tmp_path / "scene.toml")
     assert spindamp("run", scene, "--out", "out").status == 0
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "<script" not in page
+    assert "<script>alert" not in page
     assert "&lt;script&gt;" in page
     assert "{{ 7 * 7 }}" in page
 

@@ -38,7 +38,7 @@ class Here(Executor):
 
 @contextmanager
 def crew_of(executor, size=2):
-    yield Crew(lambda: (executor, size))
+    yield Crew(lambda: (executor, lambda: size))
 
 
 @pytest.fixture(autouse=True)
@@ -195,3 +195,22 @@ def test_the_data_set_is_read_back(undisturbed, asked, tmp_path):
     assert dict(found.sizes) == {"damper.friction": 6, "damper.restitution": 2, "rotor.speeds": 1}
     assert list(found["damper.friction"].values) == VARY["damper.friction"]
     assert found.damping_ratio_peak.attrs["units"] == "1"
+
+
+def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
+    """A real scheduler and a worker, in threads of this process; processes that die are a trial of their own."""
+    distributed = pytest.importorskip("distributed")
+    how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**how) as cluster:
+        study.complete(asked, tmp_path / "out", crew.cluster(cluster.scheduler_address), Stages(visible=False))
+    assert contents(tmp_path / "out") == undisturbed
+
+
+def test_no_cluster(asked, tmp_path):
+    pytest.importorskip("distributed")
+    with pytest.raises(BadInput, match="no scheduler answers there"):
+        complete_on(asked, tmp_path / "out", crew.cluster("nonsense://there:1"))
+
+
+def complete_on(asked, out, hired):
+    study.complete(asked, out, hired, Stages(visible=False))

@@ -8,6 +8,7 @@ used without pyplot, and imported here only when something is drawn.
 from __future__ import annotations
 
 import io
+import json
 import logging
 import re
 from collections.abc import Callable, Iterator
@@ -129,8 +130,11 @@ def both(draw: Callable[[Sheet], str]) -> str:
     return draw(WIDE) + draw(NARROW)
 
 
-def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
-    """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'."""
+def svg(figure: Figure, sheet: Sheet, name: str, description: str, *, live: bool = False) -> str:
+    """The figure as an SVG element for a page; `name` keeps its ids apart from other figures'.
+
+    `live`: with its axes, so that a script finds the place of a value.
+    """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     ticks.label(figure)
@@ -138,7 +142,26 @@ def svg(figure: Figure, sheet: Sheet, name: str, description: str) -> str:
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name}", description)
-    return drawn.replace("<svg", f'<svg class="{sheet.name}"', 1)
+    axes = f" data-axes='{json.dumps(_frames(figure))}'" if live else ""
+    return drawn.replace("<svg", f'<svg class="{sheet.name}"{axes}', 1)
+
+
+def _frames(figure: Figure) -> list[dict[str, Any]]:
+    """Where the axes are in the drawing (left, right, top, bottom), what they run over, and which are logarithmic."""
+    width, height = (72.0 * side for side in figure.get_size_inches())
+    found = []
+    for axes in figure.axes:
+        box = axes.get_position()
+        sides = (box.x0 * width, box.x1 * width, (1 - box.y1) * height, (1 - box.y0) * height)
+        found.append(
+            {
+                "box": [round(float(side), 2) for side in sides],
+                "x": [float(end) for end in axes.get_xlim()],
+                "y": [float(end) for end in axes.get_ylim()],
+                "log": [axes.get_xscale() == "log", axes.get_yscale() == "log"],
+            }
+        )
+    return found
 
 
 def standalone(drawn: str) -> str:
@@ -184,10 +207,34 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = text.replace('xlink:href="#', f'href="#{name}-').replace("url(#", f"url(#{name}-")
     text = re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?:, sans-serif)?", r"\1var(--sans)", text)
-    text = re.sub(r' d="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
+    text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var({variable})")
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
-    return text.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+    return _compact(text).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+
+
+def _compact(text: str) -> str:
+    """The same drawing without remarks, blanks and names that nothing refers to, the style of markers said once."""
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
+    named = set(re.findall(r"[(\"]#([^)\"]+)", text))
+    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in named else "", text)
+    text = re.sub(r' transform="rotate\(-0 [^"]*"', "", text)
+    text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)
+    text = re.sub(r' style="[^"]*"', lambda style: re.sub(r"([:;]) ", r"\1", style[0]), text)
+    text = re.sub(r">\s+<", "><", text)
+    text = re.sub(r'(?:<use [^>]*? style="[^"]*"/>){2,}', _markers, text)
+    while (plain := re.sub(r"<g>(<(?:path|use|text)\b[^>]*(?:/>|>[^<]*</\w+>))</g>", r"\1", text)) != text:
+        text = plain
+    return text.replace("><", ">\n<")
+
+
+def _markers(run: re.Match[str]) -> str:
+    """Markers one after another; where they have one style, in a group that has it."""
+    styles = set(re.findall(r' style="([^"]*)"', run[0]))
+    if len(styles) > 1:
+        return run[0]
+    bare = re.sub(r' style="[^"]*"', "", run[0])
+    return f'<g style="{styles.pop()}">{bare}</g>'

@@ -42,7 +42,9 @@ def working(results: Results, sheet: Sheet) -> str:
     _beside(axes, worth.endured(results))
     if len(lines) <= _LEGEND_AT_MOST:
         drawing.key(figure, axes, sheet, title="load", reverse=sheet is drawing.WIDE)
-    return drawing.svg(figure, sheet, "working", "Damping ratio by the ball over the amplitude of the vibration")
+    return drawing.svg(
+        figure, sheet, "working", "Damping ratio by the ball over the amplitude of the vibration", live=True
+    )
 
 
 def _beside(axes: Axes, limit: float | None) -> None:

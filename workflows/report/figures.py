@@ -10,6 +10,7 @@ from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.report.envelope import envelope, oscillations
 from workflows.results import curves
+from workflows.results.crossings import ENGINE_ORDERS, crossings
 from workflows.results.curves import Curve
 from workflows.scene import paper
 from workflows.solve.records import Floats, Results
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 _LEGEND_AT_MOST = 16
 """Curves that a legend can name."""
-
-_ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 
 _LINE = 0.045
 """Height of a line of text, in heights of the Campbell diagram."""
@@ -45,8 +44,13 @@ def campbell(results: Results, sheet: Sheet) -> str:
     heights = _apart([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
         axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
+    meetings = crossings(results)
+    met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
+    axes.plot(*met, "o", ms=2.4, color=drawing.INK, zorder=3)
     _table_two(axes, results)
-    return drawing.svg(figure, sheet, "campbell", "Campbell diagram: natural frequencies over rotation speed")
+    return drawing.svg(
+        figure, sheet, "campbell", "Campbell diagram: natural frequencies over rotation speed", live=True
+    )
 
 
 def velocity(results: Results, sheet: Sheet) -> str:
@@ -194,7 +198,7 @@ def _title(whole: Axes, part: Axes, lines: list[Curve], results: Results) -> Non
 def _engine_orders(axes: Axes, fastest: float, highest: float) -> None:
     """Multiples of the rotation speed, with their names at the edge that they leave the picture by."""
     aside: list[tuple[int, float]] = []
-    for order in _ENGINE_ORDERS:
+    for order in ENGINE_ORDERS:
         end = order * fastest / 60
         if end < 0.04 * highest:
             continue

@@ -9,10 +9,12 @@ import numpy as np
 from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.scene import plate_mesh
+from workflows.scene.scene import Scene
 from workflows.solve.records import Floats, Results, Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LONGEST_IN_MM = 2.0
 """Plates [m] up to which the axes are in mm."""
@@ -29,9 +31,22 @@ _BESIDE = 0.9
 
 def mesh(results: Results, sheet: Sheet) -> str:
     """The plate from above, in its own axes; nothing without a plate."""
-    surface = results.surface
+    surface, scene = results.surface, results.scene
     if surface is None:
         return ""
+    mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
+    return of_surface(surface, mark, held(scene), sheet)
+
+
+def of_surface(surface: Surface, mark: tuple[float, float] | None, root: str, sheet: Sheet) -> str:
+    """A plate from above with its damper (x, y) [m], if any; `root` says what its root is."""
+    figure = drawn(surface, mark, root, sheet)
+    place = ", place of the damper" if mark else ""
+    return drawing.svg(figure, sheet, "mesh", f"Mesh of the plate from above: cells, {root}{place}")
+
+
+def drawn(surface: Surface, mark: tuple[float, float] | None, root: str, sheet: Sheet) -> Figure:
+    """The same as a figure of matplotlib's."""
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
     length, width = np.ptp(points, axis=0)
@@ -42,17 +57,20 @@ def mesh(results: Results, sheet: Sheet) -> str:
         _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), drawing.MUTED, 0.35)
     _draw(axes, points, surface.outline, drawing.INK, 0.9)
     _draw(axes, points, surface.root, drawing.CATEGORIES[0], 3.0)
-    plate = results.scene.plate
-    held = "clamped root" if plate is None or plate.root is None else "root on springs"
-    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=held)
-    if results.scene.damper is not None:
-        x, y = (metres * value for value in plate_mesh.damper_at(results.scene, surface.points.T[:2]))
+    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=root)
+    if mark is not None:
+        x, y = (metres * value for value in mark)
         axes.plot(x, y, "o", ms=7, mfc="none", mec=drawing.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
-    return drawing.svg(figure, sheet, "mesh", f"Mesh of the plate from above: cells, {held}, place of the damper")
+    return figure
+
+
+def held(scene: Scene) -> str:
+    """What the root is."""
+    return "clamped root" if scene.plate is None or scene.plate.root is None else "root on springs"
 
 
 def cells_are_drawn(surface: Surface, sheet: Sheet = drawing.WIDE) -> bool:

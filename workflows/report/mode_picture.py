@@ -12,7 +12,10 @@ import os
 import sys
 from typing import Any
 
-_SIZE = (1500, 900)
+_SIZE = (1200, 720)
+_COLOURS = 128
+"""Colours of the picture: more make it larger, and nobody sees them."""
+
 _THICKNESS = 0.02
 """Drawn thickness, in lengths of the plate: enough to catch the light."""
 
@@ -56,7 +59,8 @@ def main() -> None:
     plotter.camera.zoom(1.6)
     picture = Image.fromarray(plotter.screenshot(None, transparent_background=True, return_img=True))
     with out:
-        picture.crop(picture.getbbox()).save(out, format="PNG")
+        small = picture.crop(picture.getbbox()).quantize(_COLOURS, Image.Quantize.FASTOCTREE)
+        small.save(out, format="PNG", optimize=True)
 
 
 if __name__ == "__main__":

@@ -11,8 +11,9 @@ from typing import Any
 from workflows import wording
 from workflows.findings import answer, trust, worth
 from workflows.findings.assumptions import assumptions
-from workflows.report import drawing, figure_working, figures, mesh_figure, templating
+from workflows.report import drawing, figure_books, figure_working, figures, hover, mesh_figure, templating, viewer
 from workflows.report.mode_shape import Picture
+from workflows.report.viewer import View
 from workflows.results import curves, resolved
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
@@ -31,8 +32,10 @@ class Drawings:
     velocity: str
     capacity: str
     working: str
+    books: str
     css: str
     shape: Picture | None = None
+    view: View | None = None
 
 
 def draw(results: Results) -> Drawings:
@@ -44,7 +47,9 @@ def draw(results: Results) -> Drawings:
             velocity=drawing.both(partial(figures.velocity, results)),
             capacity=drawing.both(partial(figures.capacity, results)),
             working=drawing.both(partial(figure_working.working, results)),
+            books=drawing.both(partial(figure_books.books, results)),
             css=drawing.shades_css(len(results.speeds)),
+            view=viewer.view(results),
         )
 
 
@@ -76,6 +81,13 @@ def render(results: Results, drawings: Drawings) -> str:
         velocity=Markup(drawings.velocity),
         capacity=Markup(drawings.capacity),
         working=Markup(drawings.working),
+        books=Markup(drawings.books),
+        points={
+            "campbell": hover.campbell(results) if drawings.campbell else "",
+            "working": hover.working(results) if drawings.working else "",
+            "books": hover.books(results) if drawings.books else "",
+        },
+        hovering=templating.script("hover.js"),
         air=worth.AIR,
         endured=worth.endured(results),
         strain=worth.ENDURED,
@@ -83,6 +95,9 @@ def render(results: Results, drawings: Drawings) -> str:
         shape=None if shape is None else base64.b64encode(shape.png).decode(),
         shape_remark="" if shape is None else shape.remark,
         shape_point=_shape_point(results),
+        view=drawings.view,
+        script=templating.script("viewer.js"),
+        held=mesh_figure.held(results.scene),
         assumptions=assumptions(results),
         versions=versions(),
         hashes=hashes(results),

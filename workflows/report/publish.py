@@ -49,14 +49,23 @@ def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
     """
     expect(results, "save_report")
     _path("save_report", "file", path)
-    out = _file(path)
+    writable(path)
     with artist(results) as drawing:
         drawings = _drawn(results, drawing)
-    page = report.render(results, drawings)
+    return put(path, report.render(results, drawings))
+
+
+def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
+    """Put a text in the place of a file, whole or not at all; returns the file, resolved.
+
+    Raises:
+        BadInput: it cannot be written; `key` is what named it.
+    """
+    out = writable(path, key)
     try:
-        _replace(out, page)
+        _replace(out, text)
     except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key="path", value=str(path)) from error
+        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
     return out
 
 
@@ -94,19 +103,19 @@ def _path(who: str, what: str, given: object) -> Path:
     return Path(given)
 
 
-def _file(path: str | os.PathLike[str]) -> Path:
+def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
     """The path of a file, resolved; BadInput where there can be none."""
     try:
         target = Path(path).resolve()
         taken, special = target.is_dir(), target.exists() and not target.is_file()
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: a loop of links
         problem = f"cannot be a file: {getattr(error, 'strerror', None) or error}"
-        raise BadInput(problem, key="path", value=str(path)) from error
+        raise BadInput(problem, key=key, value=str(path)) from error
     if taken or os.fspath(path).endswith(("/", os.sep)):
-        raise BadInput("is a folder: expected a file, such as 'report.html'", key="path", value=str(path))
+        raise BadInput("is a folder: expected a file, such as 'report.html'", key=key, value=str(path))
     if special:
         raise BadInput(
-            "is no file that could be replaced: expected one such as 'report.html'", key="path", value=str(path)
+            "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
         )
     return target
 

@@ -31,3 +31,8 @@ def page(template: str, words: Mapping[str, Callable[..., str]], css: str = "", 
     environment.filters |= words
     style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
     return environment.get_template(template).render(css=Markup(style), **values)
+
+
+def script(name: str) -> str:
+    """A script that stands in a page."""
+    return (_TEMPLATES / name).read_text(encoding="utf-8")

@@ -28,23 +28,42 @@ class Curve:
     y: Floats
 
 
-def campbell(results: Results) -> list[Curve]:
-    """Frequency over speed, one curve for each branch; it is named by its family at the lowest speed it is seen at."""
-    tracks: dict[int, list[tuple[float, float]]] = {}
+@dataclass(frozen=True)
+class Branch:
+    """A mode followed over the speeds: its family, number there, and (speed, mode) of the run that it consists of."""
+
+    family: str
+    number: int
+    places: tuple[tuple[int, int], ...]
+
+    @property
+    def label(self) -> str:
+        """What a legend says."""
+        return f"{self.family} {self.number}"
+
+
+def branches(results: Results) -> list[Branch]:
+    """The modes followed over ascending speeds, each named by its family at the lowest speed it is seen at."""
+    tracks: dict[int, list[tuple[int, int]]] = {}
     names: dict[int, tuple[str, int]] = {}
-    for point in sorted(results.speeds, key=lambda point: point.rpm):
-        for mode in point.modes:
+    for at, point in sorted(enumerate(results.speeds), key=lambda each: each[1].rpm):
+        for place, mode in enumerate(point.modes):
             if mode.branch not in names:
                 number = 1 + sum(family == mode.family for family, _ in names.values())
                 names[mode.branch] = (mode.family, number)
-            tracks.setdefault(mode.branch, []).append((point.rpm, mode.frequency_hz))
-    curves = []
-    for branch, track in tracks.items():
-        family, number = names[branch]
-        rpm, frequency = np.array(track).T
-        name = f"campbell_{_slug(family)}_{number}"
-        curves.append(Curve(name, f"{family} {number}", "speed_rpm", "frequency_hz", rpm, frequency))
-    return curves
+            tracks.setdefault(mode.branch, []).append((at, place))
+    return [Branch(*names[branch], tuple(track)) for branch, track in tracks.items()]
+
+
+def campbell(results: Results) -> list[Curve]:
+    """Frequency over speed, one curve for each branch."""
+    found = []
+    for branch in branches(results):
+        points = [(results.speeds[at].rpm, results.speeds[at].modes[place].frequency_hz) for at, place in branch.places]
+        rpm, frequency = np.array(points).T
+        name = f"campbell_{_slug(branch.family)}_{branch.number}"
+        found.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
+    return found
 
 
 def velocity(point: SpeedPoint) -> list[Curve]:

@@ -28,6 +28,16 @@ def _si(value: object, kind: Kind, info: ValidationInfo) -> float:
         raise wrong(str(error)) from error
 
 
+def length(value: object, info: ValidationInfo) -> float:
+    """A length in SI, as the fields of a scene read it."""
+    return _si(value, units.LENGTH, info)
+
+
+def quantity_schema(kind: Kind) -> dict[str, Any]:
+    """The JSON Schema of a quantity."""
+    return _json(kind)
+
+
 def _json(kind: Kind) -> dict[str, Any]:
     return {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": [kind.example], "x-si": kind.si}
 

@@ -52,10 +52,10 @@ def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
     if given is None or material is None:
         raise ValueError("the scene has no plate")
-    tip = place(source, mesh) if mass else None
+    laden = place(source, mesh) if mass else None
     substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
     springs = None if given.root is None else ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
-    return Plate(mesh, thicknesses.profile(given, form), substance, mass, tip, springs)
+    return Plate(mesh, thicknesses.profile(given, form), substance, mass, laden, springs)
 
 
 def rotor(scene: Scene) -> fem.Rotor:
@@ -101,11 +101,14 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     """The same on a mesh of which the points (2, n) are known."""
     given = given_place(scene)
-    if given is not None:
-        return given
+    return tip(points) if given is None else given
+
+
+def tip(points: np.ndarray) -> tuple[float, float]:
+    """The middle of the tip of a plate with these points (2, n)."""
     x, y = points
-    tip = np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))
-    return float(x.max()), float(0.5 * (y[tip].min() + y[tip].max()))
+    outermost = y[np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))]
+    return float(x.max()), float(0.5 * (outermost.min() + outermost.max()))
 
 
 def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:
@@ -116,8 +119,8 @@ def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, fl
     plate = source.scene.plate
     if mesh is not None:
         return float(mesh.p[0].min()), place(source, mesh)
-    tip = 0.0 if plate is None or plate.length is None else plate.length
-    return 0.0, given_place(source.scene) or (tip, 0.0)
+    end = 0.0 if plate is None or plate.length is None else plate.length
+    return 0.0, given_place(source.scene) or (end, 0.0)
 
 
 def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:

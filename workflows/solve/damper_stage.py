@@ -86,7 +86,7 @@ def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
 
 
 def figures(system: damper.ParticleDamper) -> damper.Working:
-    """The damper's own figures, in the leading modes."""
+    """The damper's own figures in the modes that yield most along either axis."""
     from damper import working
 
     return working(leading(system))

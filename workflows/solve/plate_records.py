@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -107,17 +107,23 @@ def _share(shifts: Floats | None, k: int) -> float | None:
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
-    from fem.meshes.planform import root_facets
 
     kept = _kept(len(numbers))
     shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
-    mesh = operators.plate.mesh
+    by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
+    behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
+    found = bare(operators.plate.mesh)
+    return replace(found, shapes=by_speed.real, at=kept, thickness=_thickness(operators.plate), behind=behind)
+
+
+def bare(mesh: Any) -> Surface:
+    """A mesh's mid-surface, without shapes."""
+    from fem.meshes.planform import root_facets
+
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
-    by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
-    cells = (kind, np.asarray(mesh.t.T))
-    return Surface(points, cells, outline, root, by_speed, kept, _thickness(operators.plate))
+    return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
 def _thickness(plate: fem.Plate) -> Floats | None:
@@ -154,11 +160,11 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tup
 
 
 def _upright(shapes: Floats) -> Floats:
-    """Complex shapes at the phase at which their largest unknown peaks; real ones as they are."""
+    """Complex shapes turned to the phase at which their largest unknown peaks; real ones as they are."""
     if not np.iscomplexobj(shapes):
         return shapes
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
-    return np.asarray((shapes * (np.abs(largest) / largest)).real)
+    return np.asarray(shapes * (np.abs(largest) / largest))
 
 
 def _kept(count: int) -> tuple[int, ...]:

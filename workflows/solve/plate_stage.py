@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -228,20 +230,45 @@ def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -
     Raises:
         BadInput: the damper's place, or too few modes to find the bending mode among.
     """
-    from fem import NoFlapMode, PlaceError, reduce_over
+    if source.scene.damper is None:
+        return [None] * diagram.omega.size
+    return with_ball(source, reduction(source, operators, diagram))
 
+
+def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
+    """What the damper of a scene feels on a plate that may carry others."""
     damper = source.scene.damper
     if damper is None:
-        return [None] * diagram.omega.size
-    at = plate_mesh.place(source, operators.plate.mesh)
+        raise ValueError("the scene has no [damper]")
+    with _placed(source):
+        found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+
+
+def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
+    """The plate at the damper's place, for balls of any mass.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    from fem import Reduction
+
+    with _placed(source):
+        return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
+
+
+@contextmanager
+def _placed(source: SceneFile) -> Iterator[None]:
+    """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
+    from fem import NoFlapMode, PlaceError
+
     try:
-        found = reduce_over(operators, diagram, at, ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+        yield
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     except NoFlapMode as error:
         modes = source.scene.rotor.modes
         raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
 
 
 def cavity_modes(

@@ -228,6 +228,7 @@ class Surface:
         shapes: (speeds, modes, n, 3), mass-normalised.
         at: which of the run's speeds the first axis of `shapes` holds.
         thickness: at the points, (n,) [m], where it varies.
+        behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
     """
 
     points: Floats = field(repr=False)
@@ -237,6 +238,7 @@ class Surface:
     shapes: Floats = field(repr=False)
     at: tuple[int, ...]
     thickness: Floats | None = field(default=None, repr=False)
+    behind: Floats | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)

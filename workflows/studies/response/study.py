@@ -278,9 +278,8 @@ def _short(
 ) -> Floats:
     """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed.
 
-    That is so where another yields more along x.
-    One measurement at the crossing serves all of it: frequencies scale with the structure's own, forces with its
-    stiffness.
+    That is so where another yields more along x. One measurement at the crossing serves all of it: frequencies scale
+    with the structure's own, forces with its stiffness.
     """
     from damper import backbone
 

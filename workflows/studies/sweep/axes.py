@@ -34,14 +34,15 @@ class Spread:
     def at(self, share: np.ndarray) -> np.ndarray:
         """Its quantiles at shares from 0 to 1."""
         if self.law == "log":
-            return np.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
+            inside = np.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
+            return np.clip(inside, self.low, self.high)
         if self.law == "normal":
             from scipy.stats import truncnorm
 
             ends = ((end - self.mean) / self.deviation for end in (self.low, self.high))
             found: np.ndarray = truncnorm.ppf(share, *ends, loc=self.mean, scale=self.deviation)
             return found
-        return self.low + share * (self.high - self.low)
+        return np.clip(self.low + share * (self.high - self.low), self.low, self.high)
 
 
 @dataclass(frozen=True)

@@ -55,8 +55,8 @@ class Placed:
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`."""
-    rows, reasons = quantities.empty(end - begin), _Reasons()
-    placed = list(_all_placed(source, plan, begin, end, plates, rows, reasons))
+    rows, reasons = quantities.empty(end - begin), Reasons()
+    placed = list(all_placed(source, plan, begin, end, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
         _measure(rows[each.number], each, known, QUICK if quick else {})
@@ -64,20 +64,21 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
     return Block(begin, rows, tuple(reasons.texts))
 
 
-class _Reasons:
+class Reasons:
     """Texts by number, each once."""
 
     def __init__(self) -> None:
         self.texts: list[str] = []
 
     def number(self, text: str) -> int:
+        """Which one it is."""
         if text not in self.texts:
             self.texts.append(text)
         return self.texts.index(text)
 
 
-def _all_placed(
-    source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, rows: Rows, reasons: _Reasons
+def all_placed(
+    source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, rows: Rows, reasons: Reasons
 ) -> Iterator[Placed]:
     """The dampers of all points that have one; the others get a reason."""
     columns = plan.columns(begin, end)

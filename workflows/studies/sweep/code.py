@@ -6,6 +6,7 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
+from workflows.errors import BadInput
 from workflows.results.provenance import versions
 
 _PACKAGES = ("fem", "damper", "workflows")
@@ -21,6 +22,16 @@ def digest() -> str:
             found.update(path.relative_to(_ROOT).as_posix().encode() + b"\0")
             found.update(path.read_bytes() + b"\0")
     return found.hexdigest()
+
+
+def same(other: str) -> None:
+    """See that a worker runs the code that the study is of.
+
+    Raises:
+        BadInput: it does not.
+    """
+    if digest() != other:
+        raise BadInput("a worker has other code than the study: install the same version everywhere", key="sweep")
 
 
 def identity() -> dict[str, str]:

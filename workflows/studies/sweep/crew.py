@@ -46,17 +46,22 @@ class Crew:
     """An executor that can be had anew when its workers have died.
 
     Args:
-        hire: makes an executor and says how many work in it.
+        hire: makes an executor, and what says how many work in it.
     """
 
-    def __init__(self, hire: Callable[[], tuple[Executor, int]]) -> None:
+    def __init__(self, hire: Callable[[], tuple[Executor, Callable[[], int]]]) -> None:
         self._hire = hire
-        self._executor, self.size = hire()
+        self._executor, self._size = hire()
+
+    @property
+    def size(self) -> int:
+        """How many work now, at least one."""
+        return max(self._size(), 1)
 
     def renew(self) -> None:
         """Dismiss what is left of the workers and hire others."""
         before = self._executor
-        self._executor, self.size = self._hire()
+        self._executor, self._size = self._hire()
         before.shutdown(wait=False)
 
     def submit(self, task: Callable[..., T], *arguments: Any) -> Future[T]:
@@ -108,7 +113,8 @@ def _all(
 
 def _hand_out(crew: Crew, task: Callable[[int], T], waiting: deque[int], pending: dict[Future[T], int]) -> bool:
     """Keep every worker busy; False if the executor takes no more tasks."""
-    while waiting and len(pending) < _AHEAD * crew.size:
+    most = _AHEAD * crew.size
+    while waiting and len(pending) < most:
         try:
             pending[crew.submit(task, waiting[0])] = waiting[0]
         except BrokenExecutor:
@@ -127,9 +133,9 @@ def _died(future: Future[Any]) -> bool:
 @contextmanager
 def given(executor: Executor, workers: int = 1) -> Iterator[Crew]:
     """A crew on an executor that is somebody else's, and stays open."""
-    hired = iter([(executor, workers)])
+    hired = iter([(executor, lambda: workers)])
 
-    def hire() -> tuple[Executor, int]:
+    def hire() -> tuple[Executor, Callable[[], int]]:
         try:
             return next(hired)
         except StopIteration:
@@ -150,8 +156,8 @@ def local(workers: int | None = None) -> Iterator[Crew]:
     context = get_context("spawn")
     held, let_go = context.Pipe(duplex=False)  # workers end when the end that lets go is closed
 
-    def hire() -> tuple[Executor, int]:
-        return ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(held,)), count
+    def hire() -> tuple[Executor, Callable[[], int]]:
+        return ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(held,)), lambda: count
 
     with held, let_go, _one_thread():
         crew = Crew(hire)
@@ -178,14 +184,13 @@ def cluster(address: str) -> Iterator[Crew]:
     except (OSError, ValueError, TimeoutError) as error:
         raise BadInput(f"no scheduler answers there: {error}", key="--dask", value=address) from error
     with client:
-        count = len(client.scheduler_info(n_workers=-1)["workers"])
-        if not count:
+        if not client.ncores():
             raise BadInput(
                 f"the scheduler has no workers: start some with `dask worker {address} --nthreads 1`",
                 key="--dask",
                 value=address,
             )
-        crew = Crew(lambda: (client.get_executor(pure=False, retries=10), count))
+        crew = Crew(lambda: (client.get_executor(pure=False, retries=10), lambda: sum(client.ncores().values())))
         try:
             yield crew
         finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -10,6 +11,7 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean
+from workflows.scene.design import FLAT
 from workflows.scene.explained import worded
 from workflows.scene.scene import Scene
 from workflows.scene.schema import unit
@@ -58,6 +60,8 @@ class Key:
         Raises:
             ValueError: it is none; the message says what would be right.
         """
+        if self.field == "floor_radius" and value in (FLAT, math.inf):
+            return math.inf
         found = _validated(self, value, gravity)
         if isinstance(found, tuple):
             if self.field != "speeds" and self.element is None and found[0] != found[-1]:
@@ -97,6 +101,8 @@ class Key:
             sides = range(_ELEMENTS) if self.element is None else [self.element]
             for side in sides:
                 place["cavity"][side] = 2 * place["radius"] + float(value)
+        elif value == math.inf:
+            place.pop(self.field, None)
         elif self.field == "speeds":
             place[self.field] = [value]
         elif self.element is None and _is_pair(".".join((*self.table, self.field))):
@@ -137,7 +143,7 @@ def find(name: str, where: str) -> Key:
 @cache
 def every() -> tuple[str, ...]:
     """All keys of a scene's tables by dotted path."""
-    return tuple(name for name, _ in _walk(Scene, ()) if "." in name)
+    return tuple(name for name, _ in _walk(Scene, ()) if "." in name and not name.startswith("design."))
 
 
 def _walk(table: type[BaseModel], path: tuple[str, ...]) -> list[tuple[str, Any]]:
@@ -219,7 +225,7 @@ def _with(pair: Any, element: int, value: Value) -> list[Any]:
 
 def plain(scene: Scene) -> Data:
     """A scene as plain data that keys can be put into: a material by its name or by its numbers, not by both."""
-    data = scene.model_dump(mode="json", exclude_none=True)
+    data = scene.model_dump(mode="json", exclude_none=True, exclude={"design"})
     if "name" in data.get("material", {}):
         data["material"] = {"name": data["material"]["name"]}
     if "ball_material" in data.get("damper", {}):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import wording
 from workflows.report import drawing, templating
-from workflows.studies.sweep import folder, pictures, summary, uncertain
+from workflows.studies.sweep import folder, maps, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def render(data: xr.Dataset) -> str:
     return templating.page(
         "sweep.html.j2",
         {"significant": wording.significant, "fixed": wording.fixed},
-        drawing.shades_css(pictures.SHADES),
+        drawing.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
         doubts=_doubts(data) if "ST" in data else [],

@@ -12,10 +12,11 @@ import numpy as np
 from workflows.findings.worth import AIR
 from workflows.report import drawing
 from workflows.report.drawing import Sheet
+from workflows.studies.sweep import maps, table
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plans import SAMPLE
 from workflows.studies.sweep.summary import HEADLINE, said, shown_unit
-from workflows.wording import significant, whole
+from workflows.wording import whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,13 +27,8 @@ if TYPE_CHECKING:
 _FOR_A_MAP, _CURVES, _PANELS = 4, 7, 3
 """Values along both axes from which on there is a map; curves of a figure; panels of one."""
 
-_STEPS = (1.0, 2.0, 5.0)
-
 NAMED = {HEADLINE: "damping ratio by the ball, %", "cutoff": "amplitude below which it rests, mm"}
 _FACTORS = {HEADLINE: 100.0, "cutoff": 1e3}
-
-SHADES = 12
-"""Colours of a map, at most."""
 
 
 @dataclass(frozen=True)
@@ -117,14 +113,6 @@ def _along(data: xr.Dataset, name: str) -> Floats:
     return found
 
 
-def _is_log(values: Floats) -> bool:
-    """Whether values are spread more evenly in their logarithm."""
-    if len(values) < 3 or values.min() <= 0:
-        return False
-    steps, ratios = np.diff(values), np.diff(np.log(values))
-    return bool(ratios.std() / abs(ratios.mean()) < steps.std() / abs(steps.mean()))
-
-
 def _panels(data: xr.Dataset, used: tuple[str, ...], best: dict[str, int]) -> tuple[str | None, list[int]]:
     """The dimension that has a panel for each of a few values: the speeds, the lowest, the middle and the highest."""
     others = [str(name) for name in data.dims if name not in used and data.sizes[name] > 1]
@@ -143,9 +131,9 @@ def _maps(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str,
         _FACTORS[quantity] * data[quantity].isel(fixed | ({panel: k} if panel else {})).transpose(y, x).values
         for k in places
     ]
-    levels = _levels(tables)
+    levels = maps.levels(tables)
     figure, axes = drawing.canvas(sheet, 2.9, len(places))
-    colours = _spread(len(levels) - 1)
+    colours = maps.spread(len(levels) - 1)
     for number, (each, values) in enumerate(zip(axes, tables, strict=True)):
         xs, ys = _along(data, x), _along(data, y)
         if np.isfinite(values).sum() > 1:
@@ -153,15 +141,15 @@ def _maps(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str,
         if quantity == HEADLINE:
             _boundaries(each, xs, ys, values)
         if panel is None or places[number] == best[panel] or len(places) == 1:
-            each.plot(xs[best[x]], ys[best[y]], "x", color=drawing.INK, ms=7, mew=1.6)
+            each.plot(xs[best[x]], ys[best[y]], "x", color=drawing.INK, ms=7, mew=1.6, clip_on=False)
         scales: dict[str, Any] = {
-            "xscale": "log" if _is_log(xs) else "linear",
-            "yscale": "log" if _is_log(ys) else "linear",
+            "xscale": maps.scale(xs),
+            "yscale": maps.scale(ys),
         }
         each.set(xlabel=_label(data, x), title=_panel_title(data, panel, places[number]), **scales)
         each.grid(visible=False)
     axes[0].set_ylabel(_label(data, y))
-    _colour_key(figure, sheet, levels, colours, NAMED[quantity])
+    maps.colour_key(figure, sheet, levels, colours, NAMED[quantity])
     return drawing.svg(figure, sheet, f"map-{quantity}", f"{NAMED[quantity]} over {x} and {y}")
 
 
@@ -179,41 +167,6 @@ def _panel_title(data: xr.Dataset, panel: str | None, k: int) -> str:
     if panel == SPEEDS:
         return f"{whole(float(data['rpm'].values[k]))} rpm"
     return f"{panel.partition('.')[2].replace('_', ' ')} {_value(data, panel, k)}"
-
-
-def _levels(tables: list[Floats]) -> list[float]:
-    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours."""
-    known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
-    if not known.size:
-        return [0.0, 1.0]
-    low, high = float(np.quantile(known, 0.02)), float(known.max())
-    powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
-    every = [step * 10.0**power for power in powers for step in _STEPS]
-    levels = [level for level in every if level < high]
-    first = max((k for k, level in enumerate(levels) if level <= low), default=0)
-    levels = [*levels[first:], next(level for level in every if level >= high)]
-    if len(levels) < 5:
-        return [float(level) for level in np.linspace(low, high, 9)] if high > low else [0.9 * low, 1.1 * low]
-    return levels[-SHADES - 1 :]
-
-
-def _spread(count: int) -> list[str]:
-    """So many of the shades, from the first to the last."""
-    every = drawing.shades(SHADES)
-    return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
-
-
-def _colour_key(figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str) -> None:
-    from matplotlib.patches import Patch
-
-    named = [
-        Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
-        for low, high, colour in zip(levels, levels[1:], colours, strict=False)
-    ]
-    where: dict[str, Any] = (
-        {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
-    )
-    figure.legend(handles=named[::-1], title=title.replace(", ", ",\n"), **where)
 
 
 def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None, sheet: Sheet) -> str:
@@ -236,7 +189,7 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
         axes.axhspan(100 * AIR[0], 100 * AIR[1], color=drawing.RULE, lw=0)
     positive = data[quantity].isel(fixed).values
     spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
-    axes.set(xlabel=_label(data, x), ylabel=NAMED[quantity], xscale="log" if _is_log(xs) else "linear")
+    axes.set(xlabel=_label(data, x), ylabel=NAMED[quantity], xscale=maps.scale(xs))
     axes.set_yscale("log" if spread else "linear")
     if series is not None:
         drawing.key(figure, axes, sheet)
@@ -274,7 +227,7 @@ _DOTS = 2000
 
 def _scattered(data: xr.Dataset, sheet: Sheet) -> str:
     """The damping of a sample over each of its keys."""
-    keys = [str(name) for name in data.coords if data[name].dims == (SAMPLE,) and name != "rpm"]
+    keys = [name for name in table.keys_of(data) if data[name].dims == (SAMPLE,)]
     keys = [name for name in keys if np.issubdtype(np.asarray(data[name].values).dtype, np.number)][:_SCATTERED]
     values = 100 * data[HEADLINE]
     if SPEEDS in data.dims:

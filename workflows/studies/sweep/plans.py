@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.scene.design import FLAT
 from workflows.studies.sweep import keys
 from workflows.studies.sweep.axes import MOST, SPEEDS, Axis, Spread
 from workflows.studies.sweep.keys import Value
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
 
 SAMPLE = "sample"
 """The dimension of a sample."""
-
-_CUT = 1e-9
-"""Shares are kept so far from 0 and 1, where a normal distribution has no quantile."""
 
 
 class Plan(Protocol):
@@ -80,7 +78,7 @@ class Grid:
 
     def identity(self) -> dict[str, Any]:
         """Keys and values."""
-        return {"grid": {axis.name: list(axis.values) for axis in self.axes}}
+        return {"grid": {axis.name: said(axis.values) for axis in self.axes}}
 
 
 @dataclass(frozen=True)
@@ -152,7 +150,7 @@ class Sample:
 
     def identity(self) -> dict[str, Any]:
         """Keys, spreads and the seed."""
-        axes = {axis.name: vars(axis.spread) if axis.spread else list(axis.values) for axis in self.axes}
+        axes = {axis.name: vars(axis.spread) if axis.spread else said(axis.values) for axis in self.axes}
         return {"sample": axes, "count": self.count, "seed": self.seed, "tiled": self.tiles is not None}
 
     @cached_property
@@ -161,12 +159,17 @@ class Sample:
         return self.tiles is not None
 
 
+def said(values: Sequence[Value]) -> list[Value]:
+    """Values as JSON has them, in which nothing is infinite."""
+    return [FLAT if value == math.inf else value for value in values]
+
+
 def drawn(axis: Axis, shares: npt.NDArray[np.float64]) -> list[Value]:
     """The values of an axis at shares from 0 to 1: of its spread, or one of its values each."""
     if axis.spread is None:
         places = np.minimum((shares * len(axis.values)).astype(int), len(axis.values) - 1)
         return [axis.values[k] for k in places]
-    found = axis.spread.at(np.clip(shares, _CUT, 1 - _CUT))
+    found = axis.spread.at(shares)
     if axis.key.whole:
         low, high = math.ceil(axis.spread.low), math.floor(axis.spread.high)
         return [int(value) for value in np.clip(np.floor(low + shares * (high - low + 1)), low, high)]

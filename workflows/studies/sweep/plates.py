@@ -35,6 +35,7 @@ class Solved:
     effects: dict[str, Effect]
     discrete: Discrete
     diagram: fem.Campbell
+    reduction: fem.Reduction
     points: tuple[SpeedPoint, ...]
     numbers: tuple[int, ...]
     surface: Surface | None
@@ -49,7 +50,7 @@ class Solved:
                 self.carrying.clear()
             operators = self.discrete.choice.operators
             with answering(source):
-                reduced = plate_stage.reduce(source, operators, self.diagram)
+                reduced = plate_stage.with_ball(source, self.reduction)
                 at_cavity = plate_stage.cavity_modes(source, effects, operators, self.diagram, reduced)
             self.carrying[key] = tuple(
                 replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
@@ -106,7 +107,7 @@ class Plates:
 
 def plate_key(scene: Scene) -> str:
     """What the solution of a scene's plate depends on, as text: all but the damper, of which the place counts."""
-    data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release"})
+    data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release", "design"})
     damper = scene.damper
     place = None if damper is None else {"at": damper.at, "housing": damper.housing}
     return json.dumps(data | {"damper": place}, sort_keys=True)
@@ -123,11 +124,12 @@ def solve(source: SceneFile) -> Solved:
         numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
         none: list[None] = [None] * diagram.omega.size
         points = plate_records.points(source, discrete, diagram, numbers, [*none], [() for _ in none])
+        reduction = plate_stage.reduction(source, discrete.choice.operators, diagram)
         surface = None
         if source.mesh is not None:
             surface = plate_records.surface(discrete.choice.operators, diagram, numbers[:1], 1)
     effects = {name: decided.effects[name] for name in OF_THE_PLATE}
-    return Solved(decided.form, effects, discrete, diagram, points, tuple(numbers), surface)
+    return Solved(decided.form, effects, discrete, diagram, reduction, points, tuple(numbers), surface)
 
 
 def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:

@@ -138,8 +138,7 @@ def compute(study: Study, number: int) -> Block:
     Raises:
         BadInput: the worker has other code.
     """
-    if code.digest() != study.code:
-        raise BadInput("a worker has other code than the study: install the same version everywhere", key="sweep")
+    code.same(study.code)
     kernels.ready()
     begin, end = study.ranges[number]
     return blocks.block(study.source, study.plan, begin, end, _plates, quick=study.quick)
@@ -163,7 +162,7 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
     with folder.opened(out, study.key, study.identity) as place:
         fill(study, place, hired, stages)
         with stages("write"), folder.writing(out), folder.replaced(place.path / DATA) as aside:
-            said = table.attributes(study.source.scene.title, study.identity, study.key)
+            said = table.attributes(study.source.scene.title, study.plan, study.identity, study.key)
             table.write(study.plan, partial(rows, study, place), said, aside)
         return table.opened(place.path / DATA)
 

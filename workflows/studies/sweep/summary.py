@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.studies.sweep import quantities, uncertain
+from workflows.scene.design import FLAT
+from workflows.studies.sweep import plans, quantities, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.wording import significant
 
@@ -54,7 +55,7 @@ def at(data: xr.Dataset, number: int) -> dict[str, Any]:
     points = data[[*quantities.NUMBERS]]
     place = np.unravel_index(number, tuple(points.sizes[name] for name in points[HEADLINE].dims))
     point = points.isel({name: int(k) for name, k in zip(points[HEADLINE].dims, place, strict=True)})
-    keys = {str(name): point.coords[name].item() for name in point.coords}
+    keys = {str(name): plans.said([point.coords[name].item()])[0] for name in point.coords}
     values = {str(name): point[name].item() for name in point.data_vars}
     return {"keys": keys, "values": {name: value if math.isfinite(value) else None for name, value in values.items()}}
 
@@ -99,6 +100,8 @@ def said(data: xr.Dataset, name: str, value: Any) -> str:
     """A value of a key in words."""
     if isinstance(value, str):
         return value
+    if not math.isfinite(value):
+        return FLAT
     factor, unit = shown_unit(data, name)
     return f"{significant(factor * float(value), 4)} {unit}".rstrip()
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from workflows.studies.sweep.blocks import Block
     from workflows.studies.sweep.plans import Plan
 
-_SLAB = 65536
+_SLAB = 16384
 """Points that are held at a time while a data set is written, and of its chunks."""
 
 
@@ -105,13 +105,23 @@ def opened(path: Path) -> xr.Dataset:
     import xarray as xr
 
     found = xr.open_dataset(path, engine="zarr", consolidated=False)
-    return found[[*(quantity.name for quantity in QUANTITIES), "reason"]]
+    # Zarr lists its arrays in any order.
+    data = {name: found[name].variable for name in (*(quantity.name for quantity in QUANTITIES), "reason")}
+    coordinates = {name: found[name].variable for name in (*keys_of(found), "rpm")}
+    return xr.Dataset(data, coords=coordinates, attrs=found.attrs)
 
 
-def attributes(title: str, identity: dict[str, Any], key: str) -> dict[str, str]:
+def keys_of(data: xr.Dataset) -> list[str]:
+    """The keys that are varied, in the order of the plan."""
+    found: list[str] = json.loads(data.attrs["keys"])
+    return found
+
+
+def attributes(title: str, plan: Plan, identity: dict[str, Any], key: str) -> dict[str, str]:
     """What a data set says of its origin."""
     return {
         "title": title,
+        "keys": json.dumps([axis.name for axis in plan.axes]),
         "study": key,
         "scene": json.dumps(identity["scene"], ensure_ascii=False, sort_keys=True),
         "code": json.dumps(identity["code"], sort_keys=True),

@@ -15,7 +15,7 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.studies.sweep import axes as read_axes
-from workflows.studies.sweep import keys, plans
+from workflows.studies.sweep import keys, plans, table
 from workflows.studies.sweep.axes import SPEEDS, Axis, Spread
 from workflows.studies.sweep.plans import SAMPLE, Sample
 
@@ -128,7 +128,7 @@ def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
     """
     import xarray as xr
 
-    names = [str(name) for name in data.coords if data[name].dims == (SAMPLE,)]
+    names = [name for name in table.keys_of(data) if data[name].dims == (SAMPLE,)]
     speeds = data.sizes[SPEEDS]
     spread = np.full((len(QUANTITIES), len(PERCENTILES), speeds), np.nan)
     shares = {

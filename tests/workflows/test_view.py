@@ -1,0 +1,210 @@
+"""`spindamp view`: what it says of a mesh, what it shows of a run, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from tests.limits import HANG
+from tests.workflows.browser import driven
+from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
+from workflows.looking import page, screen, target
+
+MESHES = Path(__file__).parents[2] / "meshes"
+SIDE = 0.1
+
+View = Callable[..., Outcome]
+
+
+@pytest.fixture(autouse=True)
+def _no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(screen, "there_is", lambda: False)
+
+
+@pytest.fixture
+def plain(paper: Scene, tmp_path: Path) -> Path:
+    """A scene whose plate is soon solved."""
+    soon = changed(paper, rotor__speeds=["3000 rpm", "9000 rpm"], rotor__modes=3, accuracy={"frequency": 0.05})
+    return write(soon, tmp_path / "scene.toml")
+
+
+def mesh_file(path: Path, points: list[list[float]], cells: list[list[int]]) -> Path:
+    kind = "triangle" if len(cells[0]) == 3 else "quad"
+    meshio.write(path, meshio.Mesh(np.array([[*p, 0.0] for p in points]), [(kind, np.array(cells))]))
+    return path
+
+
+def test_two_triangles_by_hand(spindamp: View, tmp_path: Path) -> None:
+    """An isosceles right triangle has angles of 45°, 45° and 90°, and a longest side √2 times its shortest."""
+    square = mesh_file(tmp_path / "square.vtu", [[0, 0], [SIDE, 0], [SIDE, SIDE], [0, SIDE]], [[0, 1, 2], [0, 2, 3]])
+    found = json.loads(spindamp("view", square, "--json").out)
+    assert (found["kind"], found["cells"], found["points"], found["holes"]) == ("triangle", 2, 4, 0)
+    assert found["extent"] == {"x": [0.0, SIDE], "y": [0.0, SIDE]}
+    assert found["root"] == {"x": 0.0, "edges": 1, "length": pytest.approx(SIDE)}
+    assert found["edges"]["shortest"] == pytest.approx(SIDE)
+    assert found["edges"]["longest"] == pytest.approx(SIDE * np.sqrt(2))
+    assert found["angles"]["least"] == pytest.approx(45.0)
+    assert found["angles"]["greatest"] == pytest.approx(90.0)
+    assert found["angles"]["odd_cells"] == 0
+    assert found["aspect"] == pytest.approx(np.sqrt(2))
+    assert not list(tmp_path.glob("*.html")), "--json writes nothing that was not asked for"
+
+
+def test_a_sharp_cell_is_counted(spindamp: View, tmp_path: Path) -> None:
+    """A triangle of base 1 and height 0.1 in its middle has two angles of atan 0.2 = 11.3° and one of 157.4°."""
+    flat = mesh_file(
+        tmp_path / "flat.vtu",
+        [[0, 0], [0, 1], [0.1, 0.5], [1, 0], [1, 1]],
+        [[0, 2, 1], [0, 3, 2], [3, 4, 2], [4, 1, 2]],
+    )
+    found = json.loads(spindamp("view", flat, "--json").out)["angles"]
+    assert found["least"] == pytest.approx(np.degrees(np.arctan(0.2)), rel=1e-9)
+    assert found["greatest"] == pytest.approx(180 - 2 * np.degrees(np.arctan(0.2)), rel=1e-9)
+    assert found["odd_cells"] == 1
+
+
+def test_a_mesh_file_as_text_and_picture(spindamp: View, tmp_path: Path) -> None:
+    outcome = spindamp("view", MESHES / "plate_with_hole.msh")
+    assert outcome.status == 0
+    for words in ("560 triangles, 322 points", "x 0 to 200 mm, y −40 to 40 mm", "80 mm long", "in metres"):
+        assert words in outcome.out
+    assert "open spindamp-view-plate-with-hole-msh.html" in outcome.out
+    text = (tmp_path / "spindamp-view-plate-with-hole-msh.html").read_text(encoding="utf-8")
+    assert "560 triangles, 322 points" in text
+    assert len(text) < 500_000
+
+
+def test_a_mesh_in_millimetres_is_asked_about(spindamp: View, tmp_path: Path) -> None:
+    large = mesh_file(tmp_path / "mm.vtu", [[0, 0], [200, 0], [200, 80], [0, 80]], [[0, 1, 2, 3]])
+    assert 'mesh_unit = "mm"?' in spindamp("view", large, "--out", "page.html").out
+
+
+def test_a_folder_shows_what_its_run_kept(
+    finished: Path, document: dict[str, Any], spindamp: View, tmp_path: Path
+) -> None:
+    speed = document["speeds"][2]
+    outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
+    assert outcome.status == 0, outcome.err
+    found = target.of(str(finished))
+    data = json.loads(page.view(found, 2, 2).data)
+    assert data["first"] == [2, 2]
+    assert [each["rpm"] for each in data["speeds"]] == [each["rpm"] for each in document["speeds"]]
+    shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
+    kept = [[(mode["frequency_hz"], mode["family"]) for mode in each["modes"]] for each in document["speeds"]]
+    assert shown == kept
+    assert data["damper"] == document["scene"]["damper"]["at"]
+    assert data["thickness"]["largest"] == document["scene"]["plate"]["thickness"]
+
+
+def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: View, tmp_path: Path) -> None:
+    outcome = spindamp("view", plain, "--rpm", 6000, "--out", "page.html")
+    assert outcome.status == 0, outcome.err
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert '"rpm":6000.0' in text.replace("5999.999999999999", "6000.0").replace("6000.000000000001", "6000.0")
+    assert '"rpm":3000' not in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("nothere.msh",), "nothere.msh: no such folder of results, scene or mesh file"),
+        (("nothere",), "nothere: no such scene"),
+        (("structure",), "view needs a plate"),
+        ((".",), "holds no results.json"),
+        ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100.0: a mesh alone has no speeds"),
+        ((MESHES / "make.py",), "not a readable mesh file"),
+        ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
+        (("paper", "--rpm", "-1"), "--rpm = -1.0: expected a rotation speed between 0"),
+    ],
+)
+def test_what_cannot_be_looked_at(arguments: tuple[object, ...], said: str, spindamp: View) -> None:
+    outcome = spindamp("view", *arguments)
+    assert outcome.status == 2
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert outcome.out == ""
+
+
+@pytest.mark.parametrize(("option", "value"), [("--rpm", 9000), ("--mode", 7), ("--mode", 0)])
+def test_speeds_and_modes_that_a_folder_has_not(finished: Path, spindamp: View, option: str, value: int) -> None:
+    outcome = spindamp("view", finished, option, value)
+    assert outcome.status == 2
+    assert f"{option} = {value}" in outcome.err
+
+
+def test_damaged_results_are_named(finished: Path, spindamp: View, tmp_path: Path) -> None:
+    folder = tmp_path / "copy"
+    folder.mkdir()
+    for name, broken in (("results.json", "{"), ("modes.vtu", "<VTKFile")):
+        for each in ("results.json", "modes.vtu"):
+            (folder / each).write_bytes((finished / each).read_bytes())
+        (folder / name).write_text(broken, encoding="utf-8")
+        outcome = spindamp("view", folder)
+        assert outcome.status == 2
+        assert name in outcome.err
+    (folder / "modes.vtu").unlink()
+    (folder / "results.json").write_bytes((finished / "results.json").read_bytes())
+    assert "without a plate" in spindamp("view", folder).err
+
+
+def test_a_window_draws_frames_and_closes(finished: Path) -> None:
+    found = target.of(str(finished))
+    done = subprocess.run(
+        [sys.executable, *screen.COMMAND, "3"],
+        input=screen.archive(found, 0, 0, "a plate"),
+        capture_output=True,
+        timeout=HANG,
+        check=False,
+        env={**os.environ, "PYVISTA_OFF_SCREEN": "true"},
+    )
+    if done.returncode < 0:  # VTK aborts
+        pytest.skip("needs a working OpenGL")
+    assert done.returncode == 0, done.stderr.decode()
+
+
+def test_where_the_window_fails_there_is_the_page(
+    monkeypatch: pytest.MonkeyPatch, spindamp: View, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(screen, "there_is", lambda: True)
+    monkeypatch.setattr(screen, "COMMAND", ["-c", "import os; os.abort()"])
+    outcome = spindamp("view", MESHES / "plate_coarse.msh")
+    assert outcome.status == 0
+    assert "open spindamp-view-plate-coarse-msh.html" in outcome.out
+    assert list(tmp_path.glob("*.html"))
+
+
+@needs_chromium
+def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+    page.write(target.of(str(MESHES / "plate_with_hole.msh")), path)
+    script = """
+    const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
+    const copy = document.createElement('canvas').getContext('2d');
+    Object.assign(figure.viewer.view, { yaw: 0, rise: Math.PI / 2, near: 1 });
+    figure.querySelector('form').cells.checked = false;
+    figure.viewer.draw();
+    [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
+    copy.drawImage(canvas, 0, 0);
+    const seen = copy.getImageData(0, 0, canvas.width, canvas.height).data, rows = [];
+    let left = canvas.width, right = 0, drawn = 0;
+    for (let y = 0; y < canvas.height; y++) for (let x = 0; x < canvas.width; x++)
+      if (seen[4 * (y * canvas.width + x) + 3] > 127) { drawn++; left = Math.min(left, x); right = Math.max(right, x); }
+    return { drawn, length: right - left + 1 };
+    """
+    found = driven(path, script, tmp_path)
+    mesh = meshio.read(MESHES / "plate_with_hole.msh")
+    triangles = mesh.points[mesh.cells_dict["triangle"]][..., :2]
+    (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
+    area = 0.5 * np.abs(ax * by - ay * bx).sum()
+    scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
+    assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
+    assert width_on_a_phone(path, tmp_path) <= PHONE

@@ -1,0 +1,51 @@
+"""`spindamp view`: mesh, clamped root, damper's place, modes in motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workflows.cli.commands.options import Json
+
+
+def view(
+    what: Annotated[
+        str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
+    ] = "paper",
+    rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
+    mode: Annotated[int, typer.Option("--mode", help="Number of the mode that is shown first.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write a page instead of opening a window.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Look at mesh, clamped root, damper's place and modes in motion.
+
+    In a window where there is a screen, else as a page, whose name is printed.
+    """
+    from workflows.looking import page, screen, sight, target
+    from workflows.report.publish import writable
+    from workflows.scene.file import slug
+
+    if out is not None:
+        writable(out, "--out")
+    found = target.of(what, rpm)
+    first, number = sight.chosen(found, rpm, mode)
+    if json:
+        from json import dumps
+
+        if out is not None:
+            page.write(found, out, first, number)
+        typer.echo(dumps({"title": found.title, **found.numbers}, indent=1, allow_nan=False))
+        return
+    for name, words in found.facts:
+        typer.echo(f"{name:<14} {words}")
+    if out is None and screen.there_is() and screen.shown(found, first, number, found.title):
+        return
+    if said := page.thinned(page.view(found, first, number)):
+        typer.echo(said)
+    path = out or Path(f"spindamp-view-{slug(found.title)}.html")
+    page.write(found, path, first, number)
+    typer.echo(f"\nopen {path}")

@@ -1,0 +1,58 @@
+"""A scene to look at: its plate, solved at every speed or at one."""
+
+from __future__ import annotations
+
+import math
+
+from workflows import pipeline
+from workflows.errors import BadInput
+from workflows.looking.mesh_facts import facts
+from workflows.looking.sight import Sight
+from workflows.report import mesh_figure
+from workflows.scene import file as scene_file
+from workflows.scene import plate_mesh
+from workflows.scene.fields import FASTEST
+from workflows.scene.file import SceneFile
+from workflows.solve import needs
+from workflows.stages import Stages
+from workflows.wording import whole
+
+
+def sight(scene: str, rpm: float | None) -> Sight:
+    """The plate of a scene with its modes.
+
+    Raises:
+        BadInput, NoAnswer: as a run of it would; also where it has no plate.
+    """
+    source = scene_file.load(scene)
+    plate = source.scene.plate
+    if plate is None:
+        raise BadInput("the table is missing: view needs a plate", file=source.name, key="[plate]")
+    if rpm is not None:
+        source = _at(source, rpm)
+    needs.check(source)
+    with Stages() as stages:
+        found = pipeline.structure(source, stages)
+    if found.plate is None or found.plate.surface is None:
+        raise ValueError("a plate was solved without its surface")
+    surface, given = found.plate.surface, source.scene
+    mark = None if given.damper is None else plate_mesh.damper_at(given, surface.points.T[:2])
+    words, numbers = facts(surface)
+    return Sight(
+        title=given.title,
+        surface=surface,
+        speeds=found.points,
+        mark=mark,
+        thickness=plate.thickness if isinstance(plate.thickness, float) else None,
+        root=mesh_figure.held(given),
+        facts=(("mesh", found.plate.diagram.mesh), ("theory", found.plate.theory.name), *words),
+        numbers=numbers,
+    )
+
+
+def _at(source: SceneFile, rpm: float) -> SceneFile:
+    omega = rpm * math.pi / 30
+    if not 0 <= omega <= FASTEST:
+        most = whole(FASTEST * 30 / math.pi)
+        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=rpm)
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -1,0 +1,54 @@
+"""The page of a sight: the viewer, a still picture beneath it, and what was understood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from workflows import wording
+from workflows.looking.sight import Sight
+from workflows.report import drawing, mesh_figure, templating, viewer
+
+_POINTS, _ROOM = 12_000, 600_000
+"""Points of a surface drawn on a page of its own, and bytes for its shapes."""
+
+
+def view(sight: Sight, first: int = 0, mode: int = 0) -> viewer.View:
+    """The viewer's data, that shows a mode (from 0) at a speed of the run first."""
+    return viewer.of_surface(
+        sight.surface, sight.speeds, sight.mark, sight.thickness, first, mode, most=_POINTS, room=_ROOM
+    )
+
+
+def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
+    """The page as text."""
+    from markupsafe import Markup
+
+    seen = view(sight, first, mode)
+    with drawing.style():
+        still = drawing.both(partial(mesh_figure.of_surface, sight.surface, sight.mark, sight.root))
+    words: dict[str, Callable[..., str]] = {"curly": wording.curly, "whole": wording.whole}
+    return templating.page(
+        "view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=templating.script("viewer.js")
+    )
+
+
+def thinned(seen: viewer.View) -> str:
+    """What to say where points were left out; nothing where none were."""
+    if not seen.thinned:
+        return ""
+    return (
+        f"drawn with {wording.whole(seen.points)} of {wording.whole(seen.of)} points, the boundary's corners all kept"
+    )
+
+
+def write(sight: Sight, path: Path, first: int = 0, mode: int = 0) -> Path:
+    """Put the page into a file, whole or not at all, and return the file.
+
+    Raises:
+        BadInput: it cannot be written.
+    """
+    from workflows.report.publish import put
+
+    return put(path, page(sight, first, mode), "--out")
