@@ -333,6 +333,7 @@ def test_bad_forces() -> None:
             forced(*arguments)
     for more, message in (
         ({"probe": (1.0,)}, "probe must be 2 weights"),
+        ({"probe": 2}, "probe must be 0"),
         ({"accuracy": 0.0}, "accuracy"),
         ({"starts": []}, "starts"),
         ({"max_cycles": 0}, "max_cycles"),
