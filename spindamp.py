@@ -5,13 +5,17 @@
     results = spindamp.run("paper")              # a shipped scene, the path of a scene, a dict, a Scene
     print(results)
     spindamp.save(results, "out")                # all that the command writes
+    spindamp.load_results("out")                 # the same results again
     spindamp.report(results, "report.html")      # the page alone
 
     spindamp.campbell("blade.toml")              # the plate alone
     spindamp.ringdown("blade.toml", rpm=6000)    # the damper at one speed
+    spindamp.response("paper")                   # forced response at the crossings of engine orders
     spindamp.accuracy("paper")                   # what accuracy costs in time
     spindamp.effects("paper")                    # what each effect changes, and costs
     spindamp.reproduce()                         # the paper, claim by claim
+    spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
+    spindamp.design()                            # the best damper within what a scene's [design] allows
 
 Each does what the command of its name does, writes nothing that it is not told to, and returns what it found. The
 plate alone is in `fem`, the damper alone in `damper`.
@@ -19,22 +23,26 @@ plate alone is in `fem`, the damper alone in `damper`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
     from pathlib import Path
 
     import xarray
 
     from workflows.solve.records import Results
-    from workflows.studies.costs.ladder import Study
+    from workflows.studies.costs.ladder import Costs
     from workflows.studies.costs.switching import Switches
+    from workflows.studies.design.study import Designed
     from workflows.studies.reproduction import Reproduction
+    from workflows.studies.response.study import Response
 
 __all__ = [
     "BadInput",
@@ -46,15 +54,19 @@ __all__ = [
     "accuracy",
     "campbell",
     "dataset",
+    "design",
     "effects",
     "load",
+    "load_results",
     "parse",
     "report",
     "reproduce",
+    "response",
     "ringdown",
     "run",
     "save",
     "shipped",
+    "sweep",
 ]
 
 
@@ -88,6 +100,16 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     return pipeline.run(parts.at_one_speed(opened(scene), rpm))
 
 
+def response(scene: SceneLike = DEFAULT) -> Response:
+    """Steady states where engine orders cross modes, without and with the ball; forces from the scene's [excitation].
+
+    Takes and raises what :func:`run` does.
+    """
+    from workflows.studies.response.study import respond
+
+    return respond(opened(scene))
+
+
 def reproduce() -> Reproduction:
     """The paper's every claim against this code."""
     from workflows.studies import reproduction
@@ -95,7 +117,7 @@ def reproduce() -> Reproduction:
     return reproduction.reproduce()
 
 
-def accuracy(scene: SceneLike = DEFAULT) -> Study:
+def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.costs.study import study
 
@@ -109,6 +131,76 @@ def effects(scene: SceneLike = DEFAULT) -> Switches:
     return switching(opened(scene))
 
 
+def sweep(
+    scene: SceneLike = DEFAULT,
+    vary: Mapping[str, object] | Iterable[str] = (),
+    *,
+    sample: int | None = None,
+    seed: int = 0,
+    quick: bool = False,
+    uncertain: bool = False,
+    out: str | PathLike[str] | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    executor: Executor | None = None,
+) -> xarray.Dataset:
+    """The damper's headline numbers over any keys of a scene.
+
+    A script that lets it start processes needs ``if __name__ == "__main__":`` around what it does.
+
+    Args:
+        scene: see :func:`run`.
+        vary: what each key takes, by its dotted name: a list, or text such as ``"0.1 mm:4 mm:20"``, ``"log:…"``. A key
+            of a pair sets both values, ``damper.cavity[0]`` one of them; ``damper.clearance`` sets the cavity.
+        sample: so many points spread over all ranges, in place of a grid.
+        seed: of the sample.
+        quick: figures to about a percent, in a fifth of the time.
+        uncertain: take the ranges (or ``"normal:MEAN:DEVIATION"``) as distributions, by default of restitution,
+            friction, rolling friction, damping ratio and clearance; `sample` is then the number of base points.
+        out: a folder to work in: ended in any way and called again, it goes on there. None: nothing is left.
+        workers: processes of this machine; None: one for each core.
+        dask: address of a Dask scheduler, whose workers compute instead.
+        executor: or any executor of `concurrent.futures`.
+
+    Returns:
+        A data set in which every key is a dimension, or of a sample a coordinate; a point without an answer holds nan,
+        and `reason` says why. Of what is uncertain it has percentiles and Sobol' indices as well.
+
+    Raises:
+        BadInput: scene, keys or values are wrong, or the folder belongs to another study.
+    """
+    from pathlib import Path
+
+    from workflows.studies.sweep import study
+
+    folder = None if out is None else Path(out)
+    who: dict[str, Any] = {"workers": workers, "dask": dask, "executor": executor}
+    return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
+
+
+def design(
+    scene: SceneLike = "design",
+    *,
+    seed: int = 0,
+    workers: int | None = None,
+    dask: str | None = None,
+    executor: Executor | None = None,
+) -> Designed:
+    """The damper that damps best within what the table [design] of a scene allows; else as :func:`sweep`.
+
+    Returns:
+        The best design with all there is to say of it: `found`, `holds`, `document()`, and its scene as `toml`.
+
+    Raises:
+        BadInput: the scene is wrong, or has no [design].
+        NoAnswer: the plate has none.
+    """
+    from workflows.studies.design import study
+    from workflows.studies.sweep.study import crew_of
+
+    return study.design(scene, seed=seed, hired=crew_of(workers, dask, executor))
+
+
 def dataset(results: Results) -> xarray.Dataset:
     """The same numbers as labelled arrays; see :func:`workflows.dataset`."""
     from workflows.results import files as results_files
@@ -116,11 +208,24 @@ def dataset(results: Results) -> xarray.Dataset:
     return results_files.dataset(results)
 
 
-def save(results: Results, folder: str | PathLike[str]) -> Path:
-    """Write a folder with all that the command `run` writes; see :func:`workflows.save`."""
+def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
+    """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
     from workflows.report import publish
+    from workflows.studies.response.study import Response
+
+    if isinstance(results, Response):
+        from workflows.studies.response import page
+
+        return page.write(results, folder)
 
     return publish.save(results, folder)
+
+
+def load_results(folder: str | PathLike[str]) -> Results:
+    """What a run has written into a folder; see :func:`workflows.load_results`."""
+    from workflows.report import publish
+
+    return publish.load_results(folder)
 
 
 def report(results: Results, path: str | PathLike[str]) -> Path:

@@ -4,34 +4,46 @@
 
 A level floor under one mode along x and one along y is the paper's. `floor_tilt`, `floor_radius`, `rotation`, `modes`
 of a `ParticleDamper` and the argument `harmonic` of `ringdown`, go beyond it; the results are the same kind of thing.
+`forced` is what a harmonic force leads to in the end, `backbone` the short way to its amplitude.
 
 The heavy parts (compiled kernels) load at the first ring-down.
 """
 
+from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
+from damper.forced import Forced, Regime, forced
 from damper.model import Formulation, ParticleDamper
 from damper.modes import Harmonic, Mode
 from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
 from damper.sample import History, sample
+from damper.starts import Start
 from damper.stepping import SteppedRingDown, stepped_ringdown
 from damper.working import Working, working
 
 __all__ = [
+    "Backbone",
     "Batch",
+    "Branch",
     "Capacity",
     "EnergyBooks",
+    "Forced",
     "Formulation",
     "Harmonic",
     "History",
     "Mode",
     "Outcome",
     "ParticleDamper",
+    "Regime",
     "RingDown",
+    "Start",
     "SteppedRingDown",
+    "Way",
     "Working",
+    "backbone",
     "ball_density",
     "capacity",
+    "forced",
     "intrinsic_sdc",
     "ringdown",
     "ringdowns",

@@ -82,6 +82,7 @@ def ringdowns(
     cycles: float | None = None,
     *,
     harmonic: Harmonic | None = None,
+    amplitudes: npt.ArrayLike | None = None,
     threads: int | None = None,
     max_cycles: float = 100_000,
     max_events: int = 50_000_000,
@@ -97,6 +98,7 @@ def ringdowns(
         release: the structures' displacements along x and y at time 0, shape (n, 2) [m].
         cycles: length of each run in periods 2 pi / omega_1; None: until its ball rests for good.
         harmonic: a force that drives them all; `cycles` must then be given.
+        amplitudes: of the damper's modes at time 0, in place of what `release` makes of them, shape (n, modes).
         threads: how many to use; None: one for each core.
         max_cycles: cap where `cycles` is None.
         max_events: cap on the events of each run.
@@ -115,9 +117,10 @@ def ringdowns(
     start[:, 0] = displacement
     if harmonic is not None and cycles is None:
         raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
+    modal = None if amplitudes is None else _amplitudes(damper, amplitudes, start)
     rows = ensemble(damper.parameters, len(displacement), varied)
     prepared = prepare(rows, start, cycles, max_cycles)
-    run = _Run(damper, harmonic, workers, whole("max_events", max_events))
+    run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)
     if (kind == LEVEL).all():
         finished, status, final = prepared, *run.closed(rows, prepared, progress)
@@ -132,6 +135,7 @@ class _Run:
 
     damper: ParticleDamper
     harmonic: Harmonic | None
+    amplitudes: Floats | None
     threads: int
     most: int
 
@@ -148,11 +152,13 @@ class _Run:
         in_blocks(work, len(status), self.threads, progress)
         return status, energy(rows, p.axes)
 
-    def linear(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
+    def linear(
+        self, rows: Parameters, p: Prepared, progress: Progress | None, amplitudes: Floats | None
+    ) -> tuple[Integers, Floats]:
         """The same in linear flights, all of one kind."""
         from damper import engine_linear
 
-        f = flights(self.damper, rows, p.axes, self.harmonic)
+        f = flights(self.damper, rows, p.axes, self.harmonic, amplitudes)
         p.initial[:] = f.energy(rows, p.axes)
         if self.harmonic is not None:
             watch_harmonic(p.cycles, self.harmonic)
@@ -176,12 +182,25 @@ class _Run:
             each = kind[which[0]]
             part = some(prepared, which)
             count = None if progress is None else functools.partial(_further, progress, done)
-            engine = self.closed if each == LEVEL else self.linear
-            status[which], final[which] = engine(rows[which], part, count)
+            if each == LEVEL:
+                status[which], final[which] = self.closed(rows[which], part, count)
+            else:
+                modal = None if self.amplitudes is None else self.amplitudes[which]
+                status[which], final[which] = self.linear(rows[which], part, count, modal)
             for field in fields(Prepared):
                 getattr(prepared, field.name)[which] = getattr(part, field.name)
             done += len(which)
         return prepared, status, final
+
+
+def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> Floats:
+    """Amplitudes of the modes, shape (n, k), the cavity's displacement by them filled into the start."""
+    modal = table("amplitudes", given)
+    count = len(damper.modes or ())
+    if not count or modal.shape != (len(start), count):
+        raise ValueError(f"amplitudes must have shape {(len(start), count)}, got {modal.shape}")
+    start[:, 0] = modal @ np.array([mode.shape for mode in damper.modes or ()])
+    return modal
 
 
 def _further(progress: Progress, before: int, done: int) -> None:
@@ -207,6 +226,12 @@ def in_blocks(
         work(block)
         return block[1] - begin
 
+    if threads == 1:  # a pool would take as long as a short sweep
+        for begin in range(0, size, block_size):
+            done = begin + counted(begin)
+            if progress is not None:
+                progress(done)
+        return
     with ThreadPoolExecutor(threads) as pool:
         pending = {pool.submit(counted, begin) for begin in range(0, size, block_size)}
         done = 0

@@ -26,6 +26,17 @@ def release(
     clock: Record, system: Record, motion: Record, axes: Records, ball: Record, rows: Records, states: Floats
 ) -> None:
     """Let go at time 0 from the state in `motion`."""
+    let_go(system, motion, axes, ball)
+    for i in range(2):
+        _write(i, RELEASE, axes[i].w, clock, system, motion, axes, rows, states)
+    for g in range(system.groups):
+        restart(g, 0.0, system, motion, axes, ball)
+    _rest(clock, system, motion, 0.0)
+
+
+@kernel
+def let_go(system: Record, motion: Record, axes: Records, ball: Record) -> None:
+    """The regimes in which the state in `motion` begins at time 0."""
     for i in range(2):
         read(i, system, motion, axes)
     for i in range(2):
@@ -35,11 +46,6 @@ def release(
             settle(i, system, motion, axes, ball, 0.0)
         else:
             roll(axes[i], 1 if axes[i].w > 0.0 else -1)
-    for i in range(2):
-        _write(i, RELEASE, axes[i].w, clock, system, motion, axes, rows, states)
-    for g in range(system.groups):
-        restart(g, 0.0, system, motion, axes, ball)
-    _rest(clock, system, motion, 0.0)
 
 
 @kernel
@@ -91,7 +97,7 @@ def run(
             return FULL
         clock.time = time
         clock.events += 1
-        _happen(g, clock, system, motion, axes, ball, books, rows, states)
+        happen(g, clock, system, motion, axes, ball, books, rows, states)
         _rest(clock, system, motion, time)
 
 
@@ -118,7 +124,7 @@ def run_block(
 
 
 @kernel
-def _happen(
+def happen(
     g: int,
     clock: Record,
     system: Record,
@@ -317,7 +323,7 @@ def _tremor(clock: Record, system: Record, motion: Record, ball: Record, books: 
         settle_down(clock)
     elif still and ball.threshold > 0.0:
         for i in range(2):
-            bias, swing = largest_drive(i, system, motion)
+            bias, swing = largest_drive(i, system, motion.z, motion.rate)
             if abs(bias) + swing > NEAR * ball.threshold:
                 return
         clock.trembles = 1

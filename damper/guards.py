@@ -151,7 +151,7 @@ def settled(g: int, system: Record, motion: Record, axes: Records, ball: Record)
         if axes[i].regime != STUCK or axes[i].spin != 0.0:
             return False
     for i in range(first, last):
-        bias, swing = largest_drive(i, system, motion)
+        bias, swing = largest_drive(i, system, motion.z, motion.rate)
         for d in (-1, 1):
             if d * motion.z[system.place[i]] < axes[i].half_gap and d * bias + swing > MARGIN * ball.threshold:
                 return False
@@ -159,7 +159,7 @@ def settled(g: int, system: Record, motion: Record, axes: Records, ball: Record)
 
 
 @kernel
-def largest_drive(i: int, system: Record, motion: Record) -> tuple[float, float]:
+def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[float, float]:
     """Drive of a stuck ball at the structure's place of rest, and a bound on what its motion adds, now and later.
 
     Without dashpots the amplitudes of the modes stay; with them, the sum of their squares falls.
@@ -167,11 +167,11 @@ def largest_drive(i: int, system: Record, motion: Record) -> tuple[float, float]
     low, high = system.low[system.group[i]], system.high[system.group[i]]
     bias = total = reaches = squares = 0.0
     for k in range(low, high):
-        bias += system.bias[i, k] * motion.z[k]
+        bias += system.bias[i, k] * z[k]
         deflection = swing = 0.0
         for m in range(low, high):
-            deflection += system.deflection[k, m] * motion.z[m]
-            swing += system.swing[k, m] * motion.rate[m]
+            deflection += system.deflection[k, m] * z[m]
+            swing += system.swing[k, m] * rate[m]
         square = deflection * deflection + swing * swing
         total += system.reach[i, k] * math.sqrt(square)
         reaches += system.reach[i, k] ** 2

@@ -21,13 +21,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from damper.modes import Harmonic
 from damper.parameters import in_plane, inertia_ratio, path_curvature
 from damper.records import ROLLING, STUCK
 from damper.system import MODES, SYSTEM
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from damper.arrays import Floats, Integers, Records
-    from damper.modes import Harmonic, Mode
+    from damper.modes import Mode
     from damper.parameters import Parameters
 
 REGIMES = 3
@@ -88,8 +91,13 @@ def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
     return coupled
 
 
-def systems_of(rows: Parameters, structures: Structures, harmonic: Harmonic | None = None) -> Records:
-    """The systems of dampers on structures; something couples the axes of all of them or of none."""
+def systems_of(
+    rows: Parameters, structures: Structures, harmonic: Harmonic | Sequence[Harmonic] | None = None
+) -> Records:
+    """The systems of dampers on structures; something couples the axes of all of them or of none.
+
+    One harmonic drives all of them, or each has its own.
+    """
     n, k = structures.mass.shape
     if k > MODES:
         raise ValueError(f"modes must be at most {MODES}, got {k}")
@@ -217,20 +225,31 @@ def _flight(
     return stiffness, damping, resistance.transpose(0, 2, 1), force[..., 0]
 
 
-def _driven(rows: Parameters, structures: Structures, harmonic: Harmonic | None) -> tuple[Floats, Floats, Floats]:
+def _driven(
+    rows: Parameters, structures: Structures, harmonic: Harmonic | Sequence[Harmonic] | None
+) -> tuple[Floats, Floats, Floats]:
     """A harmonic's acceleration of the ball against its base, its force on each coordinate, frequency and phase."""
     n, k = structures.mass.shape
     if harmonic is None:
         return np.zeros((n, 2)), np.zeros((n, k + 2)), np.zeros((n, 2))
-    sway = np.tile(-np.array(harmonic.base), (n, 1))
+    each = (harmonic,) * n if isinstance(harmonic, Harmonic) else tuple(harmonic)
+    sway = -np.array([one.base for one in each])
     ball = rows["ball_mass"][:, None] * sway
-    modal = np.array(harmonic.force) @ structures.shape + (sway[:, None, :] @ structures.drawn)[:, 0]
-    if harmonic.modal is not None and len(harmonic.modal) != k:
-        raise ValueError(f"modal must be {k} forces, one for each mode, got {len(harmonic.modal)}")
-    if harmonic.modal is not None:
-        modal = modal + np.array(harmonic.modal)
-    modal = modal + (ball[:, None, :] @ structures.shape)[:, 0]
-    return sway, np.concatenate([modal, ball], axis=1), np.tile([harmonic.frequency, harmonic.phase], (n, 1))
+    modal = forces_on(structures, each) + (ball[:, None, :] @ structures.shape)[:, 0]
+    driven = np.array([(one.frequency, one.phase) for one in each])
+    return sway, np.concatenate([modal, ball], axis=1), driven
+
+
+def forces_on(structures: Structures, harmonics: Sequence[Harmonic]) -> Floats:
+    """Height of each harmonic's force on the modes, without the ball's part in a moving base, shape (n, k) [N]."""
+    k = structures.mass.shape[1]
+    for one in harmonics:
+        if one.modal is not None and len(one.modal) != k:
+            raise ValueError(f"modal must be {k} forces, one for each mode, got {len(one.modal)}")
+    push, base = (np.array([getattr(one, name) for one in harmonics])[:, None, :] for name in ("force", "base"))
+    modal = np.array([one.modal or (0.0,) * k for one in harmonics])
+    forces: Floats = modal + (push @ structures.shape)[:, 0] - (base @ structures.drawn)[:, 0]
+    return forces
 
 
 def members_of(rows: Parameters, structures: Structures) -> list[list[int]]:

@@ -13,6 +13,8 @@ from damper.parameters import level, spin_mass
 from damper.system import MOTION
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from damper.arrays import Floats, Integers, Records
     from damper.linear import Structures
     from damper.model import ParticleDamper
@@ -40,7 +42,7 @@ class Flights:
 
     def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
         """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
-        structures = _structures(damper, rows)
+        structures = structures_by(damper, rows)
         order = [m for group in members_of(rows, structures) for m in group]
         back = np.argsort(order)[: structures.mass.shape[1]]
         z, rate = self.motions["z"][:, back], self.motions["rate"][:, back]
@@ -52,7 +54,7 @@ def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = 
     """How each of the rows flies, shape (n,)."""
     if harmonic is None and damper.modes is None and level(rows).all():
         return np.full(len(rows), LEVEL)
-    kind = np.where(couples(rows, _structures(damper, rows)), COUPLED, APART)
+    kind = np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
     if harmonic is None and damper.modes is None:
         kind[level(rows)] = LEVEL
     elif rows["printed"].any():
@@ -64,15 +66,15 @@ def flights(
     damper: ParticleDamper,
     rows: Parameters,
     axes: Records,
-    harmonic: Harmonic | None = None,
+    harmonic: Harmonic | Sequence[Harmonic] | None = None,
     amplitudes: tuple[float, ...] | Floats | None = None,
 ) -> Flights:
-    """Flights from the u, v, s and w in `axes`, shape (n, 2); all of one kind.
+    """Flights from the u, v, s and w in `axes`, shape (n, 2); all of one kind, driven alike or each by a harmonic.
 
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
-    structures = _structures(damper, rows)
+    structures = structures_by(damper, rows)
     systems = systems_of(rows, structures, harmonic)
     n, k = structures.mass.shape
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
@@ -96,7 +98,8 @@ def watch_harmonic(cycles: Records, harmonic: Harmonic) -> None:
     cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
 
 
-def _structures(damper: ParticleDamper, rows: Parameters) -> Structures:
+def structures_by(damper: ParticleDamper, rows: Parameters) -> Structures:
+    """The structures that rows of a damper vibrate on."""
     return single_modes(rows) if damper.modes is None else structures_of(rows, damper.modes)
 
 

@@ -11,6 +11,7 @@ from damper.detect import schedule
 from damper.engine import DONE, release, run
 from damper.flight import begin
 from damper.records import STUCK
+from damper.trace import stored
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Record, Records
@@ -102,12 +103,12 @@ def run_linear_by_cycles(
                 _shrink(math.sqrt(allowed / after) if after > allowed else 1.0, system, motion)
                 for g in range(system.groups):
                     engine_linear.restart(g, clocks[k].time, system, motion, axes[k], balls[k])
-            before = _linear_energy(system, motion, axes[k], balls[k])
+            before = stored(system, motion, axes[k], balls[k])
             left = budget - clocks[k].events
             where = clocks[k], system, motion, axes[k], balls[k], books[k], cycles[k]
             if engine_linear.run(*where, peaks, rows, states, left) != DONE:
                 break
-            after = _linear_energy(system, motion, axes[k], balls[k])
+            after = stored(system, motion, axes[k], balls[k])
             energies[k, n, 0], energies[k, n, 1] = before, after
             if after < least:
                 break
@@ -120,14 +121,3 @@ def _shrink(smaller: float, system: Record, motion: Record) -> None:
         if m != system.place[0] and m != system.place[1]:
             motion.z[m] *= smaller
             motion.rate[m] *= smaller
-
-
-@kernel
-def _linear_energy(system: Record, motion: Record, axes: Records, ball: Record) -> float:
-    """Energy of structure and ball [J]."""
-    twice = ball.spin_mass * (axes[0].spin ** 2 + axes[1].spin ** 2)
-    for m in range(system.coordinates):
-        for n in range(system.coordinates):
-            twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
-            twice += motion.z[m] * system.spring[m, n] * motion.z[n]
-    return float(0.5 * twice)

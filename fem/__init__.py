@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fem.plate.rotor import Effects, Rotor
     from fem.reduction.at_a_place import ModesAtPlace, modes_at
     from fem.reduction.at_one_speed import NoFlapMode, Reduced, reduce_at
-    from fem.reduction.over_speeds import reduce_over
+    from fem.reduction.over_speeds import Reduction, reduce_over
     from fem.statics.large_deflection import NoEquilibrium, equilibrium
     from fem.statics.rest import Unresolved
     from fem.sweep.diagram import Campbell, campbell
@@ -58,6 +58,7 @@ _HOMES = {
     "Plate": "fem.plate.given",
     "Rectangle": "fem.meshes.ladder",
     "Reduced": "fem.reduction.at_one_speed",
+    "Reduction": "fem.reduction.over_speeds",
     "Rotor": "fem.plate.rotor",
     "SingularMatrix": "fem.linalg.lanczos",
     "Unresolved": "fem.statics.rest",
@@ -100,6 +101,7 @@ __all__ = [
     "Plate",
     "Rectangle",
     "Reduced",
+    "Reduction",
     "Rotor",
     "SingularMatrix",
     "Unresolved",

@@ -8,6 +8,8 @@ LONGEST = (
     "workflows/test_ends.py",
     "workflows/test_needs.py",
     "workflows/test_costs.py",
+    "damper/test_backbone.py",
+    "damper/test_forced.py",
     "fem/test_fem_singular.py",
     "workflows/test_pictures.py",
     "workflows/test_notebook.py",

@@ -4,6 +4,7 @@
 
     results = workflows.run("paper")                    # or a path, a dict, a Scene
     workflows.save(results, "out")                      # all that the command writes
+    workflows.load_results("out")                       # the same results again
     workflows.save_report(results, "report.html")       # the page alone
 
 Names are imported when first used, so that light commands stay light.
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
     from workflows.pipeline import run
-    from workflows.report.publish import save, save_report
+    from workflows.report.publish import load_results, save, save_report
     from workflows.results.document import document
     from workflows.results.files import dataset
     from workflows.scene.file import SceneFile, load, parse, shipped
@@ -35,6 +36,7 @@ _HOMES = {
     "dataset": "workflows.results.files",
     "document": "workflows.results.document",
     "load": "workflows.scene.file",
+    "load_results": "workflows.report.publish",
     "parse": "workflows.scene.file",
     "run": "workflows.pipeline",
     "save": "workflows.report.publish",
@@ -53,6 +55,7 @@ __all__ = [
     "dataset",
     "document",
     "load",
+    "load_results",
     "parse",
     "run",
     "save",

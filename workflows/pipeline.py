@@ -18,7 +18,7 @@ from workflows.stages import Stages
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
+class Solved:
     """The first half of a run: the structure at every speed, before the damper."""
 
     source: SceneFile
@@ -35,7 +35,7 @@ def structure(
     shapes: bool = True,
     size: int | None = None,
     decided: Decided | None = None,
-) -> Structure:
+) -> Solved:
     """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
     `decided`: what :func:`workflows.decisions.decided.decide` says of the source, where that is known.
@@ -46,12 +46,12 @@ def structure(
     found = decided or decide(source, stages)
     if found.form is None:
         points = tuple(felt.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
-        return Structure(source, found.effects, points, None)
+        return Solved(source, found.effects, points, None)
     answer = plate.solve(source, found, stages, shapes=shapes, size=size)
-    return Structure(source, found.effects, answer.points, answer, found.mesh_sha256)
+    return Solved(source, found.effects, answer.points, answer, found.mesh_sha256)
 
 
-def damped(found: Structure, stages: Stages) -> Structure:
+def damped(found: Solved, stages: Stages) -> Solved:
     """Ring the damper down on a structure at every speed; a scene without a damper stays as it is."""
     scene = found.source.scene
     if scene.damper is None:
@@ -60,7 +60,7 @@ def damped(found: Structure, stages: Stages) -> Structure:
     return replace(found, points=points)
 
 
-def results(found: Structure, stages: Stages) -> Results:
+def results(found: Solved, stages: Stages) -> Results:
     """Gather what a run found, with the remarks it calls for."""
     answer = found.plate
     gathered = Shown(

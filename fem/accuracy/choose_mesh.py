@@ -160,7 +160,7 @@ def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
 def _alone(meshes: Tried, most: int | None) -> bool:
     """Whether a planform's coarsest mesh is so large that no other is compared with it."""
     coarsest = meshes.planform.sizes[0]
-    if meshes.planform.mesh(coarsest).t.shape[1] < LARGE:
+    if _few_cells(meshes.planform):
         return False
     meshes.frequencies(coarsest)
     return not has_pair(meshes.planform, meshes.unknowns(coarsest), meshes.theory, most)
@@ -168,8 +168,14 @@ def _alone(meshes: Tried, most: int | None) -> bool:
 
 def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:
     """Whether the mesh next to a planform's coarsest, which has so many unknowns, may be solved to tell its error."""
-    following = unknowns * (planform.sizes[1] / planform.sizes[0]) ** 2 if len(planform.sizes) > 1 else np.inf
-    return bool(following <= min(PAIR * _most(theory), most or np.inf))
+    if len(planform.sizes) == 1:
+        return False
+    following = unknowns * (planform.sizes[1] / planform.sizes[0]) ** 2
+    return _few_cells(planform) or bool(following <= min(PAIR * _most(theory), most or np.inf))
+
+
+def _few_cells(planform: Planform) -> bool:
+    return int(planform.mesh(planform.sizes[0]).t.shape[1]) < LARGE
 
 
 def _most(theory: str) -> int:

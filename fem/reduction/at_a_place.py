@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.meshes import thickness
 from fem.modes.real import Divergence
 from fem.operators.assembly import point_rows, with_point_mass
 from fem.statics.linearised import linearise
 from fem.sweep.diagram import campbell
+from fem.theory.forms import uniform_load
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
     from fem.operators.assembly import Operators
     from fem.sweep.diagram import Campbell
-    from fem.sweep.grow import Answer
+    from fem.sweep.grow import Swept
 
     Array = NDArray[np.float64]
 
@@ -41,12 +43,17 @@ class ModesAtPlace:
         stiffness: omega_k² under the ball's pull, shape (n, k) [N/m].
         shape: displacement of the place along the floor's two axes, shape (n, 2, k) [-].
         slope: of the floor along them, shape (n, 2, k) [1/m].
+        drawn: force on the modes by a unit acceleration of the root along the two axes, but for its sign,
+            shape (n, 2, k) [kg].
+        pressed: force on the modes by a unit pressure all over the plate along z, shape (n, k) [m²].
     """
 
     omega: Array
     stiffness: Array
     shape: Array
     slope: Array
+    drawn: Array
+    pressed: Array
 
 
 def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], masses: Array) -> ModesAtPlace:
@@ -61,7 +68,9 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
         known = tuple((omega, state) for omega, state in pairs if state is not None)
         diagram = campbell(operators, diagram.omega, count, states=known)
-    rows = floor_rows(operators, at)
+    from scipy.sparse import csc_array, vstack
+
+    rows = vstack([floor_rows(operators, at), csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     for part in diagram.parts:
         balls, masses = masses[: part.omega.size], masses[part.omega.size :]
@@ -69,7 +78,8 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         stiffness.append(values)
         motions.append((rows @ part.basis) @ vectors)
     motion = np.concatenate(motions)
-    return ModesAtPlace(diagram.omega, np.concatenate(stiffness), motion[:, :2], motion[:, 2:])
+    moved, tilted, drawn, pressed = motion[:, :2], motion[:, 2:4], motion[:, 4:6], motion[:, 6]
+    return ModesAtPlace(diagram.omega, np.concatenate(stiffness), moved, tilted, drawn, pressed)
 
 
 def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
@@ -80,8 +90,21 @@ def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
     return vstack([moved[[2, 1]], along[[2]], -across[[0]]]).tocsc()
 
 
+def load_rows(operators: Operators) -> Array:
+    """Load vectors (3, n): of unit accelerations of the root along z and y, but for their sign, and a unit pressure."""
+    plate, model = operators.plate, operators.model
+    drawn = []
+    for axis in (2, 1):
+        load = uniform_load(model, plate.material.density, np.eye(3)[axis])
+        if plate.tip_mass > 0.0 and plate.tip_at is not None:
+            load = load + plate.tip_mass * (point_rows(model, plate.tip_at).T @ np.eye(3)[axis])
+        drawn.append(load)
+    height = thickness.of(plate.thickness, model.points[:2])
+    return np.array([*drawn, uniform_load(model, 1.0 / height, np.eye(3)[2])])
+
+
 def _under_pull(
-    operators: Operators, part: Answer, at: tuple[float, float], balls: Array, count: int
+    operators: Operators, part: Swept, at: tuple[float, float], balls: Array, count: int
 ) -> tuple[Array, Array]:
     """Squared circular frequencies (k, count) and vectors (k, r, count) in a part's basis, ascending."""
     vectors = part.vectors[:, :, :count]

@@ -52,25 +52,46 @@ def reduce_over(
 ) -> list[Reduced]:
     """Reduced parameters at = (x, y) in m at every speed of a diagram of at least 4 modes; else as `reduce_at`."""
     check_mass(ball_mass, mass_ratio)
-    if operators.effects.large_deflection:
-        pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
+    return Reduction(operators, diagram, at).with_ball(ball_mass=ball_mass, mass_ratio=mass_ratio)
+
+
+class Reduction:
+    """A plate at a place and at every speed of a diagram, to be reduced with balls of any mass.
+
+    What the ball has no part in is done once. Raises as `reduce_over` does.
+    """
+
+    def __init__(self, operators: Operators, diagram: Campbell, at: tuple[float, float]) -> None:
+        self._bent = operators.effects.large_deflection
+        if operators.gyroscopic is not None and not self._bent:
+            operators = replace(operators, gyroscopic=None)
+            diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]))
+        self._operators, self._diagram, self._at = operators, diagram, at
+        if self._bent:
+            return
+        self._indices = [flap_index(names) for names in diagram.families]
+        self._family = _Family(operators, at, diagram, self._indices)
+        self._free, motions = self._family.follow(np.zeros(diagram.omega.size))
+        self._modes = flap_modes(operators, at, motions)
+
+    def with_ball(self, *, ball_mass: float | None = None, mass_ratio: float | None = None) -> list[Reduced]:
+        """Reduced parameters for a ball_mass in kg or as m_p / M2, at every speed."""
+        check_mass(ball_mass, mass_ratio)
+        operators, diagram, at = self._operators, self._diagram, self._at
+        if self._bent:
+            pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
+            return [
+                reduce_at(operators, omega, at, ball_mass=ball_mass, mass_ratio=mass_ratio, start=state)
+                for omega, state in pairs
+            ]
+        ratio = mass_ratio or 0.0
+        masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
+        stuck = self._family.follow(masses)[0] if masses.any() else self._free
+        every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
-            reduce_at(operators, omega, at, ball_mass=ball_mass, mass_ratio=mass_ratio, start=state)
-            for omega, state in pairs
+            reduced(operators, omega, at, index, mode, float(mass), float(free), float(held))
+            for omega, index, mode, mass, free, held in every
         ]
-    if operators.gyroscopic is not None:
-        operators = replace(operators, gyroscopic=None)
-        diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]))
-    indices = [flap_index(names) for names in diagram.families]
-    family = _Family(operators, at, diagram, indices)
-    free, motions = family.follow(np.zeros(diagram.omega.size))
-    modes = flap_modes(operators, at, motions)
-    masses = np.array([mode.mass * (mass_ratio or 0.0) if ball_mass is None else ball_mass for mode in modes])
-    stuck = family.follow(masses)[0] if masses.any() else free
-    return [
-        reduced(operators, float(omega), at, indices[k], modes[k], float(masses[k]), float(free[k]), float(stuck[k]))
-        for k, omega in enumerate(diagram.omega)
-    ]
 
 
 def _between(squares: Array, nodes: list[int]) -> list[int]:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 ITERATIONS = 25
 """Newton steps before the load is taken in smaller parts."""
 
-CONVERGED = 1e-14
+BALANCED = 1e-14
 """Energy of the last Newton step relative to that of the load; what is then left is of the order of its square."""
 
 ON_THE_WAY = 1e-4
@@ -44,7 +44,7 @@ STALLED = 1e-10
 ROUNDED = 1e-20
 """The same of one with a known factor: a new factor would find no more than rounding either."""
 
-AT_ONCE = 0.01
+STILL_GOOD = 0.01
 """Energy of a step with a known factor, relative to that of the step before, up to which the factor is still good."""
 
 CLOSE = 1e-3
@@ -76,7 +76,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
 
 
 def settle(
-    operators: Operators, omega: float, start: Array | None = None, converged: float = CONVERGED
+    operators: Operators, omega: float, start: Array | None = None, converged: float = BALANCED
 ) -> tuple[Array, Factor]:
     """The same, with the factor of a stiffness near that of the state.
 
@@ -115,7 +115,7 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
 
 
 def _newton(
-    operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = CONVERGED
+    operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
 ) -> tuple[Array, Factor] | None:
     """Equilibrium near a state with the last factor used, or None.
 
@@ -165,7 +165,7 @@ def _again(
         residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
-        if not following <= AT_ONCE * energy:
+        if not following <= STILL_GOOD * energy:
             return state, following <= ROUNDED * work
         state, energy = state + step, following
         if energy <= max(converged**2, ROUNDED) * work:

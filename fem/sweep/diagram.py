@@ -18,7 +18,7 @@ from fem.modes.family import FAMILIES, energy_shares
 from fem.modes.real import Divergence, Modes, check_count, check_damping
 from fem.modes.solve import solve_modes
 from fem.statics.large_deflection import NoEquilibrium, tangent
-from fem.sweep.grow import Answer, answer
+from fem.sweep.grow import Swept, answer
 from fem.sweep.tracking import Veering, follow
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Campbell:
     veerings: tuple[Veering, ...]
     diverged: Array
     sizes: tuple[int, ...]
-    parts: tuple[Answer, ...] = field(repr=False)
+    parts: tuple[Swept, ...] = field(repr=False)
 
     def shapes(self, number: int) -> NDArray[Any]:
         """Mass-normalised shapes (n, count) at speed number; complex with Coriolis."""
@@ -135,7 +135,7 @@ def _hardly_any(speeds: int, count: int) -> bool:
 
 def _below_critical(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float
-) -> list[Answer]:
+) -> list[Swept]:
     """Answer the speeds (k,) below the critical one. Raises Divergence when there are none."""
     try:
         return answer(operators, omega, count, tolerance, damping_ratio)
@@ -146,11 +146,11 @@ def _below_critical(
         return answer(operators, below, count, tolerance, damping_ratio)
 
 
-def _mended(operators: Operators, part: Answer, count: int, damping_ratio: float) -> list[Answer]:
+def _mended(operators: Operators, part: Swept, count: int, damping_ratio: float) -> list[Swept]:
     """A part of the answer, in which speeds that no basis answered well enough are solved by themselves, if few."""
     if part.met.all() or np.count_nonzero(~part.met) > MOST_MENDED:
         return [part]
-    pieces: list[Answer] = []
+    pieces: list[Swept] = []
     for rows in np.split(np.arange(part.omega.size), np.flatnonzero(np.diff(part.met)) + 1):
         if part.met[rows[0]]:
             pieces.append(part.only(rows))
@@ -161,9 +161,9 @@ def _mended(operators: Operators, part: Answer, count: int, damping_ratio: float
 
 def _speed_by_speed(
     operators: Operators, omega: Array, count: int, damping_ratio: float, states: dict[float, Array] | None = None
-) -> list[Answer]:
+) -> list[Swept]:
     """Solve each speed (k,) in full until one diverges, its static state known or from those before."""
-    parts: list[Answer] = []
+    parts: list[Swept] = []
     path: list[tuple[float, Array]] = []
     known = states or {}
     for speed in map(float, omega):
@@ -180,10 +180,10 @@ def _speed_by_speed(
     return parts
 
 
-def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Answer:
+def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Swept:
     """One speed's own modes, of which one more than count are known, as an answer of a basis that is theirs."""
     kept, values = modes.shapes[:, :count], modes.eigenvalues[:count]
-    return Answer(
+    return Swept(
         omega=np.array([speed]),
         rates=np.sqrt(values)[None],
         bounds=CONVERGED + rounding(operators.at(speed), np.abs(kept), values)[None],
@@ -205,7 +205,7 @@ def _ahead(path: list[tuple[float, Array]], speed: float) -> Array | None:
     return second + (speed**2 - now) / (now - before) * (second - first)
 
 
-def _likeness(operators: Operators, parts: list[Answer]) -> Array:
+def _likeness(operators: Operators, parts: list[Swept]) -> Array:
     """MAC (k - 1, q, q) between the modes at each speed and those at the next."""
     q = min(part.vectors.shape[2] for part in parts)
     steps = []
@@ -219,7 +219,7 @@ def _likeness(operators: Operators, parts: list[Answer]) -> Array:
     return np.asarray(np.abs(np.concatenate(steps)) ** 2)
 
 
-def _coupling(operators: Operators, parts: list[Answer], step: int) -> Array:
+def _coupling(operators: Operators, parts: list[Swept], step: int) -> Array:
     """What a step's change of speed does between the modes (count, q) before it, relative to each one's stiffness."""
     ends = [(part, row) for part in parts for row in range(part.omega.size)][step : step + 2]
     (here, row), (there, following) = ends

@@ -57,7 +57,7 @@ FEW = 16
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Swept:
     """Modes at k speeds.
 
     omega: the speeds (k,) in rad/s. rates: circular frequencies (k, count) in rad/s. bounds: on their relative error.
@@ -78,7 +78,7 @@ class Answer:
     met: NDArray[np.bool_]
     state: Array | None = None
 
-    def only(self, rows: NDArray[np.int64]) -> Answer:
+    def only(self, rows: NDArray[np.int64]) -> Swept:
         """The same at some of the speeds."""
         names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
@@ -91,7 +91,7 @@ def answer(
     tolerance: float,
     damping_ratio: float,
     halvings: int = HALVINGS,
-) -> list[Answer]:
+) -> list[Swept]:
     """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
 
     FEW speeds have one basis alone. Raises Divergence when a speed is found to be beyond the critical one.
@@ -104,7 +104,7 @@ def answer(
 
 def _by_halves(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
-) -> list[Answer]:
+) -> list[Swept]:
     for spare in SPARES:
         basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
         if found.within(tolerance).all() or omega.size == 1:
@@ -160,7 +160,7 @@ def _collect(
     count: int,
     tolerance: float,
     damping_ratio: float,
-) -> Answer:
+) -> Swept:
     rates, vectors = found.rates[:, :count], found.vectors[:, :, :count]
     rows = vectors.transpose(0, 2, 1).reshape(-1, basis.size)
     moved = rows @ share_matrices(operators, basis.vectors)
@@ -170,7 +170,7 @@ def _collect(
         damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
     parts = shares / shares.sum(axis=1, keepdims=True)
     met = found.within(tolerance)
-    return Answer(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True, met)
+    return Swept(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True, met)
 
 
 def _shared_damping(

@@ -52,6 +52,17 @@ def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Arr
     return model.displacement.load(total)
 
 
+def uniform_load(model: Discretisation, density: float | Array, direction: Array) -> Array:
+    """Load vector (dofs,) of a force per volume along a direction (3,), the same through the thickness.
+
+    density: its size, one or at every point (ncell, npoint) [N/m³].
+    """
+    along = np.sum(
+        [layer.weight * (layer.displacement.T @ direction)[:, None, None] for layer in model.inertia], axis=0
+    )
+    return model.displacement.load(along * density * np.ones(model.points.shape[1:]))
+
+
 def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
     """Stress (nstrain, ncell, npoint) in Pa at each elastic layer, to first order in the displacement."""
     gradients = model.gradient.evaluate(unknowns)

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from damper import Batch, Formulation, capacity, ringdown, ringdowns
+from damper import Batch, Formulation, Mode, capacity, ringdown, ringdowns
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper.test_reference import paper_like
 
@@ -86,3 +86,19 @@ def test_bad_input(changes: dict[str, np.ndarray], message: str) -> None:
 
 def test_empty_batch() -> None:
     assert len(ringdowns(paper_like(Formulation.CONSISTENT), np.zeros((0, 2)), 3).impacts) == 0
+
+
+def test_amplitudes_of_modes_are_as_in_a_ring_down() -> None:
+    """A batch in which the modes start by themselves: bit for bit what single ring-downs give."""
+    modes = (Mode(1.0, 4e6, (2.0, 0.0), (3.0, 0.0)), Mode(1.0, 9e7, (1.5, 0.5)))
+    base = paper_like(Formulation.CONSISTENT)
+    damper = dataclasses.replace(base, modes=modes, damping_ratio=1e-3, modal_mass=0.25, stiffness=(1e6, 1e6))
+    start = np.array([[1e-2, 0.0], [1e-2, 1e-3], [5e-3, 5e-3]])
+    batch = ringdowns(damper, np.zeros((3, 2)), 10, amplitudes=start, threads=2)
+    for k, amplitudes in enumerate(start):
+        alone = ringdown(damper, (0.0, 0.0), 10, amplitudes=tuple(amplitudes))
+        assert batch.events[k] == alone.events > 0
+        assert batch.final[k] == alone.energy.final
+        assert batch.initial[k] == alone.energy.initial
+    with pytest.raises(ValueError, match="amplitudes must have shape"):
+        ringdowns(base, np.zeros((3, 2)), 10, amplitudes=start)

@@ -22,10 +22,10 @@ def with_mass(theory, size, thickness, mass):
 @pytest.mark.parametrize(("thickness", "mass"), [(0.004, 0.05), (0.01, 0.1)])
 def test_drift_under_a_point_mass(theory, thickness, mass):
     """Where the formula says that a frequency falls for ever, it falls by that much from mesh to mesh."""
-    coarse, fine = (with_mass(theory, size, thickness, mass) for size in (8, 16))
+    coarse, fine = (with_mass(theory, size, thickness, mass) for size in (8, 12))
     modes = solve_modes(fine, 0.0, COUNT)
     predicted = drift(fine, modes.eigenvalues, modes.shapes)
-    found = (solve_modes(coarse, 0.0, COUNT).frequencies_hz / modes.frequencies_hz - 1.0) / np.log(2.0)
+    found = (solve_modes(coarse, 0.0, COUNT).frequencies_hz / modes.frequencies_hz - 1.0) / np.log(1.5)
     for_ever = predicted > 1e-4
     assert for_ever.any()
     assert found[for_ever] == pytest.approx(predicted[for_ever], rel=0.12)
@@ -128,18 +128,18 @@ def test_a_row_of_elements_is_as_stiff_as_the_formula_says():
 @pytest.mark.parametrize("h_over_b", [1 / 70, 1 / 160])
 def test_twist_is_off_by_what_the_layer_and_the_rest_leave(h_over_b):
     """Errors of three meshes of a thin plate divide into the layer's part, by its formula, and one of fourth order."""
-    form, sizes = Rectangle(0.2, 0.04), (3, 6, 10)
+    form, sizes = Rectangle(0.2, 0.04), (2, 4, 7)
 
     def frequencies(size):
         plate = Plate(form.mesh(size), 0.04 * h_over_b, STEEL)
         return solve_modes(assemble(plate, Rotor(), Effects(), "mindlin"), 0.0, COUNT).frequencies_hz
 
     found = [frequencies(size) for size in sizes]
-    true = found[-1] / frequencies(20) - 1.0
+    true = found[-1] / frequencies(14) - 1.0
     missed = tuple(unseen(form.edge(size), 0.04 * h_over_b) for size in sizes)
     apart = found[0] / found[1] - 1.0, found[1] / found[2] - 1.0
     estimate = layer_and_rest(apart, missed, sizes, 4.0)
-    assert true.max() / 2.5 <= estimate.max() <= 2.5 * true.max()
+    assert true.max() / 1.5 <= estimate.max() <= 1.5 * true.max()
 
 
 @pytest.mark.parametrize(("slenderness", "tolerance"), [(200, 3e-4), (700, 1e-3)])

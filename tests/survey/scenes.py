@@ -8,13 +8,6 @@ import numpy as np
 from tests.survey import plates
 
 
-def varying_is_known():
-    """Whether a scene can have a thickness that varies."""
-    from workflows.scene import tables as scene
-
-    return hasattr(scene, "Thickness")
-
-
 def write(case, folder):
     """Write a plate's scene into a folder; its path."""
     path = Path(folder) / "scene.toml"

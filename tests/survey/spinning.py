@@ -28,6 +28,9 @@ MORE = 6
 FIRST, SHALLOW = 0.15, 3.0
 """Part of the load that a plate is given first which it lifts by more than so many thicknesses; others take all."""
 
+OTHER_UNIT = 0.3048
+"""In metres; its powers are units of length in which numbers are rounded otherwise."""
+
 TIGHT = "*CONTROLS, PARAMETERS=FIELD", "1e-6, 1e-4"
 """Residual force and last correction at which the static state counts as found, relatively; by default 5e-3, 1e-2."""
 
@@ -87,20 +90,45 @@ class Matrices:
 
 def matrices(case, fineness, layers, timeout=600.0):
     """CalculiX's matrices of a plate at its speed."""
-    nodes, bricks = calculix.extruded(case.planform.graded(fineness), 1.0, layers)
-    column = _column(case, nodes, layers)
-    nodes[:, 2] *= case.thickness_at(*nodes[:, :2].T)
-    text = calculix.deck(nodes, bricks, case.material, case.omega, case.hub, np.radians(case.stagger), plates.COUNT)
-    text += WRITTEN.format(count=plates.COUNT)
-    stiffness, mass, free, own = _run(_twice(_laden(text, len(bricks), column), case.lift > SHALLOW), timeout)
+    text, column = _deck(case, fineness, layers)
+    stiffness, mass, free, own = _written(text + WRITTEN.format(count=plates.COUNT), timeout)
     uncut = own / Matrices(stiffness, mass).frequencies(plates.COUNT)
     return Matrices(*_concentrated(case, stiffness, mass, free, column), uncut)
+
+
+def own_frequencies(case, fineness, layers, number, timeout=600.0):
+    """CalculiX's own lowest (COUNT,) in Hz, point masses apart, of nodes and bricks in another order and in another
+    unit of length: with number 0 those that `matrices` corrects by, with others the same but for rounding."""
+    text, _ = _deck(case, fineness, layers, number)
+    with tempfile.TemporaryDirectory() as folder:
+        return calculix.listed(_run(text, folder, ".dat", timeout).with_suffix(".dat").read_text())[: plates.COUNT]
 
 
 def axis(case):
     """Unit vector (3,) of the spin axis."""
     stagger = np.radians(case.stagger)
     return np.array([0.0, np.sin(stagger), np.cos(stagger)])
+
+
+def _deck(case, fineness, layers, number=0):
+    """The deck of a plate, and its point mass; number: of an order and a unit of length, 0 as it comes and metres."""
+    nodes, bricks = calculix.extruded(case.planform.graded(fineness), 1.0, layers)
+    nodes, bricks = _renumbered(nodes, bricks, number) if number else (nodes, bricks)
+    column = _column(case, nodes, layers)
+    nodes[:, 2] *= case.thickness_at(*nodes[:, :2].T)
+    unit = OTHER_UNIT**number
+    young, nu, density = case.material
+    material = young * unit, nu, density * unit**3
+    stagger = np.radians(case.stagger)
+    text = calculix.deck(nodes / unit, bricks, material, case.omega, case.hub / unit, stagger, plates.COUNT)
+    return _twice(_laden(text, len(bricks), column), case.lift > SHALLOW), column
+
+
+def _renumbered(nodes, bricks, seed):
+    """Nodes (n, 3) and bricks (m, 20) in a random order."""
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(nodes))
+    return nodes[order], np.argsort(order)[rng.permutation(bricks)]
 
 
 def _column(case, nodes, layers):
@@ -136,18 +164,24 @@ def _twice(text, deep):
     return head + step + static + end + again + rest
 
 
-def _run(text, timeout):
+def _run(text, folder, wanted, timeout):
+    """Run a deck in a folder; the path of what it leaves there, without the ending. wanted: an ending of that."""
+    job = Path(folder) / "plate"
+    job.with_suffix(".inp").write_text(text)
+    environment = {"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin:/usr/local/bin"}
+    done = subprocess.run(
+        [calculix.COMMAND, job.name], cwd=folder, env=environment, capture_output=True, text=True, check=False,
+        timeout=timeout,
+    )  # fmt: skip
+    if not job.with_suffix(wanted).is_file():
+        raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
+    return job
+
+
+def _written(text, timeout):
     """Stiffness, mass, the node of every third row, and CalculiX's own frequencies in Hz."""
     with tempfile.TemporaryDirectory() as folder:
-        job = Path(folder) / "plate"
-        job.with_suffix(".inp").write_text(text)
-        environment = {"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin:/usr/local/bin"}
-        done = subprocess.run(
-            [calculix.COMMAND, job.name], cwd=folder, env=environment, capture_output=True, text=True, check=False,
-            timeout=timeout,
-        )  # fmt: skip
-        if not job.with_suffix(".sti").is_file():
-            raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
+        job = _run(text, folder, ".sti", timeout)
         stiffness, mass = (_symmetric(job.with_suffix(end)) for end in (".sti", ".mas"))
         unknowns = np.array([row.split(".") for row in job.with_suffix(".dof").read_text().split()], dtype=int)
         own = calculix.listed(job.with_suffix(".dat").read_text())

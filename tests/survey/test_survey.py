@@ -2,7 +2,9 @@
 
 import pytest
 
-from tests.survey import plates, references
+import workflows
+from tests.survey import __main__ as survey
+from tests.survey import plates, references, scenes
 from tests.survey.verdict import judge
 
 CHEAP = "01 flat", "25 swept"
@@ -13,3 +15,12 @@ def test_every_mode_is_within_its_estimate(name):
     case = next(case for case in plates.cases() if case.name == name)
     verdict = judge(case, references.stored()[name])
     assert verdict.violations == [], f"true {verdict.true}, estimated {verdict.estimate}, reference {verdict.slack}"
+
+
+def test_all_sixty_are_scenes_that_the_command_asks_for(tmp_path):
+    """Those of varying thickness among them."""
+    asked = [case for case, _ in survey._answered("")]
+    assert len(asked) == 60
+    for case in asked:
+        scene = workflows.load(scenes.write(case, tmp_path)).scene
+        assert isinstance(scene.plate.thickness, float) != bool(case.profile)

@@ -26,7 +26,7 @@ from workflows.stages import Stages
 from workflows.studies.costs import dampers, page, pipelines, plates, plots, timing
 from workflows.studies.costs.by_ivp import by_ivp
 from workflows.studies.costs.changes import changes
-from workflows.studies.costs.ladder import Ladder, Row, Study, measure
+from workflows.studies.costs.ladder import Costs, Ladder, Rung, measure
 from workflows.studies.costs.study import study
 from workflows.studies.costs.switching import Switched, Switches, switching
 
@@ -244,12 +244,12 @@ def test_accuracy_of_a_known_structure(
     assert "var(" not in (folder / "accuracy.svg").read_text()
 
 
-def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Row:
-    return Row(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
+def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Rung:
+    return Rung(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
 
 
 def spoken(*ladders: Ladder) -> list[str]:
-    return page.verdict(Study("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
+    return page.verdict(Costs("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
 
 
 def test_the_verdict_knows_theories() -> None:
@@ -288,8 +288,8 @@ def test_the_verdict_says_when_nothing_will_do() -> None:
 
 
 def test_what_is_not_drawn_is_listed() -> None:
-    late = [Row("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
-    ladder = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Row("mindlin", "file", failed="no")))
+    late = [Rung("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
+    ladder = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Rung("mindlin", "file", failed="no")))
     assert page.not_drawn(ladder) == ["solid: 8 × 4 (too slow), 10 × 4 (too slow)", "mindlin: file (no)"]
 
 
@@ -298,7 +298,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(timing, "_RUNS", 1)
     monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
     monkeypatch.setattr(plates, "_SPEEDS", 7)
-    monkeypatch.setattr(plates, "_SOLID_AT_MOST", 1)
+    monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None

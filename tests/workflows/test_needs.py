@@ -16,7 +16,7 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.decisions.decided import decide
 from workflows.scene.file import load, shipped
-from workflows.solve import needs, pilot
+from workflows.solve import likeness, needs, pilot, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
@@ -214,7 +214,7 @@ sys.exit(status)
 @pytest.mark.parametrize(
     "changes",
     [
-        {},
+        {"rotor__speeds": ["3500 rpm", "17500 rpm"]},
         {"plate__theory": "mindlin", "rotor__speeds": ["5000 rpm"], "effects": {"large_deflection": True}},
         {"damper__rolling_friction": 0, "release__cycles": 100_000, "rotor__speeds": ["5000 rpm"]},
     ],
@@ -258,3 +258,75 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
     assert text
     cycles = max(part.memory for part in needs.parts(source) if "cycles" in part.key)
     assert 0.3 < cycles / most < 3
+
+
+def test_two_small_plates_tell_matrices_from_factors() -> None:
+    """Seconds that are a sum of both powers are found again, 16 times beyond; none is negative."""
+    sizes, at = (2000.0, 8000.0), 128_000.0
+    for matrices, factor in ((3e-5, 2e-7), (3e-5, 0.0), (0.0, 2e-7)):
+        seconds = [matrices * n + factor * n**1.5 for n in (*sizes, at)]
+        spent = [likeness.Spent(n, 0.0, 0.0) for n in sizes]
+        assert likeness._grown(spent, seconds[:2], at) == pytest.approx(seconds[2], rel=1e-6)
+    assert likeness._grown(spent, [1.0, 0.5], at) > 0.0
+
+
+@pytest.mark.parametrize("model", ["kirchhoff", "mindlin", "solid/2"])
+@pytest.mark.parametrize("kind", ["rectangles", "skew", "triangles"])
+def test_plates_alike_have_the_same_cells(model: str, kind: str) -> None:
+    """Of so many unknowns, over the same box, in elements of the same kind."""
+    import skfem
+
+    import fem
+    from fem.theory.kirchhoff import is_rectangles
+
+    mesh = fem.rectangle(0.2, 0.08, 60, 24)
+    mesh = skfem.MeshQuad(mesh.p + np.array([[0.1], [0.0]]), mesh.t)
+    if kind == "skew":
+        mesh = skfem.MeshQuad(mesh.p + np.array([[0.0], [0.3]]) * mesh.p[0], mesh.t)
+    if kind == "triangles":
+        mesh = mesh.to_meshtri()
+    alike = likeness._alike(fem.Given(mesh), model, 8000.0)
+    (small,) = (alike.mesh(size) for size in alike.sizes)
+    assert needs.unknowns(model, small) == pytest.approx(8000.0, rel=0.25)
+    assert small.t.shape[0] == mesh.t.shape[0]
+    assert is_rectangles(small) == is_rectangles(mesh)
+    assert np.ptp(small.p, axis=1)[0] == pytest.approx(0.2)
+    np.testing.assert_allclose(small.p.min(axis=1), mesh.p.min(axis=1), atol=1e-12)
+
+
+@pytest.mark.parametrize(("cells", "most", "solved"), [(6, 60_000, (1, 2, 4)), (6, 3000, (1, 2)), (24, 3000, (1,))])
+def test_the_meshes_reckoned_are_those_of_a_search(
+    cells: int, most: int, solved: tuple[int, ...], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    """Of bricks on cells from a file, as far as the unknowns go; a large mesh is solved alone."""
+    import meshio
+
+    import fem
+    from fem.accuracy import choose_mesh as choice
+
+    monkeypatch.setattr(choice, "MOST_UNKNOWNS", choice.MOST_UNKNOWNS | {"solid": most})
+    mesh = fem.rectangle(0.2, 0.08, cells, cells)
+    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
+    meshio.Mesh(points, [("quad", mesh.t.T)]).write(tmp_path / "plate.vtu")
+    named = {"plate__length": None, "plate__width": None, "plate__mesh": "plate.vtu", "plate__theory": "solid"}
+    scene = changed(paper, **named, rotor__speeds=["5000 rpm"], rotor__modes=3, damper=None, release=None)
+    thin = changed(scene, plate__thickness=1e-3, accuracy={"frequency": 2e-3})  # for which two layers do
+    source = load(write(thin, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+    model, (form, _) = plate.model(source, decided), decided.plate
+    expected = [needs.unknowns(model, form.mesh(size)) for size in solved]
+    assert reckoned.searched(source, decided, model) == expected
+    if expected[-1] < 10_000:  # others take long
+        tried = plate.discretise(source, decided, Stages(visible=False)).choice.tried
+        assert tuple(size for size, _ in tried) == solved
+
+
+def test_what_no_mesh_takes_away_asks_for_no_finer_one(paper: Scene, tmp_path: Path) -> None:
+    """Under a point mass the search ends short of the accuracy, by itself: so does what is reckoned of it."""
+    heavy = changed(paper, plate__tip_mass="50 g", plate__thickness="4 mm", plate__theory="mindlin", damper=None)
+    scene = changed(heavy, release=None, rotor__speeds=["0 rpm"], accuracy={"frequency": 3e-4})
+    source = load(write(scene, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+    discrete = plate.discretise(source, decided, Stages(visible=False))
+    assert not discrete.choice.met
+    assert pilot._growth(source, decided.plate[0], discrete, discrete.choice.operators.mass.shape[0]) == 1.0

@@ -23,7 +23,7 @@ from workflows.report import drawing, mode_picture, mode_shape
 from workflows.report import page as report
 from workflows.solve.records import Results
 from workflows.studies.costs import page, plots
-from workflows.studies.costs.ladder import Chosen, Ladder, Row, Study
+from workflows.studies.costs.ladder import Costs, Ladder, Picked, Rung
 from workflows.studies.costs.switching import Switched, Switches
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -76,6 +76,13 @@ def spinning_up(tmp_path_factory: pytest.TempPathFactory, captured: list[Any]) -
 
 
 @pytest.fixture(scope="module")
+def page_of_it(spinning_up: tuple[Results, list[Any]]) -> str:
+    """Its report."""
+    results, _ = spinning_up
+    return report.render(results, report.draw(results))
+
+
+@pytest.fixture(scope="module")
 def holed(tmp_path_factory: pytest.TempPathFactory, captured: list[Any]) -> tuple[Results, list[Any]]:
     """A plate of triangles with a hole, and a damper off its middle."""
     scene = {
@@ -105,7 +112,7 @@ LADDER = Ladder(
     "relative error of the cut-off at 10000 rpm",
     "the same scene",
     tuple(
-        Row(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
+        Rung(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
         for name in ("pipeline", "thin plate, Argyris triangles, graded")
         for n, time in enumerate(WORKING)
     ),
@@ -129,7 +136,10 @@ EFFECTS = Switches(
 )
 
 
-def costs(captured: list[Any]) -> list[Any]:
+@pytest.fixture(scope="module")
+def costs(captured: list[Any]) -> tuple[None, list[Any]]:
+    """What accuracy and effects cost, on sheets of both widths."""
+
     def work() -> None:
         for sheet in (drawing.WIDE, drawing.NARROW):
             plots.ladder(SHORT, "ladder0", 1e-3, sheet)
@@ -137,7 +147,7 @@ def costs(captured: list[Any]) -> list[Any]:
             plots.overview([LADDER, LADDER], 1e-3, sheet)
             plots.effects(EFFECTS, sheet)
 
-    return drawn_by(captured, work)
+    return None, drawn_by(captured, work)
 
 
 @pytest.fixture(scope="module")
@@ -152,9 +162,7 @@ def odd(captured: list[Any]) -> tuple[Results, list[Any]]:
 
 
 @pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])
-def figures(request: pytest.FixtureRequest, captured: list[Any]) -> list[Any]:
-    if request.param == "costs":
-        return costs(captured)
+def figures(request: pytest.FixtureRequest) -> list[Any]:
     found: list[Any] = request.getfixturevalue(request.param)[1]
     return found
 
@@ -258,22 +266,21 @@ def test_envelopes_hold_the_curve(spinning_up: tuple[Results, list[Any]]) -> Non
     assert one.x[0] == pytest.approx(x.mean())
 
 
-def test_small_loads_have_digits(spinning_up: tuple[Results, list[Any]]) -> None:
+def test_small_loads_have_digits(spinning_up: tuple[Results, list[Any]], page_of_it: str) -> None:
     """20 rpm at 20 cm are 0.0895 g: no 0 in the table or the legend, and no two loads alike."""
     results, figures = spinning_up
-    page = report.render(results, report.draw(results))
     assert results.speeds[1].load_g == pytest.approx((20 * np.pi / 30) ** 2 * 0.2 / 9.80665)
-    assert "<td>0.0895</td>" in page
+    assert "<td>0.0895</td>" in page_of_it
     legends = [[text.get_text() for text in legend.get_texts()] for figure in figures for legend in figure.legends]
     assert sorted(legends[0]) == ["0 g", "0.0895 g", "20.1 g", "22\u2009365 g"]
 
 
-def test_a_cut_history_says_so(spinning_up: tuple[Results, list[Any]]) -> None:
+def test_a_cut_history_says_so(spinning_up: tuple[Results, list[Any]], page_of_it: str) -> None:
     results, _ = spinning_up
     point = next(point for point in results.speeds if point.damping and point.damping.history)
     assert point.damping is not None
     assert point.damping.history is not None
-    page = " ".join(report.render(results, report.draw(results)).split())
+    page = " ".join(page_of_it.split())
     assert point.damping.history.t[-1] < 0.5 * point.damping.duration
     assert f", the first {point.damping.history.t[-1]:.3g} s of {point.damping.duration:.3g} s" in page
 
@@ -396,9 +403,9 @@ def test_a_known_structure_has_no_mesh(spinning_up: tuple[Results, list[Any]]) -
     assert report.draw(results).mesh == ""
 
 
-def study() -> Study:
-    chosen = Chosen("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
-    return Study(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
+def study() -> Costs:
+    chosen = Picked("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
+    return Costs(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
 
 
 def pages(tmp_path: Path) -> dict[str, Path]:

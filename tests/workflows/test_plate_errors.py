@@ -22,7 +22,7 @@ def quick(paper: Scene, tmp_path: Path) -> Path:
     return write(changed(paper, rotor__speeds=["5000 rpm"], release__cycles=1), tmp_path / "scene.toml")
 
 
-@pytest.mark.parametrize("place", ["choose_mesh", "campbell", "reduce_over"])
+@pytest.mark.parametrize("place", ["choose_mesh", "campbell", "Reduction"])
 @pytest.mark.parametrize(
     "error", [ValueError, RuntimeError, FloatingPointError, ArithmeticError, np.linalg.LinAlgError]
 )
@@ -134,5 +134,7 @@ def test_a_root_that_holds_nothing(paper: Scene, spindamp: Callable[..., Outcome
 
 @pytest.mark.parametrize("nothing", ["", " "])
 def test_no_scene_at_all(nothing: str) -> None:
-    with pytest.raises(BadInput, match=r"^expected the path of a scene, or the name of a shipped one: campbell, paper"):
+    with pytest.raises(
+        BadInput, match=r"^expected the path of a scene, or the name of a shipped one: campbell, design, paper"
+    ):
         workflows.run(nothing)

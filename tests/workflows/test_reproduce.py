@@ -13,7 +13,7 @@ import pytest
 
 from tests.workflows.conftest import PHONE, needs_chromium, width_on_a_phone
 from workflows.studies.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
-from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
+from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,
@@ -120,7 +120,7 @@ def test_the_bound_of_the_closure_is_that_of_both_axes(found: Reproduction) -> N
     assert damped.work_bound == pytest.approx(leading * growth, rel=4e-2)
 
 
-def _another(study: Study, **changes: object) -> Study:
+def _another(study: Simulated, **changes: object) -> Simulated:
     """The study as it would be if every ring-down had come out otherwise."""
     points = {
         formulation: tuple(replace(p, damping=replace(p.damping, **changes)) for p in points if p.damping is not None)

@@ -39,7 +39,7 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_same_scene_same_bits(finished: Path, again: Path) -> None:
     names = {path.name for path in finished.iterdir()}
     assert names == {path.name for path in again.iterdir()}
-    assert {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json"} < names
+    assert {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", "run.npz"} < names
     for name in names:
         one, other = (folder / name for folder in (finished, again))
         times = TIMES.get(name)
@@ -113,6 +113,7 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     names = {"rpm", "load_g", "duration", *point["modes"][0], *point["reduced"], *point["damper"]}
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
     names |= {"damping_ratio_peak", "at_amplitude", "range_low", "range_high", "cutoff"}
+    names |= {"tilted_cutoff_g", "tilted_cutoff_ratio"}
     names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:

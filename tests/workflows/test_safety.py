@@ -13,7 +13,9 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows.report import page as report
 from workflows.scene.file import SHIPPED
+from workflows.solve.records import Results
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(path for package in ("fem", "damper", "workflows") for path in (ROOT / package).rglob("*.py"))
@@ -94,6 +96,22 @@ TITLES = [
 ]
 
 
+@pytest.fixture(scope="module")
+def drawn_once() -> Iterator[None]:
+    """The pictures of the first run serve for all, which differ in their titles."""
+    with pytest.MonkeyPatch.context() as patch:
+        pictures: list[report.Drawings] = []
+        draw = report.draw
+
+        def once(results: Results) -> report.Drawings:
+            pictures.extend([] if pictures else [draw(results)])
+            return pictures[0]
+
+        patch.setattr(report, "draw", once)
+        yield
+
+
+@pytest.mark.usefixtures("drawn_once")
 @pytest.mark.parametrize("title", [title for title in TITLES if title.isprintable()])
 def test_a_title_names_a_folder_here(
     title: str, spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene, monkeypatch: pytest.MonkeyPatch

@@ -1,4 +1,4 @@
-"""What there is to look at by its name: a folder of results, a mesh file or a scene."""
+"""What somebody points at: a folder of results, a scene, a mesh file."""
 
 from __future__ import annotations
 

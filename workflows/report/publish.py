@@ -6,14 +6,15 @@ import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 from workflows.errors import BadInput
 from workflows.output import store
 from workflows.report import page as report
+from workflows.report.brief import Shown
 from workflows.report.mode_shape import Artist
-from workflows.results import curves
+from workflows.results import curves, kept
 from workflows.results import document as results_json
 from workflows.results import files as results_files
 from workflows.solve import records
@@ -66,6 +67,17 @@ def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
     return out
+
+
+def load_results(folder: str | os.PathLike[str]) -> Results:
+    """What `spindamp run --out` or `save` wrote into a folder, as it was when it was written.
+
+    Raises:
+        BadInput: there is no run of ours.
+        TypeError: not the name of a folder.
+    """
+    found = kept.read(folder)
+    return Shown(**{field.name: getattr(found, field.name) for field in fields(found)})
 
 
 @contextmanager
@@ -136,5 +148,6 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(report.render(finished, drawings), encoding="utf-8")
+        kept.write(finished, folder / kept.NAME)
         (folder / "results.json").write_text(results_json.dumps(finished) + "\n", encoding="utf-8")
     return finished

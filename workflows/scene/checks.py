@@ -14,6 +14,7 @@ from workflows.scene.materials import KNOWN
 
 if TYPE_CHECKING:
     from workflows.scene.damper import Damper, Release
+    from workflows.scene.excitation import Excitation
     from workflows.scene.plate import Material, Plate, Thickness
     from workflows.scene.rotor import Rotor
     from workflows.scene.scene import Scene
@@ -187,6 +188,14 @@ def release(release: Release) -> None:
         raise fault(given[0], "expected a release that is not zero on both axes")
 
 
+def excitation(excitation: Excitation) -> None:
+    """One way of giving the force."""
+    given = [key for key in ("force", "pressure", "base") if getattr(excitation, key) is not None]
+    if len(given) != 1:
+        found = f"expected one of force, pressure and base{': leave one out' * bool(given)}"
+        raise fault(given[-1] if given else "force", found)
+
+
 def together(scene: Scene) -> None:
     """The tables of a scene: which belong together, which exclude each other."""
     if scene.structure is not None:
@@ -229,6 +238,8 @@ def _structure_only(scene: Scene) -> None:
         given = getattr(scene, table)
         if getattr(given, name) != type(given).model_fields[name].default:
             raise fault(key, "belongs to a plate; the one frequency of a [structure] is given")
+    if scene.excitation is not None and scene.excitation.pressure is not None:
+        raise fault("excitation.pressure", "belongs to a plate; a [structure] takes force or base")
     if scene.damper.at is not None:
         raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
     if scene.damper.housing is not None:

@@ -39,7 +39,7 @@ def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
     context = first.get("ctx", {})
     if first["type"] == "together":
         loc += str(context["key"]).split(".")
-    problem, value = _problem(first, loc), _lookup(data, loc)
+    problem, value = worded(first, loc), _lookup(data, loc)
     unknown = [found for found in errors[1:] if found["type"] == "extra_forbidden"]
     rest = [found for found in errors[1:] if found["type"] == first["type"] or found["type"] not in order]
     if unknown:
@@ -64,7 +64,8 @@ def _in_a_list(error: Any) -> str:
     return f"{key} ({hint.removeprefix(': ')})" if hint else key
 
 
-def _problem(error: Any, loc: list[str]) -> str:
+def worded(error: Any, loc: list[str]) -> str:
+    """One of pydantic's errors in our words; `loc`: the keys that lead to it."""
     context = error.get("ctx", {})
     match error["type"]:
         case "extra_forbidden":

@@ -28,6 +28,16 @@ def _si(value: object, kind: Kind, info: ValidationInfo) -> float:
         raise wrong(str(error)) from error
 
 
+def length(value: object, info: ValidationInfo) -> float:
+    """A length in SI, as the fields of a scene read it."""
+    return _si(value, units.LENGTH, info)
+
+
+def quantity_schema(kind: Kind) -> dict[str, Any]:
+    """The JSON Schema of a quantity."""
+    return _json(kind)
+
+
 def _json(kind: Kind) -> dict[str, Any]:
     return {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": [kind.example], "x-si": kind.si}
 
@@ -69,6 +79,38 @@ def _row(value: object, kind: Kind, info: ValidationInfo) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or not value:
         raise wrong(f"expected a list such as ['{kind.example}', '{kind.example}']")
     return tuple(_si(item, kind, info) for item in value)
+
+
+def _levels(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    """One height above 0, or a list of different ones."""
+
+    def validate(value: object, info: ValidationInfo) -> tuple[float, ...]:
+        listed = value if isinstance(value, list | tuple) else [value]
+        if not 0 < len(listed) <= MOST_LEVELS:
+            raise wrong(f"expected a value such as '{kind.example}', or a list of at most {MOST_LEVELS}")
+        found = tuple(_si(item, kind, info) for item in listed)
+        if min(found) <= 0:
+            raise wrong("expected more than 0")
+        if len(set(found)) < len(found):
+            raise wrong("expected every level once")
+        return found
+
+    listed = {"type": "array", "items": _json(kind), "minItems": 1, "maxItems": MOST_LEVELS}
+    return BeforeValidator(validate), WithJsonSchema({"anyOf": [*_json(kind)["anyOf"], listed], "x-si": kind.si})
+
+
+MOST_LEVELS = 20
+"""Heights of a force that are looked at: each is a picture of its own."""
+
+
+def _orders(value: object) -> tuple[int, ...]:
+    listed = value if isinstance(value, list | tuple) else [value]
+    whole = [item for item in listed if isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= 1000]
+    if not whole or len(whole) < len(listed):
+        raise wrong("expected a list of whole numbers from 1 to 1000, such as [2, 3]")
+    if len(set(whole)) < len(whole):
+        raise wrong("expected every order once")
+    return tuple(whole)
 
 
 def _lengths(value: object, info: ValidationInfo) -> tuple[float, ...]:
@@ -233,6 +275,15 @@ Acceleration = Annotated[float, *_quantity(units.ACCELERATION)]
 Radii = Annotated[tuple[float, float], *_one_or_two(units.LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(units.FREQUENCY, zero=False)]
 Slopes = Annotated[tuple[float, float], *_one_or_two(units.SLOPE, zero=True)]
+Forces = Annotated[tuple[float, ...], *_levels(units.FORCE)]
+Pressures = Annotated[tuple[float, ...], *_levels(units.SURFACE_PRESSURE)]
+Loads = Annotated[tuple[float, ...], *_levels(units.LOAD)]
+_ORDER = {"type": "integer", "minimum": 1, "maximum": 1000}
+Orders = Annotated[
+    tuple[int, ...],
+    BeforeValidator(_orders),
+    WithJsonSchema({"anyOf": [_ORDER, {"type": "array", "items": _ORDER, "minItems": 1}]}),
+]
 LengthPair = Annotated[tuple[float, float], *_pair(units.LENGTH)]
 Lengths = Annotated[
     tuple[float, ...],

@@ -11,7 +11,7 @@ SDC_RANGE = (0.14, 0.18)
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """A row of Table II: accelerations in g."""
 
     load: float
@@ -21,17 +21,17 @@ class Row:
 
 
 TABLE_II = (
-    Row(2687, 208.9, 191, 0.07),
-    Row(5483, 218.8, 493, 0.09),
-    Row(12337, 241.3, 1303, 0.11),
-    Row(21932, 269.5, 2211, 0.10),
-    Row(34269, 301.7, 3465, 0.10),
-    Row(49348, 336.7, 5028, 0.10),
-    Row(67168, 373.5, 6819, 0.10),
+    TableRow(2687, 208.9, 191, 0.07),
+    TableRow(5483, 218.8, 493, 0.09),
+    TableRow(12337, 241.3, 1303, 0.11),
+    TableRow(21932, 269.5, 2211, 0.10),
+    TableRow(34269, 301.7, 3465, 0.10),
+    TableRow(49348, 336.7, 5028, 0.10),
+    TableRow(67168, 373.5, 6819, 0.10),
 )
 
 
-def row(scene: Scene, load_g: float) -> Row | None:
+def row(scene: Scene, load_g: float) -> TableRow | None:
     """The row of Table II that a computed load belongs to, if the scene is the paper's plate."""
     plate, rotor = scene.plate, scene.rotor
     if plate is None or plate.length is None or plate.width is None or rotor.hub_radius or rotor.stagger:

@@ -12,9 +12,9 @@ from pydantic import Field, model_validator
 
 from workflows.scene import checks as scene_checks
 from workflows.scene.damper import Damper, Release
-from workflows.scene.fields import (
-    Line,
-)
+from workflows.scene.design import Design
+from workflows.scene.excitation import Excitation
+from workflows.scene.fields import Line
 from workflows.scene.plate import Material, Plate
 from workflows.scene.rotor import Accuracy, Effects, Rotor, Structure
 from workflows.scene.table import Table
@@ -31,7 +31,9 @@ class Scene(Table):
     effects: Effects = Field(Effects(), description="which effects are simulated")
     damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
     release: Release | None = Field(None, description="how a ring-down begins")
+    excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
     accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
+    design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
 
     @model_validator(mode="after")
     def _together(self) -> Self:

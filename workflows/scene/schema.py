@@ -17,17 +17,17 @@ def schema() -> dict[str, Any]:
     found = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
     for table in (found, *found["$defs"].values()):
         for key in table["properties"].values():
-            if unit := _unit(key):
-                key["description"] += f"; a number without a unit is in {unit}"
+            if si := unit(key):
+                key["description"] += f"; a number without a unit is in {si}"
     return dict(_tidied(found)) | {"title": "spindamp scene"}
 
 
-def _unit(node: Any) -> str | None:
+def unit(node: Any) -> str | None:
     """The SI unit of a quantity, however deep in the schema of its key it stands."""
     if isinstance(node, dict) and "x-si" in node:
         return str(node["x-si"])
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-    return next((unit for part in inner if (unit := _unit(part))), None)
+    return next((found for part in inner if (found := unit(part))), None)
 
 
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}

@@ -5,12 +5,17 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     import pint
 
 STANDARD_GRAVITY = 9.80665
@@ -54,6 +59,8 @@ ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
 ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
 FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
 PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+FORCE = Kind("a force", "10 N", "N", 1e-15, 1e15)
+SURFACE_PRESSURE = Kind("a pressure", "100 Pa", "Pa", 1e-15, 1e15)
 LINE_STIFFNESS = Kind("a stiffness per length", "5e9 N/m/m", "N/m/m", 1e-9, 1e30)
 ROTATIONAL_STIFFNESS = Kind("a rotational stiffness per length", "2e5 N*m/rad/m", "N*m/rad/m", 1e-9, 1e30)
 DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
@@ -85,9 +92,23 @@ class UnitError(ValueError):
     """A value that is not a quantity of the kind expected; the message says what would be right."""
 
 
+@contextmanager
+def _without(package: str) -> Iterator[None]:
+    """Keep pint from loading a large package that it takes where it is installed, and that no unit here needs."""
+    if package in sys.modules:
+        yield
+        return
+    sys.modules[package] = cast("ModuleType", None)
+    try:
+        yield
+    finally:
+        del sys.modules[package]
+
+
 @cache
 def _registry() -> pint.UnitRegistry[float]:
-    from pint import UnitRegistry
+    with _without("dask"):
+        from pint import UnitRegistry
 
     return UnitRegistry(str(Path(__file__).parents[1] / "units.txt"), on_redefinition="raise")
 

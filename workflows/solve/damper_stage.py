@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve import felt
-from workflows.solve.records import CutOff, Damping, Energy, History, SpeedPoint
+from workflows.solve.records import CavityMode, CutOff, Damping, Energy, History, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
 
@@ -58,25 +59,42 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     tilting = _tilting(scene, effects, point)
     found = replace(point, damping=damping, pendulum=felt.pendulum(system))
     if tilting is None:
-        return replace(found, working=_figures(system))
+        return replace(found, working=figures(system))
     cutoff = _cutoff(tilting, point)
     if system.formulation == "printed":
-        return replace(found, working=_figures(system), tilted=cutoff)
-    return replace(found, working=_figures(tilting), level=_figures(system), tilted=cutoff)
+        return replace(found, working=figures(system), tilted=cutoff)
+    return replace(found, working=figures(tilting), level=figures(system), tilted=cutoff)
 
 
-def _figures(system: damper.ParticleDamper) -> damper.Working:
-    """The damper's own figures in the modes that yield most along either axis.
+def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
+    """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
+    system = particle_damper(scene, effects, point)
+    tilting = None if system.formulation == "printed" else _tilting(scene, effects, point)
+    return leading(tilting or system)
 
-    Others, which hits feed, change them by less than their error as long as they are damped by 0.1 % or more of their
-    own; without any damping they would shake the ball for ever.
+
+def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
+    """The damper in the modes that yield most along either axis.
+
+    Others, which hits feed, change its figures by less than their error as long as they are damped by 0.1 % or more of
+    their own; without any damping they would shake the ball for ever.
     """
+    if system.modes is None:
+        return system
+    kept = sorted({system.leading(axis) for axis in range(2)})
+    return replace(system, modes=tuple(system.modes[k] for k in kept))
+
+
+def figures(system: damper.ParticleDamper) -> damper.Working:
+    """The damper's own figures in the modes that yield most along either axis."""
     from damper import working
 
-    if system.modes is None:
-        return working(system)
-    kept = sorted({system.leading(axis) for axis in range(2)})
-    return working(replace(system, modes=tuple(system.modes[k] for k in kept)))
+    return working(leading(system))
+
+
+def most_cycles(system: damper.ParticleDamper) -> int:
+    """Cap on the cycles of a ring-down whose ball does not come to rest."""
+    return _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
 
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
@@ -100,8 +118,10 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
     return CutOff(None, None) if found is None else CutOff(found * point.load_g / load, found / load)
 
 
-def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
-    """The damper of a scene on the structure of a speed point."""
+def particle_damper(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
+) -> damper.ParticleDamper:
+    """The damper of a scene on the structure of a speed point; `only`: see `felt.structure`."""
     from damper import Formulation, ParticleDamper
 
     given, reduced = scene.damper, point.reduced
@@ -109,7 +129,7 @@ def particle_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint)
         raise ValueError("the scene has no [damper]")
     try:
         return ParticleDamper(
-            **felt.structure(scene, effects, point),
+            **felt.structure(scene, effects, point, only),
             ball_mass=felt.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
             cavity=given.cavity,
@@ -133,9 +153,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     release = felt.released_at(scene, point)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     asked = None if isinstance(cycles, str) else cycles
-    most = _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
-    start = felt.amplitudes(system, release)
-    motion = ringdown(system, release, asked, amplitudes=start, keep_events=keep, max_cycles=most, progress=_look_up)
+    how: dict[str, Any] = {"amplitudes": felt.amplitudes(system, release), "max_cycles": most_cycles(system)}
+    motion = ringdown(system, release, asked, **how, keep_events=keep, progress=_look_up)
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workflows.decisions.effects import Effect
@@ -43,8 +44,12 @@ def ball_mass(scene: Scene, m2: float) -> float:
     return given.balls if given.balls is not None else (given.mass_ratio or 0.0) * m2
 
 
-def structure(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
+def structure(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
+) -> dict[str, Any]:
     """Mass, springs, tilt and modes of the structure, and the spin that draws the ball outwards in its plane.
+
+    `only`: the plate's modes to take; None: as many as the accuracy needs.
 
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
@@ -57,7 +62,8 @@ def structure(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> di
     if scene.plate is not None and (tilts or hollow):
         turning = {"rotation": point.omega, "stagger": scene.rotor.stagger}
     if effects["structural_modes"].on and point.cavity_modes:
-        return _of_modes(scene, point, taken(scene, point), tilts=tilts) | turning
+        modes = taken(scene, point) if only is None else tuple(map(_on_axis, only))
+        return _of_modes(scene, point, modes, tilts=tilts) | turning
     both = (1.0, 1.0)
     tilt = (reduced.floor_tilt,) * 2
     if scene.structure is not None:
@@ -85,7 +91,7 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     return {
         "modal_mass": mass,
         "stiffness": (own, (mass + ball) * square if math.isfinite(square) else own),
-        "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0)) for m in modes),
+        "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0), drawn=m.drawn) for m in modes),
     }
 
 
@@ -125,7 +131,7 @@ def _on_axis(mode: CavityMode) -> CavityMode:
     still = [abs(part) <= _STILL * math.hypot(*mode.shape) for part in mode.shape]
     x, y = (0.0 if none else part for none, part in zip(still, mode.shape, strict=True))
     a, b = (0.0 if none else part for none, part in zip(still, mode.slope, strict=True))
-    return CavityMode(mode.number, mode.stiffness, (x, y), (a, b))
+    return replace(mode, shape=(x, y), slope=(a, b))
 
 
 def pendulum(damper: damper.ParticleDamper) -> Pendulum | None:

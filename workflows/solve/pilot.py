@@ -2,7 +2,7 @@
 
 The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on this
 machine; they are followed as far as a few seconds go. Where the first meshes are large, solids and many cells from a
-file, nothing is solved for this, and `workflows.solve.reckoned` says what they take.
+file, small plates like these are solved instead (`workflows.solve.likeness`).
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 from workflows.decisions.answering import answering
 from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
+from workflows.errors import SpindampError
 from workflows.scene.file import SceneFile
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, needs, plate_records, reckoned
+from workflows.solve import felt, likeness, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform
     from workflows.solve.plate_records import Discrete
 
-_UNKNOWNS, _PATIENCE = (4000, 16_000, 64_000), 4.0
+_UNKNOWNS, _PATIENCE = (4000, 16_000, 64_000), 5.0
 """Up to which meshes are tried here, one after the other as long as the next should take no more seconds than that."""
 
 _GROWTH, _SLOWEST, _FASTEST = 1.2, 0.9, 1.6
@@ -119,16 +120,23 @@ def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple
     (form, _), model = decided.plate, plate.model(source, decided)
     first = reckoned.first_unknowns(source, form, model)
     found: _Trial | None = None
-    for most in _UNKNOWNS:
-        expected = _expected(source, decided, model, max(first, most), slowness, found)
-        if first <= most and (most == _UNKNOWNS[0] or expected < _PATIENCE):
-            found = _tried(source, small, decided, most, found)
-            if found.last:
-                break
-    if found is not None:
-        return found.points, found.memory, found.seconds
-    last = max(first, reckoned.finest_unknowns(source, form, model, decided.effects)) if "solid" in model else first
-    return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
+    if first > _UNKNOWNS[0]:
+        try:
+            alike = likeness.known(source, small, decided, model)
+        except (SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
+            last = reckoned.searched(source, decided, model)[-1]
+            return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
+        if first > _UNKNOWNS[-1] or alike.once > _PATIENCE:
+            return (), alike.memory, alike.seconds
+    for most in (size for size in _UNKNOWNS if size >= first):
+        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= _PATIENCE:
+            break
+        found = _tried(source, small, decided, most, found)
+        if found.last:
+            break
+    if found is None:
+        raise ValueError("no mesh was tried")
+    return found.points, found.memory, found.seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,15 +149,6 @@ class _Trial:
     memory: float
     seconds: float
     last: bool
-
-
-def _expected(
-    source: SceneFile, decided: Decided, model: str, unknowns: float, slowness: float, before: _Trial | None
-) -> float:
-    """Seconds that a trial on so many unknowns should take."""
-    if before is None:
-        return reckoned.reckon(source, decided.effects, model, unknowns, slowness)[1]
-    return before.spent * float((unknowns / before.unknowns) ** _GROWTH)
 
 
 def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, before: _Trial | None) -> _Trial:
@@ -181,15 +180,16 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
 
 def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
     """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
-    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, SURE, next_size
 
     choice = discrete.choice
-    if choice.met or not choice.errors.max() > 0.0:
+    left = dict(choice.tried).get(choice.size, 0.0)  # without what no mesh takes away, which the search leaves out
+    if not left > SURE * choice.tolerance:
         return 1.0
     model = choice.operators.model.theory
     fit = needs.most_unknowns(source, form, model, choice.operators.effects.large_deflection)
     room = min(MOST_UNKNOWNS[model.partition("/")[0]], fit) / unknowns
-    following = next_size(form, choice.size, float(choice.errors.max()) / choice.tolerance, room, step=inf)
+    following = next_size(form, choice.size, left / choice.tolerance, room, step=inf)
     return 1.0 if following is None else (following / choice.size) ** 2
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -82,18 +84,11 @@ def solve(
         BadInput: the theory or a place on the plate is no good.
         NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
     """
-    with answering(source):
-        with stages("modes"):
-            discrete = discretise(source, decided, stages, size)
-            diagram = sweep(source, discrete)
-        with stages("reduction"):
-            reduced = reduce(source, discrete.choice.operators, diagram)
-            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+    with answering(source), stages("modes"):
+        discrete = discretise(source, decided, stages, size)
+    points, diagram, numbers = points_on(source, decided, discrete, stages)
     asked = source.scene.rotor.speeds
-    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
-    numbers = [known[omega] for omega in asked if omega in known]
     with stages("modes"):
-        points = plate_records.points(source, discrete, diagram, numbers, reduced, at_cavity)
         surface = (
             plate_records.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes)
             if shapes
@@ -101,6 +96,26 @@ def solve(
         )
         beyond = plate_records.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
     return PlateAnswer(points, surface, discrete.theory, beyond)
+
+
+def points_on(
+    source: SceneFile, decided: Decided, discrete: Discrete, stages: Stages
+) -> tuple[tuple[SpeedPoint, ...], fem.Campbell, list[int]]:
+    """What is found at the speeds of a scene on matrices that are known; the sweep, and their numbers in it.
+
+    Raises:
+        BadInput, NoAnswer: see :func:`solve`.
+    """
+    with answering(source):
+        with stages("modes"):
+            diagram = sweep(source, discrete)
+        with stages("reduction"):
+            reduced = reduce(source, discrete.choice.operators, diagram)
+            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+    numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
+    with stages("modes"):
+        return plate_records.points(source, discrete, diagram, numbers, reduced, at_cavity), diagram, numbers
 
 
 def discretise(
@@ -215,20 +230,45 @@ def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -
     Raises:
         BadInput: the damper's place, or too few modes to find the bending mode among.
     """
-    from fem import NoFlapMode, PlaceError, reduce_over
+    if source.scene.damper is None:
+        return [None] * diagram.omega.size
+    return with_ball(source, reduction(source, operators, diagram))
 
+
+def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
+    """What the damper of a scene feels on a plate that may carry others."""
     damper = source.scene.damper
     if damper is None:
-        return [None] * diagram.omega.size
-    at = plate_mesh.place(source, operators.plate.mesh)
+        raise ValueError("the scene has no [damper]")
+    with _placed(source):
+        found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+
+
+def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
+    """The plate at the damper's place, for balls of any mass.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    from fem import Reduction
+
+    with _placed(source):
+        return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
+
+
+@contextmanager
+def _placed(source: SceneFile) -> Iterator[None]:
+    """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
+    from fem import NoFlapMode, PlaceError
+
     try:
-        found = reduce_over(operators, diagram, at, ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+        yield
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     except NoFlapMode as error:
         modes = source.scene.rotor.modes
         raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
 
 
 def cavity_modes(
@@ -247,10 +287,17 @@ def cavity_modes(
     found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
     return [
         tuple(
-            CavityMode(k + 1, float(stiffness[k]), _both(shape[:, k]), _both(slope[:, k]))
-            for k in range(len(stiffness))
+            CavityMode(
+                number=k + 1,
+                stiffness=float(found.stiffness[n, k]),
+                shape=_both(found.shape[n, :, k]),
+                slope=_both(found.slope[n, :, k]),
+                drawn=_both(found.drawn[n, :, k]),
+                pressed=float(found.pressed[n, k]),
+            )
+            for k in range(found.stiffness.shape[1])
         )
-        for stiffness, shape, slope in zip(found.stiffness, found.shape, found.slope, strict=True)
+        for n in range(found.stiffness.shape[0])
     ]
 
 

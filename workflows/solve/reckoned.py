@@ -41,7 +41,7 @@ def usual_unknowns(source: SceneFile, decided: Decided, model: str) -> float:
     (form, _), scene = decided.plate, source.scene
     first = first_unknowns(source, form, model)
     if model.startswith("solid"):
-        return max(first, finest_unknowns(source, form, model, decided.effects))
+        return max(searched(source, decided, model))
     finer = 4.0 * first if source.mesh is not None and len(form.sizes) > 2 else first
     finer_still = max(_USUALLY / scene.accuracy.frequency, 1.0) ** 0.5
     return max(finer, _USUAL * max(scene.rotor.modes / 6, 1.0) * float(finer_still))
@@ -57,16 +57,28 @@ def first_unknowns(source: SceneFile, form: Planform, model: str) -> float:
     return needs.unknowns(model, form.mesh(first_pair(form, source.scene.rotor.modes)[1]))
 
 
-def finest_unknowns(source: SceneFile, form: Planform, model: str, effects: dict[str, Effect]) -> float:
-    """Unknowns of the finest mesh that a search for bricks may try, which it does for all but rough accuracies."""
-    from fem.accuracy.choose_mesh import MOST_UNKNOWNS
+def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
+    """Unknowns of the meshes that a search should solve, the last of them that which it ends with.
 
-    fit = needs.most_unknowns(source, form, model, effects["large_deflection"].on)
-    most = min(MOST_UNKNOWNS["solid"], fit)
-    each = needs.unknowns(model, form.mesh(form.sizes[0])) / form.sizes[0] ** 2
-    if source.scene.accuracy.frequency >= _ROUGH:
-        return each
-    return max(each * size**2 for size in form.sizes if size == form.sizes[0] or each * size**2 <= most)
+    Where the first two are large it ends with the finer, but for bricks: all that may be tried for all but rough
+    accuracies.
+    """
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, STEP, first_pair, has_pair
+
+    form, _ = decided.plate
+    coarsest = needs.unknowns(model, form.mesh(form.sizes[0]))
+    if not has_pair(form, coarsest, model):
+        return [coarsest]
+    sizes = list(first_pair(form, source.scene.rotor.modes))
+    found = [needs.unknowns(model, form.mesh(size)) for size in sizes]
+    if not model.startswith("solid") or source.scene.accuracy.frequency >= _ROUGH:
+        return found
+    fit = needs.most_unknowns(source, form, model, decided.effects["large_deflection"].on)
+    most, each = min(MOST_UNKNOWNS["solid"], fit), found[-1] / sizes[-1] ** 2
+    while finer := [size for size in form.sizes if sizes[-1] < size <= STEP * sizes[-1] and each * size**2 <= most]:
+        sizes.append(finer[-1])
+        found.append(needs.unknowns(model, form.mesh(finer[-1])))
+    return found
 
 
 def reckon(

@@ -94,12 +94,16 @@ class CavityMode:
         number: of the mode, from 1.
         stiffness: modal, under the ball's pull but without its inertia [N/m].
         shape: displacement of the cavity [-]; slope: of its floor [1/m].
+        drawn: force by a unit acceleration of the root along the axes, but for its sign [kg].
+        pressed: force by a unit pressure all over the plate [m²].
     """
 
     number: int
     stiffness: float
     shape: tuple[float, float]
     slope: tuple[float, float]
+    drawn: tuple[float, float] = (0.0, 0.0)
+    pressed: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Step
 from workflows.studies.costs.by_ivp import ByIvp, Integrator, by_ivp
-from workflows.studies.costs.ladder import Chosen, Ladder, Row, measure
+from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import significant, whole
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def level(system: ParticleDamper) -> ParticleDamper:
 
 def ladder(
     system: ParticleDamper, release: tuple[float, float], point: SpeedPoint, step: Step
-) -> tuple[Ladder | None, Chosen]:
+) -> tuple[Ladder | None, Picked]:
     """Error of the energy that the ball takes in 20 cycles, and of the exact events against the tightest integration.
 
     What the structure's own damping takes is left out: it hides the ball's share, and every method has it right. There
@@ -65,7 +65,7 @@ def ladder(
     exact = ringdown(system, release, CYCLES).energy
     taken = _taken(exact)
     if abs(taken) < _NOTHING * exact.initial:
-        return None, Chosen("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
+        return None, Picked("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
     contest = _Contest(system, release, taken, _apart(system, release, taken))
     rows = (*contest.steps(step), *contest.integrators(step), contest.events(step))
     found = Ladder(
@@ -75,7 +75,7 @@ def ladder(
         tuple(replace(row, uncertainty=contest.apart) for row in rows),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
-    return found, Chosen("exact events", "closed form between events, roots to rounding", rounding, contest.apart)
+    return found, Picked("exact events", "closed form between events, roots to rounding", rounding, contest.apart)
 
 
 def _apart(system: ParticleDamper, release: tuple[float, float], taken: float) -> float | None:
@@ -104,7 +104,7 @@ class _Contest:
     taken: float
     apart: float | None
 
-    def steps(self, step: Step) -> Iterator[Row]:
+    def steps(self, step: Step) -> Iterator[Rung]:
         """The paper's way, from coarse steps to fine ones."""
         from damper import stepped_ringdown
 
@@ -116,7 +116,7 @@ class _Contest:
             solve = partial(stepped_ringdown, self.system, self.release, CYCLES, steps)
             yield measure("fixed step, as in the paper", f"{steps} a cycle", solve, judge)
 
-    def integrators(self, step: Step) -> Iterator[Row]:
+    def integrators(self, step: Step) -> Iterator[Rung]:
         """Those of SciPy, from loose tolerances to tight ones."""
 
         def judge(found: ByIvp) -> tuple[int | None, float]:
@@ -128,7 +128,7 @@ class _Contest:
                 solve = partial(by_ivp, self.system, self.release, CYCLES, method, rtol)
                 yield measure(f"solve_ivp, {method}", f"rtol {rtol:g}", solve, judge)
 
-    def events(self, step: Step) -> Row:
+    def events(self, step: Step) -> Rung:
         """What a run uses; held against the tightest integration, where that has an answer."""
         from damper import ringdown
 

@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Row:
+class Rung:
     """One setting of one method.
 
     Attributes:
@@ -42,11 +42,11 @@ class Ladder:
     stage: str
     quantity: str
     reference: str
-    rows: tuple[Row, ...]
+    rows: tuple[Rung, ...]
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Picked:
     """What the scene's accuracy chose in a stage, with the estimate it goes by and the error it turned out to have."""
 
     method: str
@@ -56,13 +56,13 @@ class Chosen:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Costs:
     """All ladders of a scene."""
 
     title: str
     asked: dict[str, float]
     ladders: tuple[Ladder, ...]
-    chosen: dict[str, Chosen]
+    chosen: dict[str, Picked]
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
@@ -93,7 +93,7 @@ def measure(
     work: Callable[[], T],
     judge: Callable[[T], tuple[int | None, float]],
     share: float = 1.0,
-) -> Row:
+) -> Rung:
     """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
 
     share: how much more the whole would take than the part of it that is timed.
@@ -102,14 +102,14 @@ def measure(
         found: Timed[T] = timed(work)
         unknowns, error = judge(found.value)
     except (ArithmeticError, ValueError, RuntimeError) as reason:
-        return Row(method, setting, failed=str(reason) or type(reason).__name__)
+        return Rung(method, setting, failed=str(reason) or type(reason).__name__)
     times = share * found.median, (share * found.low, share * found.high)
     if not math.isfinite(error):
-        return Row(method, setting, unknowns, *times, failed="no number came out")
-    return Row(method, setting, unknowns, *times, error=error)
+        return Rung(method, setting, unknowns, *times, failed="no number came out")
+    return Rung(method, setting, unknowns, *times, error=error)
 
 
-def _row(row: Row) -> dict[str, Any]:
+def _row(row: Rung) -> dict[str, Any]:
     entry = asdict(row)
     if row.failed is None:
         del entry["failed"]

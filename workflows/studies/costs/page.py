@@ -13,13 +13,13 @@ from workflows import wording
 from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.costs import plots
-from workflows.studies.costs.ladder import Ladder, Row, Study
+from workflows.studies.costs.ladder import Costs, Ladder, Rung
 from workflows.studies.costs.plates import WITH_THEORY
 from workflows.studies.costs.switching import Switched, Switches
 from workflows.studies.costs.timing import POLICY, POLICY_OF_DIFFERENCES
 
 
-def write_accuracy(found: Study, out: Path) -> None:
+def write_accuracy(found: Costs, out: Path) -> None:
     """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
 
     Raises:
@@ -78,7 +78,7 @@ def dumps(document: dict[str, Any]) -> str:
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def accuracy_text(found: Study) -> str:
+def accuracy_text(found: Costs) -> str:
     """The ladders as a table."""
     lines = []
     for ladder in found.ladders:
@@ -108,7 +108,7 @@ def effects_text(found: Switches) -> str:
     return "\n".join(lines)
 
 
-def verdict(found: Study) -> list[str]:
+def verdict(found: Costs) -> list[str]:
     """Who is cheapest for which error, in sentences, and what speaks against it."""
     return [
         f"{ladder.stage[0].upper()}{ladder.stage[1:]}: {_winner(ladder, _asked(found, ladder))}"
@@ -127,17 +127,17 @@ def not_drawn(ladder: Ladder) -> list[str]:
     return [f"{method}: {', '.join(settings)}" for method, settings in found.items()]
 
 
-def _asked(found: Study, ladder: Ladder) -> float:
+def _asked(found: Costs, ladder: Ladder) -> float:
     return found.asked["damping" if ladder.stage == "damper" or "damping" in ladder.stage else "frequency"]
 
 
-def _judged(ladder: Ladder) -> list[tuple[float, float, Row]]:
+def _judged(ladder: Ladder) -> list[tuple[float, float, Rung]]:
     """Time, error and row, the cheapest first."""
     known = [(row.time_s, row.error, row) for row in ladder.rows if row.time_s is not None and row.error is not None]
     return sorted(known, key=lambda item: item[0])
 
 
-def _best(ladder: Ladder, asked: float) -> Row | None:
+def _best(ladder: Ladder, asked: float) -> Rung | None:
     return next((row for _, error, row in _judged(ladder) if error <= asked), None)
 
 
@@ -171,7 +171,7 @@ def _doubt(ladder: Ladder, asked: float) -> str:
     return f"; the reference, itself good to about {good} %, leaves this open"
 
 
-def _theory_error(found: Study, ladder: Ladder) -> str:
+def _theory_error(found: Costs, ladder: Ladder) -> str:
     """What the winner's theory adds, which the ladder of each theory by itself does not see."""
     asked = _asked(found, ladder)
     best = _best(ladder, asked)
@@ -191,14 +191,14 @@ def _theory_error(found: Study, ladder: Ladder) -> str:
     return ""
 
 
-def _numbers(row: Row) -> str:
+def _numbers(row: Rung) -> str:
     unknowns = "–" if row.unknowns is None else str(row.unknowns)
     if row.failed is not None:
         return f"{unknowns:>9}  {row.failed}"
     return f"{unknowns:>9} {_milliseconds(row):>10} {_exponent(row.error):>9}"
 
 
-def _milliseconds(row: Row) -> str:
+def _milliseconds(row: Rung) -> str:
     return wording.significant(1e3 * (row.time_s or 0.0), 3)
 
 

@@ -11,7 +11,7 @@ from workflows.scene.rotor import Accuracy
 from workflows.solve import records
 from workflows.solve.records import Results
 from workflows.stages import Stages, Step
-from workflows.studies.costs.ladder import Chosen, Ladder, Row, measure
+from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import significant, whole
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
@@ -37,7 +37,7 @@ class _Quantity:
 QUANTITIES = ("first frequency", "cut-off", "peak specific damping capacity")
 
 
-def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chosen]]:
+def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Picked]]:
     """A ladder for each headline number that the scene has; none without a plate, where there is nothing to choose."""
     if source.scene.plate is None:
         return [], {}
@@ -46,7 +46,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chos
     step.advance("reference")
     finest = pipeline.run(_asking(source, _FINEST, theory), Stages(visible=False))
     shown = records.shown(finest.speeds)
-    runs: dict[float, tuple[Row, Results | None]] = {}
+    runs: dict[float, tuple[Rung, Results | None]] = {}
     for asked in ASKED:
         step.advance(f"accuracy {asked:g}")
         runs[asked] = _run(_asking(source, asked, theory), asked)
@@ -68,7 +68,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Chos
     return found, chosen
 
 
-def _run(source: SceneFile, asked: float) -> tuple[Row, Results | None]:
+def _run(source: SceneFile, asked: float) -> tuple[Rung, Results | None]:
     kept: list[Results] = []
 
     def judge(results: Results) -> tuple[int | None, float]:
@@ -89,11 +89,11 @@ def _trust(finest: Results, shown: int) -> str:
     return f" ({finest.diagram.mesh}{good})"
 
 
-def _judged(row: Row, results: Results | None, quantity: _Quantity, finest: Results) -> Row:
+def _judged(row: Rung, results: Results | None, quantity: _Quantity, finest: Results) -> Rung:
     if results is None:
         return row
     if quantity(results) is None:
-        return Row(row.method, row.setting, failed=f"no {quantity.name} came out")
+        return Rung(row.method, row.setting, failed=f"no {quantity.name} came out")
     row = replace(row, setting=_setting(row, results), unknowns=None, error=_error(results, finest, quantity))
     return row if row.error is not None else replace(row, failed="the reference's own mesh")
 
@@ -112,17 +112,17 @@ def _same_mesh(results: Results, finest: Results) -> bool:
     return results.diagram.mesh == finest.diagram.mesh
 
 
-def _setting(row: Row, results: Results) -> str:
+def _setting(row: Rung, results: Results) -> str:
     return row.setting if results.diagram is None else f"{row.setting}: {results.diagram.mesh}"
 
 
-def _chosen(source: SceneFile, quantity: _Quantity, finest: Results, theory: str | None) -> Chosen:
+def _chosen(source: SceneFile, quantity: _Quantity, finest: Results, theory: str | None) -> Picked:
     results = pipeline.run(_asking(source, None, theory), Stages(visible=False))
     estimate = None
     if quantity.name == "first frequency" and results.speeds[quantity.at].modes:
         estimate = results.speeds[quantity.at].modes[0].error_estimate
     setting = "" if results.diagram is None else results.diagram.mesh
-    return Chosen("pipeline", setting, estimate, _error(results, finest, quantity))
+    return Picked("pipeline", setting, estimate, _error(results, finest, quantity))
 
 
 def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> SceneFile:

@@ -10,7 +10,7 @@ import numpy as np
 
 from workflows.solve.records import Floats
 from workflows.stages import Step
-from workflows.studies.costs.ladder import Chosen, Ladder, Row, measure
+from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import fixed, significant, whole
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ def ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple
     return [ours, theirs], known
 
 
-def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[Ladder, Chosen]:
+def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[Ladder, Picked]:
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
     from fem import campbell, solve_modes
 
@@ -190,17 +190,17 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     return ladder, _chosen_basis(operators, omega, tried, direct, count)
 
 
-def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Chosen:
+def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Picked:
     from fem import campbell
 
     diagram = campbell(operators, omega, count)
     at = np.searchsorted(diagram.omega, tried)
     error = float(np.abs(diagram.frequencies_hz[at] / direct - 1.0).max())
     sizes = " and ".join(map(str, diagram.sizes))
-    return Chosen("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
+    return Picked("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
 
 
-def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Row, Floats | None]:
+def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Rung, Floats | None]:
     found: list[Floats] = []
 
     def judge(solved: tuple[int, Floats]) -> tuple[int | None, float]:
@@ -211,9 +211,9 @@ def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> t
 
     if method.theory == "solid" and _unknowns(problem, method, size) > _SOLID_AT_MOST:
         reason = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
-        return Row(method.name, _setting(problem, size), failed=reason), None
+        return Rung(method.name, _setting(problem, size), failed=reason), None
     if method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
-        return Row(method.name, _setting(problem, size), failed="the mesh is of triangles"), None
+        return Rung(method.name, _setting(problem, size), failed="the mesh is of triangles"), None
     row = measure(method.name, _setting(problem, size), lambda: problem.solve(method, size), judge)
     return row, found[0] if found else None
 

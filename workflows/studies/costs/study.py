@@ -19,14 +19,14 @@ from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Floats
 from workflows.stages import Stages
 from workflows.studies.costs import dampers, pipelines, plates
-from workflows.studies.costs.ladder import Chosen, Ladder, Study
+from workflows.studies.costs.ladder import Costs, Ladder, Picked
 from workflows.studies.costs.plates import Problem
 
 if TYPE_CHECKING:
     import fem
 
 
-def study(source: SceneFile, stages: Stages | None = None) -> Study:
+def study(source: SceneFile, stages: Stages | None = None) -> Costs:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
@@ -35,7 +35,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     """
     stages = stages or Stages()
     ladders: list[Ladder] = []
-    chosen: dict[str, Chosen] = {}
+    chosen: dict[str, Picked] = {}
     decided = decide(source, Stages(visible=False))
     if decided.form is not None:
         found, picked = _plate(source, decided, stages)
@@ -54,10 +54,10 @@ def study(source: SceneFile, stages: Stages | None = None) -> Study:
     if not ladders:
         raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
     asked = source.scene.accuracy.model_dump()
-    return Study(source.scene.title, asked, (*ladders, *whole), chosen | picked)
+    return Costs(source.scene.title, asked, (*ladders, *whole), chosen | picked)
 
 
-def _plate(source: SceneFile, decided: Decided, stages: Stages) -> tuple[list[Ladder], dict[str, Chosen]]:
+def _plate(source: SceneFile, decided: Decided, stages: Stages) -> tuple[list[Ladder], dict[str, Picked]]:
     (form, _), solver = decided.plate, plate.discretise(source, decided, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
@@ -88,7 +88,7 @@ def _left_out(effects: fem.Effects) -> str:
     return f"; all without {' and '.join(on)}, which the scene has on" if on else ""
 
 
-def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Chosen:
+def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Picked:
     """The mesh that the scene's accuracy chose, its estimate, and its error against the limit of its theory."""
     from fem import solve_modes
 
@@ -98,4 +98,4 @@ def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, 
         linear = replace(solver.choice.operators, effects=problem.effects, gyroscopic=None)
         frequencies = solve_modes(linear, problem.omega, problem.count).frequencies_hz
         error = float(np.abs(frequencies / limits[name][0] - 1.0).max())
-    return Chosen(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)
+    return Picked(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene import thicknesses
-from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, Floats, Study
+from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, Floats, Simulated
 
 if TYPE_CHECKING:
     from damper import ParticleDamper
@@ -58,7 +58,7 @@ CASES: tuple[tuple[Assumption, ...], ...] = (
 )
 
 
-def closure(study: Study) -> list[Closure]:
+def closure(study: Simulated) -> list[Closure]:
     """Damping at 21932 g and 20 mm, averaged over 20 cycles or those before rest, for every case."""
     table = []
     for case in CASES:
@@ -68,7 +68,7 @@ def closure(study: Study) -> list[Closure]:
     return table
 
 
-def _system(study: Study, formulation: str, case: tuple[Assumption, ...]) -> ParticleDamper:
+def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> ParticleDamper:
     system = study.system(formulation, damping_ratio=0.01 if ZETA in case else 0.0)
     if MASS in case:
         scene, m2 = study.scene, system.modal_mass

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from workflows.studies.reproduction.claim import Claim, Verdict, judge
-from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Study
+from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
 
 _CYCLES = 20
 
 
-def claims(study: Study) -> Iterator[Claim]:
+def claims(study: Simulated) -> Iterator[Claim]:
     """The claims of sections I and II."""
     yield _sliding(study)
     yield _threshold(study)
@@ -26,7 +26,7 @@ def claims(study: Study) -> Iterator[Claim]:
     yield _rotation(study)
 
 
-def _sliding(study: Study) -> Claim:
+def _sliding(study: Simulated) -> Claim:
     demands = [[p.damping.largest_rolling_demand or 0.0 for p in study.points[f] if p.damping] for f in FORMULATIONS]
     friction = study.scene.damper.friction if study.scene.damper else 0.0
     return Claim(
@@ -42,7 +42,7 @@ def _sliding(study: Study) -> Claim:
     )
 
 
-def _threshold(study: Study) -> Claim:
+def _threshold(study: Simulated) -> Claim:
     from damper import ringdown
 
     ratios = []
@@ -65,7 +65,7 @@ def _threshold(study: Study) -> Claim:
     )
 
 
-def _impacts(study: Study) -> Iterator[Claim]:
+def _impacts(study: Simulated) -> Iterator[Claim]:
     momentum, restitution, losses, caps = zip(*(_hits(study, f) for f in FORMULATIONS), strict=True)
     where = "II.B"
     yield Claim(
@@ -100,7 +100,7 @@ def _impacts(study: Study) -> Iterator[Claim]:
     )
 
 
-def _hits(study: Study, formulation: str) -> tuple[float, float, float, int]:
+def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]:
     """Over single oblique hits: worst momentum, restitution farthest from e, least loss, hits at the cap."""
     from damper import ringdown, sample
 
@@ -125,7 +125,7 @@ def _hits(study: Study, formulation: str) -> tuple[float, float, float, int]:
     return worst, farthest, least, capped
 
 
-def _sticking(study: Study) -> Claim:
+def _sticking(study: Simulated) -> Claim:
     from damper import capacity, ringdown
 
     changes, fewer = [], []
@@ -149,7 +149,7 @@ def _sticking(study: Study) -> Claim:
     )
 
 
-def _steps(study: Study) -> Claim:
+def _steps(study: Simulated) -> Claim:
     from damper import capacity, ringdown, stepped_ringdown
 
     found, exact = [], []
@@ -170,7 +170,7 @@ def _steps(study: Study) -> Claim:
     )
 
 
-def _balance(study: Study) -> Claim:
+def _balance(study: Simulated) -> Claim:
     shares = []
     for formulation in FORMULATIONS:
         damping = study.points[formulation][SHOWN].damping
@@ -189,7 +189,7 @@ def _balance(study: Study) -> Claim:
     )
 
 
-def _energy(study: Study) -> Claim:
+def _energy(study: Simulated) -> Claim:
     from damper import ringdown
 
     gains = []
@@ -209,7 +209,7 @@ def _energy(study: Study) -> Claim:
     )
 
 
-def _rotation(study: Study) -> Claim:
+def _rotation(study: Simulated) -> Claim:
     from damper import ringdown
 
     base = study.system("consistent", damping_ratio=0.0)

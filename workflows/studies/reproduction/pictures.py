@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, Curve
+from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,7 +82,7 @@ def _capacity(family: Family, number: int, sheet: Sheet) -> str:
     return drawing.svg(figure, sheet, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
-def _guides(axes: Axes, curve: Curve, number: int) -> None:
+def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
     axes.axhline(own, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
     if number == 3:

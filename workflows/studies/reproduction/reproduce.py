@@ -14,7 +14,7 @@ from workflows.studies.reproduction import equations, sweeps, table_two
 from workflows.studies.reproduction.claim import Claim, Verdict
 from workflows.studies.reproduction.closure import Closure, closure
 from workflows.studies.reproduction.slips import Slip, slips
-from workflows.studies.reproduction.study import Study, study
+from workflows.studies.reproduction.study import Simulated, study
 from workflows.studies.reproduction.sweeps import Sweeps
 
 ASSUMPTIONS = (
@@ -33,7 +33,7 @@ ASSUMPTIONS = (
 class Reproduction:
     """Everything the report shows."""
 
-    study: Study
+    study: Simulated
     sweeps: Sweeps
     claims: tuple[Claim, ...]
     slips: tuple[Slip, ...]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from workflows.scene.paper import TABLE_II
-from workflows.studies.reproduction.study import RELEASE, SHOWN, Study
+from workflows.studies.reproduction.study import RELEASE, SHOWN, Simulated
 
 if TYPE_CHECKING:
     from damper import ParticleDamper
@@ -27,12 +27,12 @@ class Slip:
     meaning: str
 
 
-def slips(study: Study) -> list[Slip]:
+def slips(study: Simulated) -> list[Slip]:
     """The slips found, in the order of the paper."""
     return [found(study) for found in (_inertia, _reaction, _energy, _wall, _rest, _gravity, _density, _tilt)]
 
 
-def _inertia(study: Study) -> Slip:
+def _inertia(study: Simulated) -> Slip:
     printed, consistent = study.system("printed"), study.system("consistent")
     return Slip(
         "eq. (2)",
@@ -43,7 +43,7 @@ def _inertia(study: Study) -> Slip:
     )
 
 
-def _reaction(study: Study) -> Slip:
+def _reaction(study: Simulated) -> Slip:
     printed = study.system("printed", damping_ratio=0.0)
     lossless = replace(printed, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
     return Slip(
@@ -55,7 +55,7 @@ def _reaction(study: Study) -> Slip:
     )
 
 
-def _energy(study: Study) -> Slip:
+def _energy(study: Simulated) -> Slip:
     return Slip(
         "eqs. (2)-(4)",
         "Together they make energy.",
@@ -73,7 +73,7 @@ def _gain(system: ParticleDamper) -> float:
     return 100 * (energy.final / energy.initial - 1)
 
 
-def _wall(_study: Study) -> Slip:
+def _wall(_study: Simulated) -> Slip:
     return Slip(
         "Table I",
         "The top wall's criterion reads u_x where it should read u_y.",
@@ -83,7 +83,7 @@ def _wall(_study: Study) -> Slip:
     )
 
 
-def _rest(study: Study) -> Slip:
+def _rest(study: Simulated) -> Slip:
     slowest = study.plate[0].modes[0].frequency_hz
     return Slip(
         "III.A",
@@ -94,7 +94,7 @@ def _rest(study: Study) -> Slip:
     )
 
 
-def _gravity(study: Study) -> Slip:
+def _gravity(study: Simulated) -> Slip:
     point = study.plate[SHOWN]
     return Slip(
         "Table II",
@@ -105,7 +105,7 @@ def _gravity(study: Study) -> Slip:
     )
 
 
-def _density(study: Study) -> Slip:
+def _density(study: Simulated) -> Slip:
     from damper import ball_density
 
     return Slip(
@@ -117,7 +117,7 @@ def _density(study: Study) -> Slip:
     )
 
 
-def _tilt(study: Study) -> Slip:
+def _tilt(study: Simulated) -> Slip:
     return Slip(
         "Fig. 1",
         "The cavity only shifts; on a bending plate its floor tilts, and the load pulls the ball back.",

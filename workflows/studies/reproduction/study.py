@@ -31,7 +31,7 @@ RELEASE = (20e-3, 5e-3)
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class DampingCurve:
     """One curve of a figure: a value per vibration cycle, from the release to rest.
 
     `amplitude_g` is the paper's Gamma, `ball` the capacity beyond the structure's own, `sdc` all of it,
@@ -47,7 +47,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Simulated:
     """The paper's scene, its structure at the seven speeds, and the ring-downs there in both formulations."""
 
     scene: Scene
@@ -75,19 +75,19 @@ class Study:
             scene = _with(scene, mass_ratio=mass_ratio)
         return replace(ringdowns.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
 
-    def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> Curve:
+    def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
         """Ring a damper down to rest, cycle by cycle."""
         from damper import capacity, ringdown
 
         found = capacity(ringdown(system, release, max_cycles=20_000))
         clearance = system.stuck_frequency**2 * 2 * system.half_gap[0] / self.gravity
         cutoff = None if found.cutoff is None else found.cutoff / self.gravity
-        return Curve(
+        return DampingCurve(
             label, found.amplitude / self.gravity, found.sdc, found.sdc - found.intrinsic_sdc, cutoff, clearance
         )
 
 
-def study(stages: Stages) -> Study:
+def study(stages: Stages) -> Simulated:
     """Solve the paper's plate once and ring both formulations down at every speed."""
     source = scene_file.load("paper")
     structure = pipeline.structure(source, stages, shapes=False)
@@ -96,7 +96,7 @@ def study(stages: Stages) -> Study:
         scene = _with(source.scene, formulation=formulation)
         points[formulation] = ringdowns.simulate(scene, structure.effects, structure.points, stages, SHOWN)
     rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
-    return Study(source.scene, structure.effects, points, rest)
+    return Simulated(source.scene, structure.effects, points, rest)
 
 
 def _at_rest(source: SceneFile) -> SceneFile:
@@ -109,7 +109,7 @@ def _with(scene: Scene, **changes: object) -> Scene:
     return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
 
 
-def moving(curve: Curve) -> Curve:
+def moving(curve: DampingCurve) -> DampingCurve:
     """The part of a curve in which the ball moved, the first cycle and the one of the cut-off left out."""
     level = curve.cutoff_g or 0.0
     keep = curve.amplitude_g > level * (1 + 1e-9)
@@ -117,7 +117,7 @@ def moving(curve: Curve) -> Curve:
     return replace(curve, amplitude_g=curve.amplitude_g[keep], sdc=curve.sdc[keep], ball=curve.ball[keep])
 
 
-def level(curve: Curve) -> float:
+def level(curve: DampingCurve) -> float:
     """Average of the ball's part while it moved [-]."""
     part = moving(curve).ball
     return float(part.mean()) if len(part) else math.nan

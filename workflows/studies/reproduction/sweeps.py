@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows.studies.reproduction.claim import Claim, Verdict, judge
-from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, Curve, Floats, Study, level, moving
+from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCurve, Floats, Simulated, level, moving
 
-Family = dict[str, list[Curve]]
+Family = dict[str, list[DampingCurve]]
 """Curves by formulation."""
 
 MASS_RATIOS = (0.003, 0.006, 0.009, 0.012)
@@ -31,34 +31,34 @@ class Sweeps:
     radius: Family
 
 
-def sweeps(study: Study) -> Sweeps:
+def sweeps(study: Simulated) -> Sweeps:
     """Compute every curve."""
 
-    def family(make: Callable[[str], Iterator[Curve]]) -> Family:
+    def family(make: Callable[[str], Iterator[DampingCurve]]) -> Family:
         return {formulation: list(make(formulation)) for formulation in FORMULATIONS}
 
-    def load(formulation: str) -> Iterator[Curve]:
+    def load(formulation: str) -> Iterator[DampingCurve]:
         for point in study.points[formulation]:
             d = point.damping
             if d is not None:
                 part = d.sdc - d.intrinsic_sdc
-                yield Curve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)
+                yield DampingCurve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)
 
-    def mass(formulation: str) -> Iterator[Curve]:
+    def mass(formulation: str) -> Iterator[DampingCurve]:
         for ratio in MASS_RATIOS:
             yield study.curve(f"{100 * ratio:.1f} %", study.system(formulation, mass_ratio=ratio))
 
-    def cavity(formulation: str) -> Iterator[Curve]:
+    def cavity(formulation: str) -> Iterator[DampingCurve]:
         for clearance in CLEARANCES:
             side = 2e-3 + clearance
             system = study.system(formulation, mass_ratio=0.012, cavity=(side, side))
             yield study.curve(f"{1e3 * clearance:g} mm", system)
 
-    def release(formulation: str) -> Iterator[Curve]:
+    def release(formulation: str) -> Iterator[DampingCurve]:
         for x in RELEASES:
             yield study.curve(f"{1e3 * x:g} mm", study.system(formulation), (x, x / 4))
 
-    def radius(formulation: str) -> Iterator[Curve]:
+    def radius(formulation: str) -> Iterator[DampingCurve]:
         for r in RADII:
             system = study.system(formulation, mass_ratio=0.01, ball_radius=r)
             yield study.curve(f"{1e3 * r:g} mm", system)
@@ -66,7 +66,7 @@ def sweeps(study: Study) -> Sweeps:
     return Sweeps(family(load), family(mass), family(cavity), family(release), family(radius))
 
 
-def claims(study: Study, found: Sweeps) -> Iterator[Claim]:
+def claims(study: Simulated, found: Sweeps) -> Iterator[Claim]:
     """The claims of section III."""
     yield _fig2(study)
     yield from _fig3(found.load)
@@ -94,7 +94,7 @@ def _levels(family: Family) -> list[list[float]]:
     return [[100 * level(c) for c in family[f]] for f in FORMULATIONS]
 
 
-def _fig2(study: Study) -> Claim:
+def _fig2(study: Simulated) -> Claim:
     dampings = [study.points[f][SHOWN].damping for f in FORMULATIONS]
     ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
     decays = dampings[1] is not None and _cycles_to_decay(dampings[1].peak_velocity) < 100
@@ -264,7 +264,7 @@ def _linearity(x: tuple[float, ...], y: list[float]) -> float:
     return float(r * r)
 
 
-def _overlap(curves: list[Curve], *, total: bool) -> float:
+def _overlap(curves: list[DampingCurve], *, total: bool) -> float:
     """Mean over amplitudes that all curves reach of their spread over their mean, interpolated."""
     parts = [moving(curve) for curve in curves]
     low = max(float(part.amplitude_g.min()) for part in parts)

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.solve.records import SpeedPoint
 from workflows.studies.reproduction.claim import Claim, judge
-from workflows.studies.reproduction.study import Study
+from workflows.studies.reproduction.study import Simulated
 from workflows.wording import significant
 
 WHERE = "Table II"
 _HIGH = slice(2, 7)
 
 
-def claims(study: Study) -> Iterator[Claim]:
+def claims(study: Simulated) -> Iterator[Claim]:
     """The claims of Table II."""
     yield _loads(study)
     yield _frequencies(study)
@@ -27,7 +27,7 @@ def claims(study: Study) -> Iterator[Claim]:
     yield _with_tilt(study)
 
 
-def _loads(study: Study) -> Claim:
+def _loads(study: Simulated) -> Claim:
     loads = [point.load_g for point in study.plate]
     exact = [round(load) == row.load for load, row in zip(loads, TABLE_II, strict=True)]
     return Claim(
@@ -42,7 +42,7 @@ def _loads(study: Study) -> Claim:
     )
 
 
-def _frequencies(study: Study) -> Claim:
+def _frequencies(study: Simulated) -> Claim:
     frequencies = [_first(point) for point in study.plate]
     errors = [f / row.frequency - 1 for f, row in zip(frequencies, TABLE_II, strict=True)]
     worst = 100 * max(map(abs, errors))
@@ -58,7 +58,7 @@ def _frequencies(study: Study) -> Claim:
     )
 
 
-def _stiffening(study: Study) -> Claim:
+def _stiffening(study: Simulated) -> Claim:
     low, high = study.plate[0], study.plate[-1]
     n2 = (high.rpm / 60) ** 2 - (low.rpm / 60) ** 2
     slope = (_first(high) ** 2 - _first(low) ** 2) / n2
@@ -75,7 +75,7 @@ def _stiffening(study: Study) -> Claim:
     )
 
 
-def _rest(study: Study) -> Claim:
+def _rest(study: Simulated) -> Claim:
     own, points = study.rest_hz, study.plate
     back = [math.sqrt(r.frequency**2 - _first(p) ** 2 + own**2) for r, p in zip(TABLE_II, points, strict=True)]
     printed = sum(back) / len(back)
@@ -103,7 +103,7 @@ class _Cutoffs:
     decay: float
 
     @classmethod
-    def of(cls, study: Study) -> _Cutoffs:
+    def of(cls, study: Simulated) -> _Cutoffs:
         printed, consistent = ([_cutoff(p) for p in study.points[f]] for f in ("printed", "consistent"))
         loads = [point.load_g for point in study.plate]
         ratios = [[c / load for c, load in zip(cut, loads, strict=True)] for cut in (printed, consistent)]
@@ -169,7 +169,7 @@ class _Cutoffs:
             "In proportion to the load.",
         )
 
-    def effective(self, study: Study) -> Claim:
+    def effective(self, study: Simulated) -> Claim:
         taken = [_taken(point) for point in study.plate]
         moves = all(map(_near_a_tenth, self.consistent_ratios))
         return Claim(
@@ -185,7 +185,7 @@ class _Cutoffs:
         )
 
 
-def _with_tilt(study: Study) -> Claim:
+def _with_tilt(study: Simulated) -> Claim:
     """The cut-offs of the blade itself, whose floor tilts as it bends."""
     ratios = [math.nan if p.tilted is None or p.tilted.ratio is None else p.tilted.ratio for p in study.plate]
     taken = [0.0 if p.working is None else -math.expm1(-4 * math.pi * p.working.peak) for p in study.plate]

@@ -1,0 +1,233 @@
+"""The short way to an amplitude at resonance: damping and frequency of free vibration, against amplitude.
+
+In a cycle of amplitude A a force of height F, a quarter of a period ahead, puts in pi F A; free vibration loses
+K A^2 Lambda(A) / 2. Where the motion stays near to one vibration of slowly varying amplitude the two are equal; off
+resonance the spring and the inertia, M (omega(A)^2 - nu^2) A, stand beside. The ball may be at rest, roll to and fro
+without reaching a wall, or hit the walls, at one and the same amplitude: each is a branch, and may have its answer.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from damper.parameters import number
+from damper.ringdown import ringdown
+from damper.working import Working, undamped, working
+
+if TYPE_CHECKING:
+    from damper.arrays import Floats
+    from damper.model import ParticleDamper
+    from damper.ringdown import RingDown
+
+_SETTLING, _CYCLES = 12, 24
+"""Cycles before and in which the period of free vibration is measured."""
+
+_FIRST, _FEW = 3, 4
+"""The same for a ball that rolls to and fro, which begins as it goes on."""
+
+_POINTS = 48
+"""Amplitudes at which it is, at most."""
+
+_LOWEST = 1e-3
+"""Least amplitude over half the clearance at which a ball that nothing holds is looked at."""
+
+_SCAN = 1000
+"""Amplitudes of a branch looked through for answers to a force."""
+
+
+class Way(StrEnum):
+    """What the ball does."""
+
+    RESTS = "rests"
+    ROLLS = "rolls to and fro"
+    HITS = "hits the walls"
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Free vibration while the ball keeps to one way; amplitudes are the cavity's along x [m].
+
+    Attributes:
+        way: what the ball does.
+        amplitude: ascending, shape (n,) [m].
+        damping_ratio: by the ball alone, shape (n,) [-]; beyond the last amplitude it falls as one over amplitude.
+        frequency: shape (n,) [rad/s].
+        range: amplitudes between which there is such a motion [m].
+    """
+
+    way: Way
+    amplitude: Floats
+    damping_ratio: Floats
+    frequency: Floats
+    range: tuple[float, float]
+
+    def at(self, amplitude: Floats) -> tuple[Floats, Floats]:
+        """Damping ratio and frequency."""
+        place, known = np.log(amplitude), np.log(self.amplitude)
+        beyond = np.minimum(1.0, self.amplitude[-1] / amplitude)
+        return np.interp(place, known, self.damping_ratio) * beyond, np.interp(place, known, self.frequency)
+
+
+@dataclass(frozen=True, eq=False)
+class Backbone:
+    """Free vibration along x in the mode that yields most, scaled to 1 at the cavity.
+
+    Attributes:
+        mass, stiffness, dashpot: with the ball stuck [kg, N/m, N s/m].
+        branches: what the ball may do.
+    """
+
+    mass: float
+    stiffness: float
+    dashpot: float
+    branches: tuple[Branch, ...]
+
+    def force(self, branch: Branch, amplitude: Floats, frequency: float | None = None) -> Floats:
+        """Height of the force at the cavity along x that keeps up these amplitudes [N]; None: at resonance."""
+        ratio, omega = branch.at(amplitude)
+        nu = omega if frequency is None else np.full_like(amplitude, frequency)
+        lost = self.dashpot * nu + 2 * self.stiffness * ratio
+        force: Floats = amplitude * np.hypot(self.mass * (omega**2 - nu**2), lost)
+        return force
+
+    def answers(self, force: float, frequency: float | None = None) -> tuple[tuple[float, float], ...]:
+        """All amplitudes that a force keeps up, ascending, each with the frequency of free vibration at it.
+
+        Args:
+            force: height at the cavity along x [N].
+            frequency: of the force [rad/s]; None: at resonance, whatever frequency that is.
+
+        Raises:
+            ValueError: the force is not positive and finite.
+        """
+        if not 0 < number("force", force) < math.inf:
+            raise ValueError(f"force must be positive and finite, got {force:g}")
+        found: list[float] = []
+        turns: list[float] = []
+        for branch in self.branches:
+            scan = self._scan(branch, force, frequency)
+            if len(scan) < 2:
+                continue
+            miss = np.log(self.force(branch, scan, frequency) / force)
+            crossed = np.flatnonzero((miss[:-1] < 0) != (miss[1:] < 0))
+            share = miss[crossed] / (miss[crossed] - miss[crossed + 1])
+            amplitudes = scan[crossed] * (scan[crossed + 1] / scan[crossed]) ** share
+            found += amplitudes.tolist()
+            turns += branch.at(amplitudes)[1].tolist()
+        return tuple(sorted(zip(found, turns, strict=True)))
+
+    def _scan(self, branch: Branch, force: float, frequency: float | None) -> Floats:
+        """Amplitudes of a branch between which all answers lie, closely."""
+        nu = branch.frequency.max() if frequency is None else frequency
+        stiffest = self.stiffness + self.mass * nu**2 + self.dashpot * nu
+        low = 0.5 * force / (stiffest + self.stiffness * branch.damping_ratio.max())
+        linear = force / (self.dashpot * branch.frequency.min()) if self.dashpot > 0 else 0.0
+        high = 2 * max(linear, force / stiffest, 1e3 * branch.amplitude[-1] if self.dashpot == 0 else low)
+        low, high = max(low, branch.range[0]), min(high, branch.range[1])
+        if not low < high:
+            return np.zeros(0)
+        inside = branch.amplitude[(branch.amplitude > low) & (branch.amplitude < high)]
+        return np.unique([*np.geomspace(low, high, _SCAN), *inside])
+
+
+def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
+    """Measure a damper's free vibration: damping from sweeps through the amplitudes, periods from ring-downs.
+
+    Args:
+        damper: what is measured; the structure's own damping is set aside for it.
+        threads: see :func:`damper.ringdowns`.
+    """
+    found, bare = working(damper, threads=threads), undamped(damper)
+    still = np.array([damper.stuck_frequency])
+    resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, found.cutoff))
+    branches = [resting] if found.cutoff > 0 else []
+    if found.peak > 0:
+        branches.append(_hitting(bare, found))
+    rolling = _rolling(bare, found.cutoff)
+    if rolling is not None:
+        branches.append(rolling)
+    return Backbone(
+        mass=damper.stuck_mass,
+        stiffness=damper.stiffness[0],
+        dashpot=2 * _own(damper) * math.sqrt(damper.stiffness[0] * damper.modal_mass),
+        branches=tuple(branches) or (resting,),
+    )
+
+
+def _own(damper: ParticleDamper) -> float:
+    """Damping ratio of the structure along x."""
+    own = None if damper.modes is None else damper.modes[damper.leading(0)].damping_ratio
+    return damper.damping_ratio if own is None else own
+
+
+def _hitting(bare: ParticleDamper, found: Working) -> Branch:
+    """What sweeps down through the amplitudes meet."""
+    which = np.unique(np.linspace(0, len(found.amplitude) - 1, _POINTS).astype(int))
+    frequency = []
+    for amplitude, ratio in zip(found.amplitude[which], found.damping_ratio[which], strict=True):
+        cycles = max(min(_CYCLES, int(0.4 / (2 * math.pi * ratio)) if ratio > 0 else _CYCLES), 2)
+        run = _released(bare, amplitude, min(_SETTLING, cycles) + cycles + 1, (0.0, 0.0))
+        frequency.append(_turns(run, min(_SETTLING, cycles)))
+    free = np.interp(np.log(found.amplitude), np.log(found.amplitude[which]), frequency)
+    low = max(found.cutoff, float(found.amplitude[0]) * (1 - 1e-9))
+    return Branch(Way.HITS, found.amplitude, found.damping_ratio, free, (low, math.inf))
+
+
+def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
+    """A ball that rolls to and fro and reaches no wall; None where there is none."""
+    gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
+    if gap == 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
+        return None
+    low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
+    points = []
+    for amplitude in np.geomspace(low * (1 + 1e-9), high, _POINTS):
+        ball = _swinging(bare, amplitude, share)
+        if abs(ball[0]) > gap:
+            break
+        first, then = (_released(bare, amplitude, cycles, ball) for cycles in (_FIRST, _FIRST + _FEW))
+        if then.impacts:
+            break
+        ratio = math.log(first.energy.final / then.energy.final) / (4 * math.pi * _FEW)
+        points.append((amplitude, max(ratio, 0.0), _turns(then, _FIRST)))
+    if len(points) < 2:
+        return None
+    amplitude, ratio, frequency = np.array(points).T
+    return Branch(Way.ROLLS, amplitude, ratio, frequency, (float(amplitude[0]), float(amplitude[-1])))
+
+
+def _swinging(bare: ParticleDamper, amplitude: float, share: float) -> tuple[float, float]:
+    """Place and velocity along x, at a crest of the structure, of a ball that rolls evenly to and fro.
+
+    s'' = -share u'' - beta a_r sgn s' with a turn every half period: at each the structure's velocity is
+    pi beta a_r / (2 share omega) towards its crest. Where that is more than it has, or the ball is driven too little
+    there to turn at once, it pauses: it begins at rest.
+    """
+    omega, push = bare.stuck_frequency, bare.inertia_ratio * bare.rolling_threshold
+    ahead = 0.5 * math.pi * push / (abs(share) * amplitude * omega**2)
+    if ahead >= 1 or math.sqrt(1 - ahead**2) * abs(share) * amplitude * omega**2 < push:
+        return 0.0, 0.0
+    way, wait = math.copysign(1.0, share), math.asin(ahead) / omega
+    place = abs(share) * amplitude * (ahead * wait * omega - 1) - 0.5 * push * wait**2
+    return way * place, way * (abs(share) * amplitude * omega * ahead - push * wait)
+
+
+def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:
+    """Let go in the mode that yields most along x, the ball in a place and with a velocity along x."""
+    place, velocity = ((value, 0.0) for value in ball)
+    modes = None
+    if bare.modes is not None:
+        each = [0.0] * len(bare.modes)
+        each[bare.leading(0)] = amplitude / bare.modes[bare.leading(0)].shape[0]
+        modes = tuple(each)
+    return ringdown(bare, (amplitude, 0.0), cycles, ball_position=place, ball_velocity=velocity, amplitudes=modes)
+
+
+def _turns(run: RingDown, wait: int) -> float:
+    """Frequency of the vibration after so many of its maxima [rad/s]."""
+    times = run.peak_times[wait:]
+    return 2 * math.pi * (len(times) - 1) / float(times[-1] - times[0])

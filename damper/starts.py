@@ -1,0 +1,175 @@
+"""Motions under a harmonic force about to start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from damper.linear import members_of
+from damper.locked import Complex, Locked, forgets, locked, moves_from, without_ball
+from damper.motion import flights, kinds, structures_by
+from damper.parameters import half_gap, number
+from damper.prepare import prepare
+from damper.tallies import BATCHES, TALLY, TRACE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from damper.arrays import Floats, Records
+    from damper.model import ParticleDamper
+    from damper.modes import Harmonic
+    from damper.parameters import Parameters
+
+_MEMORY = 8.0
+"""Decay times of the structure's own motion in a window: exp(-16) of it is left at its end."""
+
+_SHORTEST = 256
+"""Cycles of a window."""
+
+_HIGHEST = 1e3
+"""Largest amplification of a static force that motions begin with, where the structure has next to no damping."""
+
+
+class Start(StrEnum):
+    """Where a motion begins: steady states may exist side by side.
+
+    ``UP``: at rest, as when the force is raised slowly; where the ball can stay at rest, it does. ``DOWN``: with the
+    amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the number of the point.
+    """
+
+    UP = "up"
+    DOWN = "down"
+    RANDOM = "random"
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Records of n motions and what is known of their linear answers; every array is of length n."""
+
+    traces: Records
+    tallies: Records
+    clocks: Records
+    systems: Records
+    motions: Records
+    axes: Records
+    balls: Records
+    books: Records
+    linear: Complex
+    without: Complex
+    moves_from: Floats
+    power: Floats
+
+
+def motions_of(
+    damper: ParticleDamper,
+    harmonics: Sequence[Harmonic],
+    starts: Sequence[Start],
+    probe: Sequence[float] | None,
+    first: int,
+    longest: int,
+) -> Motions:
+    """One damper under several harmonics, numbered from `first` on, each from every start."""
+    rows = np.repeat(damper.parameters, len(harmonics))
+    kinds(damper, rows[:1], harmonics[0])
+    p = prepare(rows, np.zeros((len(rows), 5, 2)), 1.0, 1.0)
+    f = flights(damper, rows, p.axes, tuple(harmonics))
+    answer, order = locked(f.systems), _order(damper, rows)
+    weights = _weights(damper, rows, probe)
+    traces, begun = _traces(f.systems, answer, rows, weights[order], longest)
+    p.balls["sticking_floor"] = 1e-9 * f.systems["frequency"] * begun.cavity.max(axis=1)
+    movable = moves_from(rows, answer.drive)
+    parts = {
+        "traces": traces,
+        "tallies": np.zeros((len(rows), 2), TALLY),
+        "clocks": p.clocks,
+        "systems": f.systems,
+        "motions": f.motions,
+        "axes": p.axes,
+        "balls": p.balls,
+        "books": p.books,
+        "linear": (answer.z * traces["probe"][:, : len(order)]).sum(axis=1),
+        "without": without_ball(structures_by(damper, rows), harmonics) @ weights[:-2],
+        "moves_from": movable,
+        "power": np.stack([answer.power_in, answer.power_lost], axis=1),
+    }
+    all_starts = Motions(**{name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()})
+    for column, start in enumerate(starts):
+        _begin(start, slice(column, None, len(starts)), all_starts, begun, half_gap(rows), first)
+    return all_starts
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """What starts are measured by: the linear answer, capped, of the coordinates (n, N) and the cavity (n, 2) [m]."""
+
+    z: Complex
+    cavity: Floats
+    frequency: Floats
+
+
+def _order(damper: ParticleDamper, rows: Parameters) -> list[int]:
+    return [m for group in members_of(rows, structures_by(damper, rows)) for m in group]
+
+
+def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | None) -> Floats:
+    """The probe's weights of the coordinates (q, s)."""
+    shape = structures_by(damper, rows[:1]).shape[0]
+    weights = shape[0] if probe is None else np.array([number("probe", weight) for weight in probe])
+    if weights.shape != shape[0].shape:
+        raise ValueError(f"probe must be {shape.shape[1]} weights, one for each mode, got {len(weights)}")
+    return np.concatenate([weights, [0.0, 0.0]])
+
+
+def _traces(systems: Records, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Begun]:
+    """Records of the motions to come, and what they begin with."""
+    n, size = answer.z.shape
+    nu, spring = systems["frequency"], np.einsum("nii->ni", systems["spring"][:, :size, :size]).copy()
+    np.put_along_axis(spring, systems["place"], 0.0, axis=1)
+    energy = (spring * np.abs(answer.z) ** 2).sum(axis=1)
+    if not (energy > 0).all():
+        raise ValueError("a harmonic puts no force on any mode")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        static = np.where(spring > 0, systems["power"][:, :size] ** 2 / spring, 0.0).sum(axis=1)
+        cap = np.minimum(1.0, _HIGHEST * np.sqrt(static / energy))
+        scale = np.where(spring > 0, np.sqrt(energy[:, None] / spring), 0.0) * cap[:, None]
+    z = answer.z * cap[:, None]
+    cavity = np.abs(systems["mode_shape"][:, :, :size] @ z[..., None])[..., 0]
+    room = np.minimum(np.linalg.norm(cavity, axis=1)[:, None], half_gap(rows))
+    np.put_along_axis(scale, systems["place"], room, axis=1)
+    traces = np.zeros(n, TRACE)
+    traces["probe"][:, :size], traces["scale"][:, :size] = probe, scale
+    traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
+    traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
+    traces["patience"] = _patience(forgets(systems), traces["period"], longest)
+    return traces, _Begun(z, cavity, nu)
+
+
+def _patience(rate: float, period: Floats, longest: int) -> Floats:
+    """Cycles of the first window: a multiple of the batches in it, and half of what is allowed at most."""
+    remembered = np.inf if rate == 0 else _MEMORY / (rate * period)
+    cycles = np.minimum(np.where(np.isfinite(remembered), np.maximum(remembered, _SHORTEST), _SHORTEST), longest / 2)
+    whole: Floats = np.maximum(np.ceil(cycles / BATCHES), 1) * BATCHES
+    return whole
+
+
+def _begin(start: Start, here: slice, m: Motions, begun: _Begun, gap: Floats, first: int) -> None:
+    """Put motions into the states of a start."""
+    systems, motions, axes = m.systems[here], m.motions[here], m.axes[here]
+    n, size = begun.z.shape
+    z, s, w = np.zeros((n, size), complex), np.zeros((n, 2)), np.zeros((n, 2))
+    if start is Start.UP:
+        m.traces["verdict"][here] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
+    elif start is Start.DOWN:
+        z, w = begun.z, begun.frequency[:, None] * begun.cavity
+    else:
+        draws = np.array([np.random.default_rng([first + k, 1]).uniform(-1, 1, 6) for k in range(n)])
+        z = begun.z * (0.5 + 0.5 * draws[:, :1]) * np.exp(1j * math.pi * draws[:, 1:2])
+        s, w = draws[:, 2:4] * gap, draws[:, 4:] * begun.frequency[:, None] * begun.cavity
+    motions["z"][:, :size], motions["rate"][:, :size] = z.real, -begun.frequency[:, None] * z.imag
+    np.put_along_axis(motions["z"], systems["place"], s, axis=1)
+    np.put_along_axis(motions["rate"], systems["place"], w, axis=1)
+    axes["spin"] = w

@@ -1,0 +1,80 @@
+"""Processor time of an event, by what a flight has: `python -m tests.benchmarks.flights_speed [TURNS]`.
+
+The paper's damper at 21932 g rings down from 64 releases: on a level floor, on one that tilts, in a hollow one, driven,
+and under further structural modes. One thread, turn by turn, the median of all turns.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from damper import Harmonic, Mode, ParticleDamper, ringdowns
+
+RELEASES = 64
+OMEGA = 2 * np.pi * 269.5
+MASS = 0.316
+
+
+def level() -> ParticleDamper:
+    """The paper's damper at 10000 rpm."""
+    stiffness = 1.006 * MASS * OMEGA**2
+    return ParticleDamper(
+        modal_mass=MASS,
+        stiffness=(stiffness, stiffness),
+        ball_mass=0.006 * MASS,
+        ball_radius=1e-3,
+        cavity=(2.5e-3, 2.4e-3),
+        centrifugal_acceleration=219325.0,
+        restitution=0.5,
+        friction=0.3,
+        rolling_friction=1e-4,
+        damping_ratio=1e-3,
+    )
+
+
+def with_modes(count: int) -> ParticleDamper:
+    """Modes along x and y, and further ones along x, six times as fast each and hardly fed."""
+    base = level()
+    modes = [
+        Mode(MASS, base.stiffness[0], (1.0, 0.0), (6.9, 0.0)),
+        Mode(MASS, base.stiffness[1], (0.0, 1.0), (0.0, 6.9)),
+    ]
+    modes += [Mode(MASS, base.stiffness[0] * (1.0 + 0.3 * k) ** 2, (0.3, 0.0), (2.0, 0.0)) for k in range(1, count - 1)]
+    return replace(base, modes=tuple(modes))
+
+
+CASES = {
+    "level": (level(), None),
+    "tilt": (replace(level(), floor_tilt=(6.9, 6.9)), None),
+    "hollow": (replace(level(), floor_radius=(16e-3, 16e-3)), None),
+    "tilt and hollow": (replace(level(), floor_tilt=(6.9, 6.9), floor_radius=(16e-3, 16e-3)), None),
+    "driven": (level(), Harmonic(OMEGA, (1.0, 0.0))),
+    "2 modes": (with_modes(2), None),
+    "3 modes": (with_modes(3), None),
+    "4 modes": (with_modes(4), None),
+    "5 modes": (with_modes(5), None),
+}
+
+
+def main(turns: int = 9) -> None:
+    """Print a line a case."""
+    spent: dict[str, list[float]] = {name: [] for name in CASES}
+    release = np.column_stack([np.linspace(0.04, 0.05, RELEASES), np.linspace(0.01, 0.015, RELEASES)])
+    for turn in range(turns + 1):
+        for name, (damper, harmonic) in CASES.items():
+            began = time.process_time()
+            found = ringdowns(damper, release, 60, harmonic=harmonic, threads=1)
+            if turn:
+                spent[name].append((time.process_time() - began) / found.events.sum())
+    each = {name: 1e9 * float(np.median(times)) for name, times in spent.items()}
+    for name, nanoseconds in each.items():
+        print(f"{name:16s} {nanoseconds:7.0f} ns an event, {nanoseconds / each['level']:5.2f} x level")
+    print("each further mode:", ", ".join(f"{each[f'{k} modes'] / each[f'{k - 1} modes'] - 1:+.0%}" for k in (3, 4, 5)))
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

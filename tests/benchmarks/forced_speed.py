@@ -1,0 +1,78 @@
+"""Speed of steady states: cycles beside `solve_ivp`, and a whole crossing without and with the ball.
+
+    python -m tests.benchmarks.forced_speed
+
+Noise: the two ways follow each other in one process, on one core, several times; the ratio is told with its least and
+most. Nothing here passes or fails.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+
+import numpy as np
+
+from damper import Harmonic, ParticleDamper, Regime, forced, ringdown
+from tests.damper.lagrangian import Lagrangian
+
+ZETA, CYCLES, PEER = 2e-3, 2000, 4
+
+
+def scene() -> ParticleDamper:
+    """The paper's damper at 21,932 g on a structure of 1 kg and 269.5 Hz, its floor tilting."""
+    stiffness = 1.006 * (2 * math.pi * 269.5) ** 2
+    return ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(stiffness, stiffness),
+        ball_mass=0.006,
+        ball_radius=1e-3,
+        cavity=(2.5e-3, 2.4e-3),
+        centrifugal_acceleration=219320.0,
+        restitution=0.5,
+        friction=0.3,
+        rolling_friction=1e-4,
+        damping_ratio=ZETA,
+        floor_tilt=(6.8, 6.8),
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    damper = scene()
+    omega = damper.stuck_frequency
+    still = damper.rolling_threshold / omega**2 / (1 - damper.tilt_share[0])
+    force = 1.5 * still * 2 * ZETA * damper.stiffness[0]
+    harmonic = Harmonic(omega, (force, 0.0))
+    state = forced(damper, [harmonic])
+    print(f"steady: {state.regime[0, 0]}, {state.hits_per_cycle[0, 0]:g} hits a cycle, {state.cycles[0, 0]} cycles")
+    amplitude = float(state.mean[0, 0])
+    ratios = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        run = ringdown(damper, (0.0, 0.0), CYCLES, velocity=(-omega * amplitude, 0.0), harmonic=harmonic)
+        ours = (time.perf_counter() - begin) / CYCLES
+        begin = time.perf_counter()
+        there = Lagrangian(damper, np.array([amplitude, 0.0]), PEER * 2 * math.pi / omega, harmonic, most=10_000)
+        theirs = (time.perf_counter() - begin) / PEER
+        ratios.append(theirs / ours)
+    print(f"a cycle of {run.events / CYCLES:.1f} events: {1e6 * ours:.1f} us")
+    print(f"DOP853 with events, {len(there.events) / PEER:.1f} of them: {1e3 * theirs:.0f} ms")
+    print(f"ratio {statistics.median(ratios):.0f} ({min(ratios):.0f} to {max(ratios):.0f})")
+
+    speeds = omega * np.linspace(0.985, 1.015, 60)
+    dampers, harmonics = [], []
+    for nu in speeds:  # a damper of its own at each speed, as on a plate
+        here = scene()
+        dampers += [here] * 5
+        harmonics += [Harmonic(float(nu), (force * level, 0.0)) for level in (0.3, 0.7, 1.5, 3.0, 6.0)]
+    begin = time.perf_counter()
+    crossing = forced(dampers, harmonics)
+    seconds = time.perf_counter() - begin
+    kinds = {str(kind): int((crossing.regime == kind).sum()) for kind in Regime}
+    print(f"60 speeds x 5 forces x 3 starts: {seconds:.1f} s; {crossing.cycles.sum():.3g} cycles; {kinds}")
+
+
+if __name__ == "__main__":
+    main()

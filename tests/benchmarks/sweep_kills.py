@@ -1,0 +1,169 @@
+"""Sweeps killed with SIGKILL at random moments, workers killed singly, and a Dask cluster that loses one of its two.
+
+    python -m tests.benchmarks.sweep_kills [KILLS [SEED]]
+
+One sweep that nothing disturbs says what the folder must hold to the last byte. Another is killed KILLS times at a
+moment drawn from the whole of what is left of it, and started again; after each kill all its shards must be whole. A
+third loses a worker process every few seconds. The last is computed by a scheduler and two workers on this machine,
+one of which is killed in the middle; a cluster with one worker must take it up.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import psutil
+
+from tests.limits import HANG
+from workflows.studies.sweep.folder import LOCK
+
+VARY = (
+    "damper.mass_ratio=log:0.001:0.05:16",
+    "damper.clearance=log:0.1 mm:4 mm:16",
+    "rotor.speeds=3000 rpm:9000 rpm:4",
+)
+
+
+def main(kills: int = 20, seed: int = 7) -> None:
+    """Run all trials and print what was found; AssertionError where the end is not as undisturbed."""
+    draw = random.Random(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        began = time.perf_counter()
+        ended(start(place / "right"))
+        whole = time.perf_counter() - began
+        right = contents(place / "right")
+        print(f"undisturbed: {whole:.1f} s, {len(right)} files, {len(shards(place / 'right'))} shards")
+        print(killed(place / "killed", right, kills, whole, draw))
+        print(without_workers(place / "workers", right, draw))
+        print(on_a_cluster(place / "cluster", right))
+
+
+def start(out: Path, *more: str) -> subprocess.Popen[str]:
+    """Start the sweep in a process of its own, which has two workers."""
+    vary = [part for text in VARY for part in ("--vary", text)]
+    workers = [] if more else ["--workers", "2"]
+    command = [sys.executable, "-m", "workflows.cli", "sweep", "structure", *vary, "--quick", *workers, *more]
+    return subprocess.Popen([*command, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def ended(process: subprocess.Popen[str]) -> None:
+    """Wait for its end, which must be good."""
+    _, errors = process.communicate(timeout=HANG)
+    if process.returncode != 0:
+        raise AssertionError(f"status {process.returncode}: {errors}")
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """All files but the lock's."""
+    files = (path for path in sorted(out.rglob("*")) if path.is_file() and path.name != LOCK)
+    return {path.relative_to(out).as_posix(): path.read_bytes() for path in files}
+
+
+def same(out: Path, right: dict[str, bytes]) -> None:
+    """The folder holds what it must, to the last byte."""
+    found = contents(out)
+    wrong = sorted(name for name in found.keys() | right.keys() if found.get(name) != right.get(name))
+    if wrong:
+        raise AssertionError(f"not as undisturbed: {', '.join(wrong)}")
+
+
+def shards(out: Path) -> dict[str, bytes]:
+    """The shards that are there."""
+    return {path.name: path.read_bytes() for path in sorted((out / "shards").glob("*.npz"))}
+
+
+def killed(out: Path, right: dict[str, bytes], kills: int, whole: float, draw: random.Random) -> str:
+    """Kill the sweep again and again; nothing that is finished may be lost or torn."""
+    known: dict[str, bytes] = {}
+    finished = 0
+    for _ in range(kills):
+        process = start(out)
+        time.sleep(draw.uniform(0.0, whole))
+        children = psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []
+        process.kill()
+        process.communicate(timeout=HANG)
+        finished += process.returncode == 0
+        _, alive = psutil.wait_procs(children, timeout=10)
+        if alive:
+            raise AssertionError(f"{len(alive)} workers outlive the sweep")
+        there = shards(out)
+        if any(right[f"shards/{name}"] != data for name, data in there.items()) or not known.keys() <= there.keys():
+            raise AssertionError("a shard is torn, or lost")
+        known = there
+        if len(known) == len([name for name in right if name.startswith("shards/")]) and draw.random() < 0.7:
+            for name in list(known)[1:]:  # begin again, or there would be nothing left to kill
+                (out / "shards" / name).unlink()
+            known = shards(out)
+    ended(start(out))
+    same(out, right)
+    return f"{kills} kills at random moments ({finished} after the end): every byte as undisturbed, no worker left"
+
+
+def without_workers(out: Path, right: dict[str, bytes], draw: random.Random) -> str:
+    """Kill one worker at a time, each time that a shard more is there."""
+    process, count = start(out), 0
+    while process.poll() is None:
+        time.sleep(draw.uniform(0.0, 1.0))
+        if process.poll() is not None or len(shards(out)) < count:
+            continue
+        workers = [
+            child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())
+        ]
+        if workers:
+            draw.choice(workers).send_signal(signal.SIGKILL)
+            count += 1
+    ended(process)
+    same(out, right)
+    return f"{count} workers killed singly: every byte as undisturbed"
+
+
+def on_a_cluster(out: Path, right: dict[str, bytes]) -> str:
+    """A scheduler and two workers on loopback; one is killed when the first shard is there."""
+    started = [dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")]
+    try:
+        address = found(started[0], r"Scheduler at:\s+(tcp://\S+)")
+        for _ in range(2):
+            started.append(dask("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"))
+            found(started[-1], "Registered to")
+        process = start(out, "--dask", address)
+        while process.poll() is None and not list((out / "shards").glob("*.npz")):
+            time.sleep(0.05)
+        before = len(shards(out))
+        started[1].kill()
+        ended(process)
+        same(out, right)
+        return (
+            f"Dask, one of two workers killed after {before} shards of {len(shards(out))}: every byte as the local run"
+        )
+    finally:
+        for each in reversed(started):
+            each.kill()
+            each.communicate()
+
+
+def dask(*arguments: str) -> subprocess.Popen[str]:
+    """Start a part of a cluster."""
+    command = [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def found(process: subprocess.Popen[str], pattern: str) -> str:
+    """What a process says in a line that matches."""
+    if process.stderr is None:
+        raise ValueError("its errors are not read")
+    for line in process.stderr:
+        if match := re.search(pattern, line):
+            return match[match.re.groups]
+    raise AssertionError(f"it ended without {pattern}")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,80 @@
+"""What a sweep takes: seconds, points and events a second with one worker and with two, and the share that is lost.
+
+    python -m tests.benchmarks.sweep_speed [MASSES CLEARANCES SPEEDS]
+
+The map of the paper's damper over mass ratio, clearance and speed, quickly: 4 sweeps through the amplitudes a point. An
+event is a hit, a reversal, a sticking or a release, in ring-downs and in sweeps through the amplitudes; those of the
+sweeps are counted on one shard. Efficiency is the time with one worker over twice that with two; it means something on
+a machine with two idle cores only, so that the processor time of all processes is printed beside it.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+from unittest import mock
+
+import psutil
+
+import damper.prepare
+from workflows.stages import Stages
+from workflows.studies.sweep import blocks, crew, plans, study
+from workflows.studies.sweep.plates import Plates
+
+
+def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
+    """Print what one worker takes, and two."""
+    vary = {
+        "damper.mass_ratio": f"log:0.001:0.05:{masses}",
+        "damper.clearance": f"log:0.1 mm:4 mm:{clearances}",
+        "rotor.speeds": f"3500 rpm:17500 rpm:{speeds}",
+    }
+    asked = study.asked("paper", vary, quick=True)
+    points = plans.size(asked.plan)
+    each = events_of_a_point(asked)
+    print(f"{points} points in {len(asked.ranges)} shards, {each:.0f} events each")
+    seconds = []
+    for workers in (1, 2):
+        with tempfile.TemporaryDirectory() as place:
+            began, before = time.perf_counter(), spent()
+            study.complete(asked, Path(place) / "out", crew.local(workers), Stages(visible=False))
+            seconds.append(time.perf_counter() - began)
+            cpu = spent() - before
+        rate = points / seconds[-1]
+        print(
+            f"{workers} worker(s): {seconds[-1]:.1f} s, {cpu:.1f} s of the processor, {rate:.0f} points/s,"
+            f" {rate * each:.3g} events/s, {points * each / cpu:.3g} events per second of the processor"
+        )
+    efficiency = seconds[0] / 2 / seconds[1]
+    print(f"efficiency on 2 workers: {efficiency:.2f}; load of the machine {psutil.getloadavg()[0]:.1f}")
+
+
+def events_of_a_point(asked: study.Study) -> float:
+    """Events of a point on average, over the first shard and the last."""
+    seen = []
+    real = damper.prepare.prepare
+
+    def watched(*arguments: object, **more: object) -> object:
+        found = real(*arguments, **more)  # type: ignore[arg-type]
+        seen.append(found.clocks)
+        return found
+
+    count = 0
+    with mock.patch("damper.working.prepare", watched), mock.patch("damper.batch.prepare", watched):
+        for number in (0, len(asked.ranges) - 1):
+            begin, end = asked.ranges[number]
+            blocks.block(asked.source, asked.plan, begin, end, Plates(), quick=asked.quick)
+            count += end - begin
+    return sum(int(clocks["events"].sum()) for clocks in seen) / count
+
+
+def spent() -> float:
+    """Processor time of this process and of all its children that have ended [s]."""
+    times = psutil.Process().cpu_times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,259 @@
+"""Forced response of scenes: crossings, figures, files, and what is refused."""
+
+import csv
+import json
+import math
+import tomllib
+
+import jsonschema
+import numpy as np
+import pytest
+import xarray as xr
+
+import spindamp
+from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
+from workflows.errors import BadInput
+from workflows.scene.file import opened
+from workflows.scene.schema import schema
+from workflows.studies.response import crossings, files, page, told
+from workflows.studies.response.study import FEW_SPEEDS, respond
+
+STRUCTURE = """
+title = "known"
+[structure]
+frequency = "200 Hz"
+mass = "1 kg"
+[rotor]
+speeds = ["3000 rpm", "5000 rpm"]
+radius = "20 cm"
+[damper]
+mass_ratio = 0.01
+radius = "1 mm"
+cavity = ["3 mm", "3 mm"]
+restitution = 0.5
+friction = 0.3
+rolling_friction = "0.01 mm"
+damping_ratio = 0.01
+[release]
+displacement = ["1 mm", "0 mm"]
+[excitation]
+orders = [3]
+force = ["20 N", "2 N"]
+"""
+
+
+def read(text):
+    return opened(tomllib.loads(text))
+
+
+def changed(old, new):
+    assert old in STRUCTURE
+    return STRUCTURE.replace(old, new)
+
+
+@pytest.fixture(scope="module")
+def known():
+    return respond(read(STRUCTURE))
+
+
+def test_a_known_structure(known):
+    """The crossing is where three turns a period are 200 Hz without the ball; locked, the textbook's amplitude."""
+    (through,) = known.passed
+    hertz = 200 * math.sqrt(1.01)
+    assert through.crossing.frequency == pytest.approx(hertz, rel=1e-12)
+    assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
+    weak, strong = told.rows(known)
+    assert (weak.force, strong.force) == (2.0, 20.0)
+    omega = 2 * math.pi * hertz
+    assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
+    assert weak.stress_without is None
+    assert through.states.residual == pytest.approx(0.0, abs=1e-9 * np.abs(through.states.power_in).max())
+    least = 0.01 * 0.2 / (2 * math.pi * 200) ** 2  # a_r / Omega² = 0.01 R, over omega1²
+    per_newton = weak.without / 2.0
+    assert through.least_force == pytest.approx(least * through.crossing.omega**2 / per_newton, rel=2e-2)
+
+
+def test_the_short_way_stands_beside(known):
+    for row in told.rows(known):
+        assert abs(row.difference) < 0.02
+
+
+def test_document(known):
+    found = json.loads(page.dumps(known))
+    for entry in found["crossings"]:
+        assert {"order", "mode", "rpm", "frequency_hz", "force", "amplitude_without", "amplitude", "regime"} <= set(
+            entry
+        )
+        assert {"hits_per_cycle", "power_in", "power_lost", "shortcut"} <= set(entry)
+        assert set(entry["amplitude"]) == {"least", "mean", "rms", "greatest"}
+        assert set(entry["shortcut"]) == {"amplitude", "difference", "suffices"}
+        assert entry["power_lost"] == pytest.approx(entry["power_in"], rel=1e-2)
+    assert found["headline"][0].startswith(("Yes: at order 3", "No: at order 3"))
+    assert found["dampers"][0]["range"][0] < found["dampers"][0]["range"][1]
+
+
+def test_files(known, tmp_path):
+    assert spindamp.save(known, tmp_path / "out") == tmp_path / "out"
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
+    with xr.open_dataset(tmp_path / "out" / "response.nc", engine="h5netcdf") as data:
+        assert data["mean"].dims == ("crossing", "speed", "force", "start")
+        assert data["mean"].attrs["units"] == "m"
+        assert list(data["start"].values) == ["up", "down", "random"]
+        (through,) = known.passed
+        np.testing.assert_array_equal(data["mean"].values[0], through.shaped(through.states.mean))
+    (table,) = (tmp_path / "out").glob("response_order_3*.csv")
+    with table.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 60 * 2 * 3
+    assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
+    text = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert text.count("<figure>") == 5
+    page.write(known, tmp_path / "out")  # into its own folder again
+
+
+def test_same_bits(known):
+    again = respond(read(STRUCTURE))
+    assert files.dataset(known).identical(files.dataset(again))
+
+
+def test_a_moving_base():
+    """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
+    one = respond(read(changed('force = ["20 N", "2 N"]', 'base = "2 m/s^2"')))
+    same = respond(read(changed('force = ["20 N", "2 N"]', 'force = "2 N"')))
+    (base,), (force,) = told.rows(one), told.rows(same)
+    assert base.without == pytest.approx(force.without, rel=1e-9)
+    assert base.mean == pytest.approx(1.01 * force.mean, rel=1e-9)  # on the ball too
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('force = ["20 N", "2 N"]', "", "expected one of force, pressure and base"),
+        ('force = ["20 N", "2 N"]', 'force = "1 N"\nbase = "1 g"', "leave one out"),
+        ('force = ["20 N", "2 N"]', 'force = ["1 N", "1 N"]', "every level once"),
+        ('force = ["20 N", "2 N"]', 'force = "0 N"', "more than 0"),
+        ('force = ["20 N", "2 N"]', 'force = "1 Pa"', "a force such as '10 N'"),
+        ('force = ["20 N", "2 N"]', 'pressure = "1 Pa"', "belongs to a plate"),
+        ("orders = [3]", "orders = [2.5]", "whole numbers"),
+        ("orders = [3]", "orders = []", "whole numbers"),
+        ("orders = [3]", "orders = [3, 3]", "every order once"),
+        ("orders = [3]", "order = [3]", "did you mean 'orders'"),
+    ],
+)
+def test_bad_excitations(old, new, says):
+    with pytest.raises(BadInput, match=says):
+        read(changed(old, new))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (STRUCTURE[: STRUCTURE.index("[excitation]")], r"\[excitation\].*orders"),
+        (changed('speeds = ["3000 rpm", "5000 rpm"]', 'speeds = ["3000 rpm"]'), "two speeds at least"),
+        (changed("damping_ratio = 0.01", 'damping_ratio = 0.01\nformulation = "printed"'), "know no force"),
+    ],
+)
+def test_what_response_needs(text, says):
+    with pytest.raises(BadInput, match=says):
+        respond(read(text))
+
+
+def test_no_crossing():
+    found = respond(read(changed("orders = [3]", "orders = [1]")))
+    assert told.sentences(found) == ["No engine order asked for crosses a mode between 3000 and 5000 rpm."]
+    assert json.loads(page.dumps(found))["crossings"] == []
+    assert "<figure>" in page.render(found)
+    assert not files.dataset(found).data_vars
+
+
+def test_schema_takes_what_scenes_take():
+    jsonschema.validate(tomllib.loads(STRUCTURE), schema())
+
+
+def test_speeds_through_a_crossing():
+    omega = crossings.gathered(100.0, 98.0, 101.0, 21)
+    assert (omega[0], omega[10], omega[-1]) == pytest.approx((98.0, 100.0, 101.0))
+    steps = np.diff(omega)
+    assert (steps > 0).all()
+    assert steps[10] < 0.4 * steps[-1]
+
+
+def test_loads_on_a_slender_cantilever():
+    """Of the mass 0.6131 follows a moving root in the first bending mode, 0.1883 in the second; pressure is alike."""
+    plate = Plate(rectangle(1.0, 0.02, 40, 2), 0.01, Material(2e11, 0.0, 7850.0))
+    operators = assemble(plate, Rotor(), Effects())
+    found = modes_at(operators, campbell(operators, np.zeros(1), 6), (1.0, 0.0), np.zeros(1))
+    mass, area = 7850.0 * 0.02 * 0.01, 0.02
+    bending = np.abs(found.shape[0, 0]) > 1e-3
+    shares = found.drawn[0, 0, bending] ** 2 / mass
+    assert shares[:2] == pytest.approx([0.6131, 0.1883], rel=2e-3)
+    assert found.pressed[0] == pytest.approx(found.drawn[0, 0] * area / mass, abs=1e-9)
+    across = np.argmax(np.abs(found.shape[0, 1]))
+    assert found.drawn[0, 1, across] ** 2 / mass == pytest.approx(0.6131, rel=2e-3)
+
+
+def test_loads_with_a_tip_mass_and_a_thickness_that_varies():
+    """Pressure drives by the volume swept, whatever the thickness; a moving root by what has mass."""
+    from fem.meshes.thickness import Polynomial
+
+    profile = Polynomial(((0.01,), (-0.006,)))
+    plate = Plate(rectangle(1.0, 0.1, 20, 2), profile, Material(2e11, 0.0, 7850.0), tip_mass=0.3, tip_at=(1.0, 0.0))
+    operators = assemble(plate, Rotor(), Effects())
+    diagram = campbell(operators, np.zeros(1), 4)
+    found = modes_at(operators, diagram, (1.0, 0.0), np.zeros(1))
+    x, weights = np.polynomial.legendre.leggauss(40)
+    x, weights = 0.5 * (x + 1), 0.5 * weights
+    along = np.array([modes_at(operators, diagram, (float(a), 0.0), np.zeros(1)).shape[0, 0, 0] for a in x])
+    assert found.pressed[0, 0] == pytest.approx(0.1 * weights @ along, rel=2e-3)
+    heavy = 7850.0 * 0.1 * (weights * (0.01 - 0.006 * x)) @ along + 0.3 * found.shape[0, 0, 0]
+    assert found.drawn[0, 0, 0] == pytest.approx(heavy, rel=2e-3)
+
+
+def test_from_python():
+    found = spindamp.response(tomllib.loads(changed("orders = [3]", "orders = [1]")))
+    assert found.passed == ()
+
+
+@pytest.mark.parametrize("kind", ["pressure", "base"])
+def test_a_plate_that_is_shaken_all_over(kind):
+    """At the crossing the ball at rest leaves Q F / (2 zeta omega²) at the tip, F the modal force of a cantilever."""
+    level = {"pressure": '"100 Pa"', "base": '"0.01 g"'}[kind]
+    source = read(f"""
+[plate]
+length = "20 cm"
+width = "4 cm"
+thickness = "4 mm"
+theory = "kirchhoff"
+[material]
+youngs_modulus = "200 GPa"
+poissons_ratio = 0.0
+density = "7850 kg/m^3"
+[rotor]
+speeds = ["1200 rpm", "2600 rpm"]
+modes = 3
+[damper]
+mass_ratio = 0.005
+radius = "1 mm"
+cavity = ["3 mm", "3 mm"]
+restitution = 0.5
+friction = 0.3
+rolling_friction = "0.1 mm"
+damping_ratio = 0.01
+[release]
+displacement = ["1 mm", "0 mm"]
+[excitation]
+orders = [3]
+{kind} = {level}
+""")
+    found = respond(source)
+    (through,) = found.passed
+    assert through.crossing.family == "flap"
+    assert len(through.omega) in (60, FEW_SPEEDS)
+    (row,) = told.rows(found)
+    omega = 2 * math.pi * through.crossing.frequency
+    # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
+    force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
+    tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)
+    assert row.without == pytest.approx(tip, rel=0.02)
+    assert row.stress_without == pytest.approx(200e9 * 0.002 * 3.516 * tip / 0.04, rel=0.03)

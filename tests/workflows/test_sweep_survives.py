@@ -1,0 +1,216 @@
+"""A study ends as if undisturbed, whatever happens on the way, or refuses."""
+
+from __future__ import annotations
+
+import errno
+import os
+from concurrent.futures import BrokenExecutor, Executor, Future
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from workflows.errors import BadInput
+from workflows.stages import Stages
+from workflows.studies.sweep import crew, folder, study
+from workflows.studies.sweep.crew import Crew
+
+VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], "damper.restitution": [0.3, 0.6]}
+
+
+class Here(Executor):
+    """Computes when it is asked, and does badly when it is told to: the nth tasks die."""
+
+    def __init__(self, dies=(), stops=None):
+        self.count, self.dies, self.stops = 0, dies, stops
+
+    def submit(self, task, /, *arguments, **more):
+        self.count += 1
+        future = Future()
+        if self.count == self.stops:
+            raise KeyboardInterrupt
+        if self.count in self.dies:
+            future.set_exception(BrokenExecutor("killed"))
+        else:
+            future.set_result(task(*arguments, **more))
+        return future
+
+
+@contextmanager
+def crew_of(executor, size=2):
+    yield Crew(lambda: (executor, lambda: size))
+
+
+@pytest.fixture(autouse=True)
+def _small_shards(monkeypatch):
+    monkeypatch.setattr(study, "_LEAST", 3)
+
+
+@pytest.fixture(scope="module")
+def asked():
+    return study.asked("structure", VARY, quick=True)
+
+
+def complete(asked, out, executor=None, size=2):
+    study.complete(asked, out, crew_of(executor or Here(), size), Stages(visible=False))
+    return contents(out)
+
+
+def contents(out):
+    return {
+        path.relative_to(out).as_posix(): path.read_bytes()
+        for path in sorted(Path(out).rglob("*"))
+        if path.is_file() and path.name != folder.LOCK
+    }
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "_LEAST", 3)
+        return complete(study.asked("structure", VARY, quick=True), tmp_path_factory.mktemp("study") / "out")
+
+
+def test_the_order_of_the_work_is_not_seen(asked, undisturbed, tmp_path):
+    assert complete(asked, tmp_path / "out", size=7) == undisturbed
+    assert len([name for name in undisturbed if name.startswith("shards/")]) == 4
+
+
+def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tmp_path):
+    first = Here(stops=4)
+    with pytest.raises(KeyboardInterrupt):
+        complete(asked, tmp_path / "out", first, size=1)
+    finished = len(list((tmp_path / "out" / "shards").glob("*.npz")))
+    assert 0 < finished < 4
+    second = Here()
+    assert complete(asked, tmp_path / "out", second) == undisturbed
+    assert second.count == 4 - finished
+    third = Here()
+    assert complete(asked, tmp_path / "out", third) == undisturbed
+    assert third.count == 0
+
+
+def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):
+    executor = Here(dies={1, 3})
+    assert complete(asked, tmp_path / "out", executor) == undisturbed
+    assert executor.count > 4
+
+
+def test_workers_that_always_die_end_the_study(asked, tmp_path):
+    with pytest.raises(BadInput, match="die as soon as they begin"):
+        complete(asked, tmp_path / "out", Here(dies=range(1000)))
+
+
+def test_a_torn_shard_is_computed_again(asked, undisturbed, tmp_path):
+    complete(asked, tmp_path / "out")
+    shard = tmp_path / "out" / "shards" / "000001.npz"
+    whole = shard.read_bytes()
+    for torn in (whole[: len(whole) // 2], b"", whole[:300] + bytes([whole[300] ^ 1]) + whole[301:]):
+        shard.write_bytes(torn)
+        executor = Here()
+        assert complete(asked, tmp_path / "out", executor) == undisturbed
+        assert executor.count == 1
+
+
+def test_what_was_half_written_goes(asked, undisturbed, tmp_path):
+    complete(asked, tmp_path / "out")
+    (tmp_path / "out" / "shards" / ".partial-000001.npz").write_bytes(b"half")
+    (tmp_path / "out" / ".partial-sweep.zarr").mkdir()
+    assert complete(asked, tmp_path / "out") == undisturbed
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, monkeypatch, call):
+    left = iter(range(3))
+    real = getattr(os, call)
+
+    def full(*arguments):
+        if next(left, None) is None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, call, full)
+        with pytest.raises(BadInput, match="No space left on device; what is finished stays"):
+            complete(asked, tmp_path / "out")
+    assert not list((tmp_path / "out" / "shards").glob(".partial*"))
+    assert complete(asked, tmp_path / "out") == undisturbed
+
+
+def test_two_writers_are_refused(asked, tmp_path):
+    with (
+        folder.opened(tmp_path / "out", asked.key, asked.identity),
+        pytest.raises(BadInput, match="another sweep is writing into it"),
+    ):
+        complete(asked, tmp_path / "out")
+
+
+def test_another_study_is_refused(asked, tmp_path):
+    complete(asked, tmp_path / "out")
+    before = contents(tmp_path / "out")
+    for other, what in (
+        (study.asked("structure", VARY), "quick"),
+        (study.asked("structure", {"damper.friction": [0.1]}, quick=True), "points"),
+        (study.asked("paper", VARY, quick=True), "scene"),
+    ):
+        with pytest.raises(BadInput, match=what):
+            complete(other, tmp_path / "out")
+    assert contents(tmp_path / "out") == before
+
+
+def test_other_code_is_refused(asked, tmp_path, monkeypatch):
+    complete(asked, tmp_path / "out")
+    monkeypatch.setattr("workflows.studies.sweep.code.digest", lambda: "other")
+    with pytest.raises(BadInput, match="differs in its code and versions"):
+        complete(study.asked("structure", VARY, quick=True), tmp_path / "out")
+    with pytest.raises(BadInput, match="a worker has other code"):
+        study.compute(asked, 0)
+
+
+def test_the_digest_sees_every_module():
+    from workflows.studies.sweep import code
+
+    assert len(code.digest()) == 64
+    assert code.identity()["sources_sha256"] == code.digest()
+
+
+def test_a_folder_with_other_things_is_refused(asked, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(BadInput, match=r"holds a mine.txt and no study"):
+        complete(asked, tmp_path / "out")
+
+
+def test_processes_give_the_same_bits(asked, undisturbed, tmp_path):
+    """One real process of this machine: spawned, one thread, its own caches."""
+    study.complete(asked, tmp_path / "out", crew.local(1), Stages(visible=False))
+    assert contents(tmp_path / "out") == undisturbed
+
+
+def test_the_data_set_is_read_back(undisturbed, asked, tmp_path):
+    complete(asked, tmp_path / "out")
+    import xarray as xr
+
+    found = xr.open_dataset(tmp_path / "out" / study.DATA, engine="zarr", consolidated=False)
+    assert dict(found.sizes) == {"damper.friction": 6, "damper.restitution": 2, "rotor.speeds": 1}
+    assert list(found["damper.friction"].values) == VARY["damper.friction"]
+    assert found.damping_ratio_peak.attrs["units"] == "1"
+
+
+def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
+    """A real scheduler and a worker, in threads of this process; processes that die are a trial of their own."""
+    distributed = pytest.importorskip("distributed")
+    how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**how) as cluster:
+        study.complete(asked, tmp_path / "out", crew.cluster(cluster.scheduler_address), Stages(visible=False))
+    assert contents(tmp_path / "out") == undisturbed
+
+
+def test_no_cluster(asked, tmp_path):
+    pytest.importorskip("distributed")
+    with pytest.raises(BadInput, match="no scheduler answers there"):
+        complete_on(asked, tmp_path / "out", crew.cluster("nonsense://there:1"))
+
+
+def complete_on(asked, out, hired):
+    study.complete(asked, out, hired, Stages(visible=False))

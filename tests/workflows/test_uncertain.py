@@ -1,0 +1,105 @@
+"""Uncertain parameters: percentiles and Sobol' indices, against functions whose own are known."""
+
+from __future__ import annotations
+
+import json
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import spindamp
+from workflows.errors import BadInput
+from workflows.scene.file import load
+from workflows.studies.sweep import axes, uncertain
+
+A, B = 7.0, 0.1
+
+
+def ishigami(x):
+    """Ishigami and Homma 1990: sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 on angles from -π to π."""
+    return np.sin(x[0]) + A * np.sin(x[1]) ** 2 + B * x[2] ** 4 * np.sin(x[0])
+
+
+def known_indices():
+    """First order and total, by hand."""
+    one = 0.5 * (1 + B * math.pi**4 / 5) ** 2
+    two = A**2 / 8
+    both = 8 * B**2 * math.pi**8 / 225
+    whole = one + two + both
+    return np.array([one, two, 0.0]) / whole, np.array([one + both, two, both]) / whole
+
+
+def angles():
+    """Three axes of a sample, each from -π to π whatever its name."""
+    keys = [
+        axes.keys.find(name, "--vary") for name in ("damper.friction", "damper.restitution", "damper.damping_ratio")
+    ]
+    return [axes.Axis(key, (), axes.Spread(-math.pi, math.pi)) for key in keys]
+
+
+def test_indices_of_ishigami():
+    plan = uncertain.plan(angles(), (1.0,), 4096, seed=3)
+    columns = plan.columns(0, plan.count)
+    values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
+    found = uncertain.indices(values, 3, seed=3)
+    first, total = known_indices()
+    assert np.allclose(first, [0.3139, 0.4424, 0.0], atol=1e-4)
+    assert np.all(np.abs(found["S1"] - first) <= 1.5 * found["S1_conf"])
+    assert np.all(np.abs(found["ST"] - total) <= 1.5 * found["ST_conf"])
+    assert found["ST_conf"].max() < 0.06
+    known = uncertain.independent(values, 3)
+    assert known.mean() == pytest.approx(A / 2, abs=0.1)
+
+
+def test_points_without_answer_take_their_base_point_along():
+    plan = uncertain.plan(angles(), (1.0,), 512, seed=3)
+    columns = plan.columns(0, plan.count)
+    values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
+    values[::37] = np.nan
+    found = uncertain.indices(values, 3, seed=3)
+    assert np.all(np.abs(found["ST"] - known_indices()[1]) <= 2 * found["ST_conf"])
+    assert np.isnan(uncertain.indices(np.full_like(values, np.nan), 3, seed=3)["S1"]).all()
+    assert not uncertain.indices(np.full_like(values, 2.0), 3, seed=3)["S1"].any()
+
+
+def test_what_is_uncertain_unless_it_is_said():
+    found = {axis.name: axis.spread for axis in uncertain.defaults(load("paper").scene)}
+    assert found["damper.restitution"].low == pytest.approx(0.4)
+    assert found["damper.rolling_friction"].high == pytest.approx(2e-4)
+    assert found["damper.clearance[0]"].high == pytest.approx(0.55e-3)
+    assert "damper.damping_ratio" in found
+    assert "damper.damping_ratio" not in {axis.name for axis in uncertain.defaults(load("structure").scene)}
+
+
+def test_errors():
+    scene = load("structure").scene
+    with pytest.raises(BadInput, match="expected a distribution"):
+        uncertain.axes(["damper.friction=0.1,0.2"], scene)
+    with pytest.raises(BadInput, match="power of two"):
+        uncertain.plan(uncertain.defaults(scene), (1.0,), 100, 0)
+
+
+def test_the_cutoff_depends_on_rolling_friction_alone():
+    """a_r / omega_1² with a_r = Omega² R mu_r / r: an exact answer, spread as its one parameter is."""
+    with ThreadPoolExecutor(1) as here:
+        vary = {"damper.rolling_friction": "0.05 mm:0.15 mm", "damper.friction": "0.2:0.4"}
+        found = spindamp.sweep("structure", vary, uncertain=True, sample=8, quick=True, executor=here)
+    cutoff = found.sel(quantity="cutoff").isel({"rotor.speeds": 0})
+    total = dict(zip(cutoff.parameter.values, cutoff.ST.values, strict=True))
+    assert total["damper.rolling_friction"] == pytest.approx(1.0, abs=0.4)
+    assert total["damper.friction"] == 0.0
+    per_metre = float((found.cutoff / found["damper.rolling_friction"])[0, 0])
+    assert np.allclose(found.cutoff[:, 0], per_metre * found["damper.rolling_friction"], rtol=1e-12)
+    assert float(cutoff.percentiles[2]) == pytest.approx(per_metre * 1e-4, rel=0.1)
+
+
+def test_from_the_command_line(spindamp, tmp_path):
+    arguments = ("--uncertain", "--sample", 8, "--quick", "--workers", 1, "--out", tmp_path / "out", "--json")
+    done = spindamp("sweep", "structure", "--vary", "damper.restitution=normal:0.5:0.05", *arguments)
+    assert done.status == 0, done.err
+    (entry, *_) = json.loads(done.out)["uncertain"]
+    assert entry["quantity"] == "damping_ratio_peak"
+    assert entry["percentiles"]["5.0"] < entry["percentiles"]["95.0"]
+    assert "worth measuring" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

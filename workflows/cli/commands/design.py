@@ -1,0 +1,45 @@
+"""`spindamp design`: the damper that damps best within what a scene allows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from workflows.cli.commands.options import Dask, Json, Out, Processes, SceneArgument, Seed
+
+
+def design(
+    scene: SceneArgument = "design",
+    out: Out = None,
+    workers: Processes = None,
+    dask: Dask = None,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """Find the damper that damps best within what the table [design] of a scene allows.
+
+    Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
+    """
+    from workflows.output import store
+    from workflows.scene import file as scene_file
+    from workflows.stages import Stages
+    from workflows.studies.design import page, study
+    from workflows.studies.sweep.study import crew_of
+
+    source = scene_file.load(scene)
+    if out is None and not json:
+        out = Path(f"spindamp-design-{scene_file.slug(source.scene.title)}")
+    if out is not None:
+        store.check(out, page.FILES)
+    with Stages() as stages:
+        found = study.design(source, seed=seed, hired=crew_of(workers, dask), stages=stages)
+        if out is not None:
+            with stages("report"):
+                page.write(found, out)
+    if json:
+        typer.echo(page.dumps(found))
+        return
+    typer.echo(page.text(found))
+    if out is not None:
+        typer.echo(f"\nopen {out / 'report.html'}, or spindamp run {out / 'best.toml'}")

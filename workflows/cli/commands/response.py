@@ -1,0 +1,33 @@
+"""`spindamp response`: forced response through the crossings of engine orders and modes, without and with the ball."""
+
+from __future__ import annotations
+
+import typer
+
+from workflows.cli.commands.options import Json, Out, SceneArgument
+
+
+def response(scene: SceneArgument = "paper", out: Out = None, json: Json = False) -> None:
+    """Forced response where engine orders cross modes, without and with the ball.
+
+    Takes the forces from the scene's table [excitation]. Without --out nothing is written.
+    """
+    from workflows.output import store
+    from workflows.scene import file as scene_file
+    from workflows.stages import Stages
+    from workflows.studies.response import page, told
+    from workflows.studies.response.study import respond
+
+    source = scene_file.load(scene)
+    if out is not None:
+        store.check(out, page.FILES)
+    with Stages() as stages:
+        found = respond(source, stages)
+        if out is not None:
+            page.write(found, out)
+    if json:
+        typer.echo(page.dumps(found))
+        return
+    typer.echo(told.text(found))
+    if out is not None:
+        typer.echo(f"\nopen {out / 'report.html'}")

@@ -1,0 +1,40 @@
+"""What the best damper does over amplitude, at every speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.studies.design.space import Space
+from workflows.studies.sweep import blocks, plans, quantities
+from workflows.studies.sweep.blocks import Reasons
+from workflows.studies.sweep.plates import Plates
+
+if TYPE_CHECKING:
+    from damper import ParticleDamper, Working
+    from workflows.studies.design.search import Found
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The damper at a speed [rev/min], and its figures."""
+
+    rpm: float
+    damper: ParticleDamper
+    working: Working
+
+
+def of(space: Space, found: Found) -> list[Curve]:
+    """A curve for each speed at which the best ball takes anything."""
+    plan = space.plan(np.asarray(found.shares)[None])
+    size = plans.size(plan)
+    placed = blocks.all_placed(space.source, plan, 0, size, Plates(), quantities.empty(size), Reasons())
+    curves = []
+    for each in placed:
+        damper = each.judged
+        figures = blocks.measured(damper, {}, reach=space.design.amplitude[1])
+        if figures.amplitude.size:
+            curves.append(Curve(each.point.rpm, damper, figures))
+    return curves

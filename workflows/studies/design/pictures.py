@@ -1,0 +1,92 @@
+"""Pictures of a design: the map around the best, and what the best does over amplitude."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.findings.worth import AIR
+from workflows.report import drawing
+from workflows.report.drawing import Sheet
+from workflows.studies.design import objective
+from workflows.studies.design.space import NAMES
+from workflows.studies.sweep import maps
+from workflows.studies.sweep.pictures import Picture
+from workflows.wording import whole
+
+if TYPE_CHECKING:
+    from workflows.studies.design.curves import Curve
+    from workflows.studies.design.study import Designed, Grid
+
+
+def draw(found: Designed, curves: list[Curve]) -> list[Picture]:
+    """All pictures there are."""
+    pictures = []
+    with drawing.style():
+        if curves:
+            pictures.append(Picture(drawing.both(partial(_curves, found, curves)), _OF_CURVES))
+        if found.grid is not None and found.grid.values.max() > 0:
+            pictures.append(Picture(drawing.both(partial(_map, found, found.grid)), _OF_THE_MAP))
+    return pictures
+
+
+_OF_CURVES = (
+    "Damping ratio by the ball of the best damper over the amplitude at the cavity, at each speed. The range that"
+    " counts lies between the dashed lines; dotted, the most that any ball of its mass could do in its room."
+    f" Grey: what the air gives turbine blades, {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %."
+)
+_OF_THE_MAP = (
+    "The least damping ratio over the range, with two of the free lengths changed and all else as in the best; white"
+    " where a limit is exceeded or the load holds the ball at rest. The cross is the best."
+)
+
+
+def _curves(found: Designed, curves: list[Curve], sheet: Sheet) -> str:
+    figure, (axes,) = drawing.canvas(sheet, 3.1)
+    low, high = found.space.design.amplitude
+    colours = maps.spread(len(curves) + 1)
+    for curve, colour in zip(curves, colours, strict=False):
+        shown = curve.working.damping_ratio > 0
+        at, ratio = curve.working.amplitude[shown], curve.working.damping_ratio[shown]
+        axes.plot(1e3 * at, 100 * ratio, color=colour, label=f"{whole(curve.rpm)} rpm")
+        grid = np.geomspace(low, high, 30)
+        bound = [objective.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
+        axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=drawing.RULE, lw=0)
+    for end in (low, high):
+        axes.axvline(1e3 * end, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
+    axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    top = max(100 * curve.working.peak for curve in curves)
+    axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
+    drawing.key(figure, axes, sheet, title="speed")
+    return drawing.svg(figure, sheet, "best", "Damping ratio of the best damper over amplitude")
+
+
+def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
+    figure, (axes,) = drawing.canvas(sheet, 3.4)
+    xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
+    values = np.where(grid.values > 0, 100 * grid.values, np.nan)
+    levels = maps.levels([values])
+    colours = maps.spread(len(levels) - 1)
+    axes.contourf(xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours)
+    best = found.space.values(found.found.shares)
+    axes.plot(
+        _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y]), "x", color=drawing.INK, ms=7, mew=1.6, clip_on=False
+    )
+    scales: dict[str, Any] = {"xscale": maps.scale(grid.xs), "yscale": maps.scale(grid.ys)}
+    axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
+    axes.grid(visible=False)
+    maps.colour_key(figure, sheet, levels, colours, "least damping ratio, %")
+    return drawing.svg(figure, sheet, "around", "Least damping ratio around the best design")
+
+
+def _shown(name: str, value: Any) -> Any:
+    """In mm; of a ball its diameter."""
+    return 1e3 * np.asarray(value, dtype=float) * (2 if name == "damper.radius" else 1)
+
+
+def _label(name: str) -> str:
+    return f"{NAMES[name].replace('_', ' ')}, mm"

@@ -1,0 +1,74 @@
+"""A forced response as a folder: JSON, netCDF, tables, pictures, and one page for a person."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import partial
+from pathlib import Path
+
+from workflows import wording
+from workflows.findings import worth
+from workflows.output import store
+from workflows.report import drawing, templating
+from workflows.studies.response import files, plots, told
+from workflows.studies.response.study import Response
+
+FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
+"""What is written beside the usual files, as a regular expression."""
+
+
+def dumps(found: Response) -> str:
+    """The machine-readable result."""
+    return json.dumps(told.document(found), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def write(found: Response, out: str | os.PathLike[str]) -> Path:
+    """Write `response.json`, `response.nc`, tables, pictures and `report.html` into `out`, or nothing; returns `out`.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    page, out = render(found), Path(out)
+    with store.replacing(out) as folder:
+        (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
+        files.dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
+        files.write_csv(found, folder)
+        campbell = drawing.standalone(plots.campbell(found, drawing.WIDE))
+        (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
+        for number, through in enumerate(found.passed):
+            drawn = drawing.standalone(plots.response(found, through, str(number), drawing.WIDE))
+            (folder / f"response_{files.tag(through)}.svg").write_text(drawn, encoding="utf-8")
+        (folder / "report.html").write_text(page, encoding="utf-8")
+    return out
+
+
+def render(found: Response) -> str:
+    """The page. Everything that comes from a scene is escaped."""
+    from markupsafe import Markup
+
+    sections = [
+        {
+            "through": through,
+            "crossing": through.crossing,
+            "rows": [row for row in told.rows(found) if row.through is through],
+            "response": Markup(drawing.both(partial(plots.response, found, through, str(number)))),
+            "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
+            "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
+            "endured": told.endured(found, through),
+        }
+        for number, through in enumerate(found.passed)
+    ]
+    words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly, wording.whole)
+    return templating.page(
+        "response.html.j2",
+        {word.__name__: word for word in words},
+        drawing.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
+        found=found,
+        unit=found.excitation.unit,
+        sentences=told.sentences(found),
+        sections=sections,
+        campbell=Markup(drawing.both(partial(plots.campbell, found))),
+        damping=Markup(drawing.both(partial(plots.damping, found))),
+        air=worth.AIR,
+    )

@@ -1,0 +1,312 @@
+"""What a forced response amounts to: a row for each crossing and force, and sentences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from workflows.findings import worth
+from workflows.results import provenance, resolved
+from workflows.studies.response.study import Response, Through, peak
+from workflows.wording import significant, whole
+
+HELPS = 0.99
+"""Amplitude over that without the ball up to which the ball is said to help: less is next to nothing."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A crossing under one force, at the speed and from the start at which the mean amplitude is largest.
+
+    Attributes:
+        without: largest amplitude without the ball, whatever the speed [m]; the same in each of the others.
+        least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
+        smallest: mean at the same speed from the start from which it is smallest [m].
+        stress_without, stress_with: at the root [Pa], None where it is not known.
+        short, difference: amplitude by the short way, and over the mean less 1; None where it does not speak of this.
+    """
+
+    through: Through
+    force: float
+    rpm: float
+    frequency: float
+    without: float
+    least: float
+    mean: float
+    rms: float
+    greatest: float
+    error: float
+    smallest: float
+    regime: str
+    hits_per_cycle: float
+    power_in: float
+    power_lost: float
+    short: float | None
+    stress_without: float | None
+    stress_with: float | None
+
+    @property
+    def ratio(self) -> float:
+        """Mean amplitude with the ball over the one without."""
+        return self.mean / self.without
+
+    @property
+    def difference(self) -> float | None:
+        """The short way's amplitude over the true one, less 1."""
+        return None if self.short is None else self.short / self.mean - 1
+
+
+def rows(found: Response) -> list[Row]:
+    """All crossings under all forces."""
+    return [_row(found, through, k) for through in found.passed for k in range(len(through.forces))]
+
+
+def _row(found: Response, through: Through, force: int) -> Row:
+    speed, start = peak(through, force)
+    states = through.states
+
+    def at(name: str) -> float:
+        return float(through.shaped(getattr(states, name))[speed, force, start])
+
+    without = float(np.abs(through.shaped(states.without))[:, force].max())
+    short = float(through.short[speed, force, start])
+    stress = _stress(found, through)
+    return Row(
+        through=through,
+        force=through.forces[force],
+        rpm=float(through.omega[speed]) * 30 / np.pi,
+        frequency=through.crossing.order * float(through.omega[speed]) / (2 * np.pi),
+        without=without,
+        **{name: at(name) for name in ("least", "mean", "rms", "greatest", "error")},
+        smallest=float(through.shaped(states.mean)[speed, force].min()),
+        regime=str(through.shaped(states.regime)[speed, force, start]),
+        hits_per_cycle=at("hits_per_cycle"),
+        power_in=at("power_in"),
+        power_lost=at("power_lost"),
+        short=short if np.isfinite(short) else None,
+        stress_without=None if stress is None else stress * without,
+        stress_with=None if stress is None else stress * at("greatest"),
+    )
+
+
+def _stress(found: Response, through: Through) -> float | None:
+    """At the root per amplitude at the cavity, in the first bending mode [Pa/m]."""
+    material, strain = found.results.scene.material, found.strain_per_amplitude
+    if material is None or strain is None or through.crossing.family != "flap" or through.crossing.branch != 0:
+        return None
+    return material.youngs_modulus * strain
+
+
+def endured(found: Response, through: Through) -> float | None:
+    """Amplitude at the cavity that the root endures [m]; None where it is not known."""
+    if _stress(found, through) is None or not found.strain_per_amplitude:
+        return None
+    return worth.ENDURED / found.strain_per_amplitude
+
+
+def sentences(found: Response) -> list[str]:
+    """Whether the ball helps, in one plain sentence; then each crossing."""
+    if not found.passed and not found.idle:
+        low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
+        return [f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."]
+    said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
+    for crossing, why in found.idle:
+        said.append(f"{_place(crossing.order, crossing.family, crossing.rpm)}: nothing to follow, {why}.")
+    given = found.results.scene.damper
+    if given is not None and given.damping_ratio == 0 and found.passed:
+        said.append("Without damping of its own ([damper] damping_ratio) the structure has no bound at resonance.")
+    return said
+
+
+def _verdict(found: Response) -> str:
+    """Whether the ball helps anywhere under amplitudes that a blade endures."""
+    helped = {
+        row.through.crossing.order: row.ratio
+        for row in sorted(rows(found), key=lambda row: -row.ratio)
+        if row.ratio <= HELPS and row.mean <= (endured(found, row.through) or np.inf)
+    }
+    orders = _listed(sorted({through.crossing.order for through in found.passed}))
+    if not found.passed:
+        return "No crossing is driven at the damper's place."
+    if not helped:
+        bearable = "" if found.strain_per_amplitude is None else " at any amplitude that its root endures"
+        return f"No: at order{orders} the ball does not help{bearable}."
+    best = significant(100 * (1 - min(helped.values())), 2)
+    return f"Yes: at order{_listed(sorted(helped))} the ball takes up to {best} % of the amplitude at resonance."
+
+
+def _listed(orders: list[int]) -> str:
+    """Of a few orders, as the end of a word: s 2 and 3."""
+    words = [str(order) for order in orders]
+    return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
+
+
+def _place(order: int, family: str, rpm: float) -> str:
+    return f"Order {order} meets the {family} mode at {whole(rpm)} rpm"
+
+
+def _sentence(found: Response, through: Through) -> str:
+    c, unit = through.crossing, found.excitation.unit
+    place = f"{_place(c.order, c.family, c.rpm)}, {significant(c.frequency)} Hz"
+    mine = [row for row in rows(found) if row.through is through]
+    best = min(mine, key=lambda row: row.ratio)
+    begins = _begins(found, through)
+    if best.ratio > HELPS:
+        left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
+        return (
+            f"{place}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
+            f" {left} % of it are left{begins}"
+        )
+    helped = [row.force for row in mine if row.ratio <= HELPS]
+    span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
+    cut = significant(100 * (1 - best.ratio), 2)
+    limit = endured(found, through)
+    if limit is not None and all(row.mean > limit for row in mine if row.ratio <= HELPS):
+        cut += " %, but only at amplitudes beyond what the root of a blade endures; it takes"
+        return f"{place}: the ball takes up to {cut} that at {span} {unit}{begins}"
+    return f"{place}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
+
+
+def _begins(found: Response, through: Through) -> str:
+    """From which force on the ball moves, and what the root then bears."""
+    least, unit = through.least_force, found.excitation.unit
+    if least == 0:
+        return "; nothing holds it at rest."
+    if not np.isfinite(least):
+        return "; it never moves."
+    stress, force = _stress(found, through), significant(least)
+    if stress is None:
+        return f"; it begins to move at {force} {unit}."
+    per_force = float(np.abs(through.shaped(through.states.without)).max(axis=0)[0]) / through.forces[0]
+    there = significant(1e-6 * stress * per_force * least)
+    limit = endured(found, through)
+    much = ", more than blades endure" if limit is not None and per_force * least > limit else ""
+    return f"; it begins to move at {force} {unit}, where the root without a ball bears {there} MPa{much}."
+
+
+def document(found: Response) -> dict[str, Any]:
+    """The machine-readable result: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
+    results = found.results
+    return {
+        "schema_version": 1,
+        "title": results.scene.title,
+        "scene": resolved.scene(results.scene, results.effects, results.theory),
+        **provenance.hashes(results),
+        "versions": provenance.versions(),
+        "timings": results.timings,
+        "notes": list(results.notes),
+        "headline": sentences(found),
+        "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
+        "aerodynamic_damping_ratio": list(worth.AIR),
+        "crossings": [_entry(found, row) for row in rows(found)],
+        "dampers": [_damper(found, through) for through in found.passed],
+        "not_followed": [
+            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency}
+            | {"why": why}
+            for c, why in found.idle
+        ],
+    }
+
+
+def _entry(found: Response, row: Row) -> dict[str, Any]:
+    c = row.through.crossing
+    asked = found.results.scene.accuracy.damping
+    short = None
+    if row.short is not None and row.difference is not None:
+        short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= asked}
+    return {
+        "order": c.order,
+        "mode": c.branch + 1,
+        "family": c.family,
+        "rpm": c.rpm,
+        "frequency_hz": c.frequency,
+        "frequency_error": _known(c.error),
+        "basis_error": c.basis,
+        "force": row.force,
+        "peak_rpm": row.rpm,
+        "peak_frequency_hz": row.frequency,
+        "amplitude_without": row.without,
+        "amplitude": {"least": row.least, "mean": row.mean, "rms": row.rms, "greatest": row.greatest},
+        "amplitude_error": row.error,
+        "smallest_answer": row.smallest,
+        "ratio": row.ratio,
+        "stress_without": row.stress_without,
+        "stress_with": row.stress_with,
+        "regime": row.regime,
+        "hits_per_cycle": row.hits_per_cycle,
+        "power_in": _known(row.power_in),
+        "power_lost": _known(row.power_lost),
+        "shortcut": short,
+    }
+
+
+def _damper(found: Response, through: Through) -> dict[str, Any]:
+    """The damper's own figures at a crossing, and the force from which it moves."""
+    c, figures = through.crossing, through.figures
+    return {
+        "order": c.order,
+        "mode": c.branch + 1,
+        "least_force": _known(through.least_force),
+        "structure_damping_ratio": found.results.scene.damper.damping_ratio if found.results.scene.damper else None,
+        "damping_ratio_peak": figures.peak,
+        "at_amplitude": _known(figures.peak_amplitude),
+        "range": [_known(end) for end in figures.range],
+        "cutoff": _known(figures.cutoff),
+        "endured_amplitude": endured(found, through),
+        "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
+    }
+
+
+def _known(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+def text(found: Response) -> str:
+    """What a person reads on the terminal."""
+    unit = found.excitation.unit
+    lines = [found.results.scene.title, *sentences(found), ""]
+    heads = (
+        "order",
+        "mode",
+        "rpm",
+        f"force, {unit}",
+        "without, mm",
+        "with, mm",
+        "ratio",
+        "regime",
+        "hits",
+        "short way off",
+    )
+    table = [heads, *(_cells(row) for row in rows(found))]
+    widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
+    lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
+    low, high = (significant(100 * ratio, 2) for ratio in worth.AIR)
+    for through in found.passed:
+        figures, c = through.figures, through.crossing
+        if figures.peak > 0:
+            ends = " to ".join(significant(1e3 * end) for end in figures.range)
+            lines.append(
+                f"order {c.order}: the ball's damping ratio is {significant(100 * figures.peak, 2)} % at most, at"
+                f" {significant(1e3 * figures.peak_amplitude)} mm; it works from {ends} mm; the air alone gives blades"
+                f" {low} to {high} %"
+            )
+    return "\n".join(lines)
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    c = row.through.crossing
+    off = "–" if row.difference is None else f"{significant(100 * row.difference, 2)} %"
+    return (
+        str(c.order),
+        f"{c.family} {c.branch + 1}",
+        whole(row.rpm),
+        significant(row.force),
+        significant(1e3 * row.without, 4),
+        f"{significant(1e3 * row.mean, 4)}",
+        significant(row.ratio, 4),
+        row.regime,
+        significant(row.hits_per_cycle),
+        off,
+    )

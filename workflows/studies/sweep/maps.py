@@ -1,0 +1,63 @@
+"""What maps have in common: levels, colours, axes, and the key to them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.report import drawing
+from workflows.report.drawing import Sheet
+from workflows.wording import significant
+
+if TYPE_CHECKING:
+    Floats = np.ndarray[Any, np.dtype[np.float64]]
+
+_STEPS = (1.0, 2.0, 5.0)
+
+SHADES = 12
+"""Colours of a map, at most."""
+
+
+def scale(values: Floats) -> str:
+    """The axis of values: logarithmic where they are spread more evenly in their logarithm."""
+    if len(values) < 3 or values.min() <= 0:
+        return "linear"
+    steps, ratios = np.diff(values), np.diff(np.log(values))
+    return "log" if ratios.std() / abs(ratios.mean()) < steps.std() / abs(steps.mean()) else "linear"
+
+
+def levels(tables: list[Floats]) -> list[float]:
+    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours."""
+    known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
+    if not known.size:
+        return [0.0, 1.0]
+    low, high = float(np.quantile(known, 0.02)), float(known.max())
+    powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    every = [step * 10.0**power for power in powers for step in _STEPS]
+    levels = [level for level in every if level < high]
+    first = max((k for k, level in enumerate(levels) if level <= low), default=0)
+    levels = [*levels[first:], next(level for level in every if level >= high)]
+    if len(levels) < 5:
+        return [float(level) for level in np.linspace(low, high, 9)] if high > low else [0.9 * low, 1.1 * low]
+    return levels[-SHADES - 1 :]
+
+
+def spread(count: int) -> list[str]:
+    """So many of the shades, from the first to the last."""
+    every = drawing.shades(SHADES)
+    return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
+
+
+def colour_key(figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str) -> None:
+    """Say beside a map which colour is which level."""
+    from matplotlib.patches import Patch
+
+    named = [
+        Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
+        for low, high, colour in zip(levels, levels[1:], colours, strict=False)
+    ]
+    where: dict[str, Any] = (
+        {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
+    )
+    figure.legend(handles=named[::-1], title=title.replace(", ", ",\n"), **where)

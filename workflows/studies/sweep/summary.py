@@ -1,0 +1,112 @@
+"""What a study found, in brief: how many points have an answer, where the damper does most, what keeps the others."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.scene.design import FLAT
+from workflows.studies.sweep import plans, quantities, uncertain
+from workflows.studies.sweep.axes import SPEEDS
+from workflows.wording import significant
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SHOWN = {
+    "m": (1e3, "mm"),
+    "kg": (1e3, "g"),
+    "rad/s": (30 / math.pi, "rpm"),
+    "rad": (180 / math.pi, "deg"),
+    "1": (1.0, ""),
+}
+"""How units of coordinates are shown: a factor, and the unit's name."""
+
+HEADLINE = "best_damping_ratio"
+"""What the best point has most of: the damping ratio within what the plate endures."""
+
+
+def document(data: xr.Dataset) -> dict[str, Any]:
+    """The machine-readable result: ``sweep.json``, and what ``--json`` prints."""
+    flat = np.asarray(data[HEADLINE].values, dtype=float).ravel()
+    reasons = Counter(str(text) for text in data["reason"].values.ravel() if text)
+    found: dict[str, Any] = {
+        "schema_version": 1,
+        "title": data.attrs["title"],
+        "study": data.attrs["study"],
+        "dimensions": {str(name): int(data.sizes[name]) for name in data[HEADLINE].dims},
+        "points": int(flat.size),
+        "without_answer": sum(reasons.values()),
+        "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
+        "best": None,
+    }
+    if np.isfinite(flat).any():
+        found["best"] = at(data, int(np.nanargmax(flat)))
+    if "ST" in data:
+        found["uncertain"] = uncertain.document(data)
+    return found
+
+
+def at(data: xr.Dataset, number: int) -> dict[str, Any]:
+    """A point by its absolute index: the keys that are varied, and what was found there."""
+    points = data[[*quantities.NUMBERS]]
+    place = np.unravel_index(number, tuple(points.sizes[name] for name in points[HEADLINE].dims))
+    point = points.isel({name: int(k) for name, k in zip(points[HEADLINE].dims, place, strict=True)})
+    keys = {str(name): plans.said([point.coords[name].item()])[0] for name in point.coords}
+    values = {str(name): point[name].item() for name in point.data_vars}
+    return {"keys": keys, "values": {name: value if math.isfinite(value) else None for name, value in values.items()}}
+
+
+def text(data: xr.Dataset) -> str:
+    """The same in a few lines."""
+    found = document(data)
+    sizes = " × ".join(f"{size} {name}" for name, size in found["dimensions"].items())
+    lines = [f"{found['title']}: {found['points']} points ({sizes})"]
+    if found["best"] is not None:
+        keys, values = found["best"]["keys"], found["best"]["values"]
+        where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
+        lines.append(f"The ball does most at {where}:")
+        amplitude = values["best_amplitude"]
+        there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
+        lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
+    if "ST" in data:
+        lines += _uncertain(data)
+    if found["without_answer"]:
+        lines.append(f"{found['without_answer']} points have no answer:")
+        lines += [f"  {entry['points']} × {entry['reason']}" for entry in found["reasons"][:3]]
+    return "\n".join(lines)
+
+
+def _uncertain(data: xr.Dataset) -> list[str]:
+    """How far the peak spreads, and what it is worth measuring for it, at the middle speed."""
+    k = (data.sizes[SPEEDS] - 1) // 2
+    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[0, :, k])
+    ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], k)
+    shares = ", ".join(
+        f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked
+    )
+    rpm = f"{float(data['rpm'].values[k]):.6g} rpm"
+    return [
+        f"At {rpm} the largest damping ratio is {significant(low)} to {significant(high)} % (90 %), median"
+        f" {significant(middle)} %; of its variance each has, with all it acts together with:",
+        f"  {shares}",
+    ]
+
+
+def said(data: xr.Dataset, name: str, value: Any) -> str:
+    """A value of a key in words."""
+    if isinstance(value, str):
+        return value
+    if not math.isfinite(value):
+        return FLAT
+    factor, unit = shown_unit(data, name)
+    return f"{significant(factor * float(value), 4)} {unit}".rstrip()
+
+
+def shown_unit(data: xr.Dataset, name: str) -> tuple[float, str]:
+    """The unit that people have for a key: its factor from SI, and its name."""
+    unit = str(data[name].attrs.get("units", "1"))
+    return _SHOWN.get(unit, (1.0, unit))
