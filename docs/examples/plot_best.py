@@ -1,0 +1,43 @@
+"""
+Which damper is best?
+=====================
+
+`spindamp sweep` varies any keys of a scene; `spindamp design` searches the best within what a table `[design]` frees and
+limits. Here a sweep in Python, over the clearance and the restitution.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import spindamp
+
+scene = {
+    "title": "A damper on a known structure",
+    "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
+    "rotor": {"speeds": ["3500 rpm"], "radius": "20 cm"},
+    "damper": {
+        "mass_ratio": 0.006,
+        "radius": "1 mm",
+        "cavity": ["2.5 mm", "2.4 mm"],
+        "restitution": 0.5,
+        "friction": 0.3,
+        "rolling_friction": "0.1 mm",
+    },
+    "release": {"displacement": ["20 mm", "0 mm"]},
+}
+keys = {"damper.clearance": ["0.3 mm", "0.6 mm", "1.2 mm", "2.4 mm"], "damper.restitution": [0.2, 0.5, 0.8]}
+with ThreadPoolExecutor(1) as one:  # in a script of your own, leave it out and all cores are used
+    data = spindamp.sweep(scene, keys, quick=True, executor=one)
+print(data)
+
+# %%
+# The largest damping ratio by the ball, over both:
+
+peaks = 100 * data.damping_ratio_peak.squeeze()
+print(peaks.to_pandas())
+
+# %%
+from matplotlib.figure import Figure
+
+shown = Figure(figsize=(7, 4), layout="constrained").subplots()
+peaks.plot.line(ax=shown, x=peaks.dims[0], marker="o")
+shown.set_ylabel("damping ratio by the ball at its best, %")
