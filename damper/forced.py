@@ -22,6 +22,7 @@ from damper.modes import Harmonic
 from damper.parameters import number, whole
 from damper.records import EVENT
 from damper.starts import Motions, Start, motions_of
+from damper.tallies import APERIODIC, LOCKED, PERIODIC, TIRED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -98,7 +99,7 @@ def forced(
     harmonics: Sequence[Harmonic],
     starts: Sequence[Start] = tuple(Start),
     *,
-    probe: Sequence[float] | None = None,
+    probe: Sequence[float] | int = 0,
     accuracy: float = 1e-2,
     max_cycles: int = 100_000,
     threads: int | None = None,
@@ -112,8 +113,8 @@ def forced(
         damper: what is driven; one for each harmonic, or one for all.
         harmonics: what drives it, n of them.
         starts: where motions begin.
-        probe: displacement whose amplitude is followed, as weights of the modes (without modes: of x and of y); None:
-            the cavity's along x.
+        probe: displacement whose amplitude is followed: the cavity's along x (0) or y (1), or weights of the modes
+            (without modes: of x and of y).
         accuracy: to which the mean amplitude of a motion that does not repeat itself must be known, relative.
         max_cycles: cap on the cycles of each run.
         threads: how many to use; None: one for each core.
@@ -150,7 +151,7 @@ class _How(NamedTuple):
     """What all motions of a call have in common."""
 
     starts: tuple[Start, ...]
-    probe: Sequence[float] | None
+    probe: Sequence[float] | int
     accuracy: float
     most: int
     threads: int
@@ -190,7 +191,7 @@ def _divergence(m: Motions, threads: int) -> Floats:
     from damper import steady
 
     exponents = np.full(len(m.traces), np.nan)
-    which = np.flatnonzero(m.traces["verdict"] == steady.APERIODIC)
+    which = np.flatnonzero(m.traces["verdict"] == APERIODIC)
     pairs = [np.stack([part[which]] * 2, axis=1) for part in (m.traces, m.clocks, m.motions, m.axes, m.books)]
     traces, clocks, motions, axes, books = pairs
     systems, balls, growth = m.systems[which], m.balls[which], np.full(len(which), np.nan)
@@ -209,18 +210,16 @@ def _divergence(m: Motions, threads: int) -> Floats:
 
 def _summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
     """Figures of all motions, by name."""
-    from damper import steady
-
     verdict = m.traces["verdict"]
-    still, repeated = verdict == steady.LOCKED, verdict == steady.PERIODIC
-    part = np.where(repeated | (verdict == steady.TIRED), m.tallies[:, 1], m.tallies[:, 0])
+    still, repeated = verdict == LOCKED, verdict == PERIODIC
+    part = np.where(repeated | (verdict == TIRED), m.tallies[:, 1], m.tallies[:, 0])
     height, error, period = np.abs(m.linear), m.traces["error"], m.traces["period"]
 
     def figure(resting: Floats | float, moving: Floats) -> Floats:
         return np.where(still, resting, moving)
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        time = np.where(verdict == steady.TIRED, np.nan, part["cycles"] * period)  # its books are not closed
+        time = np.where(verdict == TIRED, np.nan, part["cycles"] * period)  # its books are not closed
         mean = part["total"] / part["cycles"]
         unsure = np.maximum(error[:, 0], 0.5 * np.abs(m.traces["drift"]))
         return {
@@ -245,9 +244,9 @@ def _regimes(verdict: Integers, divergence: Floats) -> npt.NDArray[np.object_]:
     from damper import steady
 
     chaotic = divergence * steady.TOGETHER > math.log(steady.APART / steady.NUDGE)
-    known = {steady.LOCKED: Regime.LOCKED, steady.PERIODIC: Regime.PERIODIC}
+    known = {LOCKED: Regime.LOCKED, PERIODIC: Regime.PERIODIC}
     aperiodic = {False: Regime.MODULATED, True: Regime.CHAOTIC}
     regimes = np.empty(len(verdict), object)
     for k, one in enumerate(verdict):
-        regimes[k] = aperiodic[bool(chaotic[k])] if one == steady.APERIODIC else known.get(one, Regime.UNSETTLED)
+        regimes[k] = aperiodic[bool(chaotic[k])] if one == APERIODIC else known.get(one, Regime.UNSETTLED)
     return regimes

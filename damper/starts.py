@@ -68,7 +68,7 @@ def motions_of(
     damper: ParticleDamper,
     harmonics: Sequence[Harmonic],
     starts: Sequence[Start],
-    probe: Sequence[float] | None,
+    probe: Sequence[float] | int,
     first: int,
     longest: int,
 ) -> Motions:
@@ -115,10 +115,14 @@ def _order(damper: ParticleDamper, rows: Parameters) -> list[int]:
     return [m for group in members_of(rows, structures_by(damper, rows)) for m in group]
 
 
-def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | None) -> Floats:
+def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
     """The probe's weights of the coordinates (q, s)."""
     shape = structures_by(damper, rows[:1]).shape[0]
-    weights = shape[0] if probe is None else np.array([number("probe", weight) for weight in probe])
+    if isinstance(probe, int):
+        if probe not in (0, 1):
+            raise ValueError(f"probe must be 0, along x, or 1, along y, or weights of the modes, got {probe}")
+        return np.concatenate([shape[probe], [0.0, 0.0]])
+    weights = np.array([number("probe", weight) for weight in probe])
     if weights.shape != shape[0].shape:
         raise ValueError(f"probe must be {shape.shape[1]} weights, one for each mode, got {len(weights)}")
     return np.concatenate([weights, [0.0, 0.0]])

@@ -11,6 +11,9 @@ from damper.system import MODES
 BATCHES = 32
 """Parts of a window whose means tell the statistical error."""
 
+GOES_ON, LOCKED, PERIODIC, APERIODIC, UNSETTLED, TIRED = 0, 1, 2, 3, 4, 5
+"""Verdicts: none yet; three kinds of steady states; not settled within the cycles or the events allowed."""
+
 _N = MODES + 2
 
 TALLY = record(

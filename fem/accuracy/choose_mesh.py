@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.accuracy.estimates import Estimates
 from fem.accuracy.tried import Tried, enough_cells
+from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -131,7 +132,7 @@ def _trust(search: Estimates) -> float:
     """Part of the tolerance that an estimate must meet; of solids, thin on coarse cells, two meshes tell too little."""
     if len(search.largest) > 2:
         return SURE
-    return 0.0 if search.meshes.theory.startswith("solid") else FIRST
+    return 0.0 if kind(search.meshes.theory) is Kind.SOLID else FIRST
 
 
 def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choice:

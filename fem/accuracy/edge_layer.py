@@ -17,6 +17,7 @@ import numpy as np
 
 from fem.meshes.locate import locate
 from fem.operators.assembly import point_rows
+from fem.theory.kind import Kind, kind
 from fem.theory.mindlin import SHEAR_CORRECTION
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega:
     if plate.tip_mass == 0.0 or plate.tip_at is None:
         return np.zeros(eigenvalues.size)
     along, across = _growth(plate, plate.tip_at)
-    if operators.model.theory.startswith("kirchhoff"):
+    if kind(operators.model.theory) is Kind.KIRCHHOFF:
         across = 0.0
     force = np.abs(_pressing(operators, eigenvalues, shapes, omega)) ** 2
     work = (force[0] + force[1]) * along + force[2] * across

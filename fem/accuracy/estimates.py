@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.accuracy.edge_layer import layer_and_rest, layer_errors, unseen
 from fem.accuracy.tried import Tried, enough_cells
+from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -140,7 +141,7 @@ class Estimates:
     def _orders(self) -> tuple[float, float]:
         """Least and greatest order at which errors fall."""
         least, most = self.meshes.planform.orders
-        return (min(SOLID, least), most) if self.meshes.theory.startswith("solid") else (least, most)
+        return (min(SOLID, least), most) if kind(self.meshes.theory) is Kind.SOLID else (least, most)
 
     @property
     def _singular(self) -> float:
@@ -155,11 +156,11 @@ class Estimates:
     @property
     def _pointed(self) -> bool:
         """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
-        return self.meshes.theory.startswith("solid") and self._pressed
+        return kind(self.meshes.theory) is Kind.SOLID and self._pressed
 
     def _unseen(self, size: int) -> float:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""
-        if self.meshes.theory.startswith("kirchhoff"):
+        if kind(self.meshes.theory) is Kind.KIRCHHOFF:
             return 0.0
         return unseen(self.meshes.planform.edge(size), self.meshes.operators(size).plate.mean_thickness)
 

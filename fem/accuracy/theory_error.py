@@ -17,6 +17,7 @@ from fem.meshes.planform import root_facets
 from fem.meshes.thickness import SLOPE as SLOPING
 from fem.meshes.thickness import of, slope
 from fem.theory.clamp import STRETCHED, at_root, seeming
+from fem.theory.kind import Kind, kind
 from fem.theory.mindlin import SHEAR_CORRECTION
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def over_speeds(operators: Operators, diagram: Campbell) -> Array:
 def _strained(operators: Operators, omega: Array) -> Array:
     """What stays uncertain of the stress that stiffens a plate at speeds (k,): a part of the strain at its root."""
     plate, hub = operators.plate, operators.rotor.hub_radius
-    if operators.model.theory.startswith("solid") or not operators.effects.stress_stiffening:
+    if kind(operators.model.theory) is Kind.SOLID or not operators.effects.stress_stiffening:
         return np.zeros(omega.size)
     reach = abs((hub + plate.sides[0]) ** 2 - hub**2)
     return STRAINED * 0.5 * plate.material.density * omega**2 * reach / plate.material.youngs_modulus
@@ -88,10 +89,10 @@ def doubt(operators: Operators, basis: Array) -> Array:
     Zero for solids, which are the reference.
     """
     model, plate = operators.model, operators.plate
-    if model.theory.startswith("solid"):
+    if kind(model.theory) is Kind.SOLID:
         return np.zeros((basis.shape[1],) * 2)
     gradient = _gradient(model, plate, basis)
-    thin = model.theory.startswith("kirchhoff")
+    thin = kind(model.theory) is Kind.KIRCHHOFF
     unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
     energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else "mindlin" if unmoved else model.theory])
     if thin:
@@ -112,7 +113,7 @@ def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Arra
 def _sloping(operators: Operators) -> float:
     """What plate theories are off where faces slope."""
     plate = operators.plate
-    if operators.model.theory.startswith("solid"):
+    if kind(operators.model.theory) is Kind.SOLID:
         return 0.0
     return SLOPING * slope(plate.thickness, plate.mesh) ** 2
 

@@ -12,6 +12,7 @@ from fem.accuracy.theory_error import layers
 from fem.modes.real import Divergence
 from fem.operators.transfer import transfer
 from fem.statics.large_deflection import NoEquilibrium
+from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -86,7 +87,7 @@ class Tried:
             for row, (omega, modes) in enumerate(zip(self.probes, found, strict=False)):
                 frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
                 drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
-                if operators.model.theory.startswith("mindlin"):
+                if kind(operators.model.theory) is Kind.MINDLIN:
                     layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
             self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
             self._states[size], self._latest = tuple(modes.state for modes in found), size

@@ -9,6 +9,7 @@ import numpy as np
 from fem.linalg.lanczos import factorise
 from fem.meshes.thickness import of
 from fem.theory.fields import gram
+from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +32,7 @@ def transfer(state: Array, known: Operators, asked: Operators) -> Array | None:
     is not found in the known mesh.
     """
     model = asked.model
-    if model.theory.startswith("solid"):
+    if kind(model.theory) is Kind.SOLID:
         return None
     points = model.points[:2].reshape(2, -1)
     padded = np.append(state, 0.0)  # the clamped unknowns, numbered -1

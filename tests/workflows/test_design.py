@@ -16,8 +16,9 @@ from damper import Working, work_bound, working
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.scene.file import load, opened, parse
-from workflows.studies.design import objective, search, verdict
+from workflows.studies.design import objective, search, study, verdict
 from workflows.studies.design import space as spaces
+from workflows.studies.sweep import crew
 from workflows.studies.sweep.plates import Plates
 
 FREE = {
@@ -167,6 +168,8 @@ def test_nothing_better_among_all_designs(slow, here):
     assert found.found.scored.value == best.value > 0
     assert found.document()["value"] == best.value
     assert best.value < found.found.scored.bound
+    again = study.design(slow, hired=crew.given(here, 3))
+    assert again.document() == found.document(), "the number of workers has a part in it"
     scene = parse(tomllib.loads(found.toml))
     assert scene.design is None
     assert scene.damper.radius == found.space.values(found.found.shares)["damper.radius"]

@@ -77,6 +77,7 @@ NEGATIVE = {"negative": "-1.0"}
 ZERO = {"zero": "0"}
 ABOVE_ONE = {"above one": "1.0001", "huge": "1e9"}
 
+NO_LEVEL = {k: v for k, v in NO_QUANTITY.items() if k != "a list"} | ZERO | NEGATIVE
 BENT: dict[str, dict[str, str]] = {
     "title": NO_TEXT | {"too long": '"' + "a" * 201 + '"'},
     "plate.length": NO_QUANTITY | NEGATIVE | ZERO | {"shorter than thick": '"1 mm"'},
@@ -142,6 +143,12 @@ BENT: dict[str, dict[str, str]] = {
     "release.displacement": NO_PAIR | {"nothing": "[0, 0]", "farther than the plate is long": "[0.21, 0]"},
     "release.acceleration": NO_PAIR | {"beside displacement": '["1 g", 0]'},
     "release.ratio": NO_PLAIN | NEGATIVE | ZERO | {"beyond sense": "1e10", "beside displacement": "0.3"},
+    "damper.floor_radius": NO_QUANTITY | ZERO | NEGATIVE | {"three": '["2 cm", "2 cm", "2 cm"]'},
+    "structure.floor_tilt": NO_QUANTITY | {"three": "[1.0, 1.0, 1.0]"},
+    "excitation.orders": NO_WHOLE | {"a fraction inside": "[2, 2.5]", "twice": "[2, 2]"},
+    "excitation.force": NO_LEVEL | {"twice": '["1 N", "1 N"]'},
+    "excitation.pressure": NO_LEVEL | {"beside a force": '"100 Pa"'},
+    "excitation.base": NO_LEVEL | {"beside a force": '"1 g"'},
     "release.cycles": NO_NUMBER | NEGATIVE | ZERO | {"too many": "1e10", "another case": '"Auto"'},
     "accuracy.frequency": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
     "accuracy.damping": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
@@ -257,7 +264,7 @@ def _whole_tables() -> Iterator[tuple[str, Case]]:
             if not name:
                 continue
             rest = {table: keys for table, keys in raw.items() if table != name}
-            if name not in ("effects", "accuracy"):
+            if name not in ("effects", "excitation", "accuracy"):
                 # Without its structure a scene is taken for one of a plate that is not there.
                 key = "[plate]" if name == "structure" else f"[{name}]"
                 yield f"{shipped} without [{name}]", Case(_text(rest), key, "missing")

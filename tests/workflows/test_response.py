@@ -257,3 +257,22 @@ orders = [3]
     tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)
     assert row.without == pytest.approx(tip, rel=0.02)
     assert row.stress_without == pytest.approx(200e9 * 0.002 * 3.516 * tip / 0.04, rel=0.03)
+
+
+def test_a_floor_tuned_to_the_order():
+    """The ball swings against the force, hits hardly a wall, and leaves little of the amplitude."""
+    text = STRUCTURE
+    for old, new in (
+        ("mass_ratio = 0.01", 'mass_ratio = 0.006\nfloor_radius = "16.87 mm"'),
+        ('cavity = ["3 mm", "3 mm"]', 'cavity = ["10 mm", "10 mm"]'),
+        ("damping_ratio = 0.01", "damping_ratio = 0.002"),
+        ('mass = "1 kg"', 'mass = "1 kg"\nfloor_tilt = "6.8 1/m"'),
+        ('force = ["20 N", "2 N"]', 'force = "20 N"'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    found = respond(read(text))
+    (row,) = told.rows(found)
+    assert row.ratio < 0.3
+    assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
+    assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")

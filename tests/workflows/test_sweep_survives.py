@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from workflows.errors import BadInput
+from workflows.output import signals
 from workflows.stages import Stages
 from workflows.studies.sweep import crew, folder, study
 from workflows.studies.sweep.crew import Crew
@@ -80,6 +81,9 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     first = Here(stops=4)
     with pytest.raises(KeyboardInterrupt):
         complete(asked, tmp_path / "out", first, size=1)
+    assert signals.again() == "what is finished stays; the same command goes on"
+    with signals.heard(to_the_end=False):
+        assert signals.again().endswith("starts over")
     finished = len(list((tmp_path / "out" / "shards").glob("*.npz")))
     assert 0 < finished < 4
     second = Here()

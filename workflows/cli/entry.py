@@ -15,7 +15,6 @@ from workflows.output import signals
 from workflows.output.signals import Terminated
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
-_AGAIN = "nothing is half-written; the same command starts over"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -25,9 +24,9 @@ def main(arguments: list[str] | None = None) -> int:
         with signals.heard(to_the_end=arguments is None):
             return _run(arguments)
     except KeyboardInterrupt:
-        return _fail(f"stopped; {_AGAIN}", STOPPED)
+        return _fail(f"stopped; {signals.again()}", STOPPED)
     except Terminated as error:
-        return _fail(f"ended by {error}; {_AGAIN}", 128 + signal.Signals[str(error)])
+        return _fail(f"ended by {error}; {signals.again()}", 128 + signal.Signals[str(error)])
 
 
 def _run(arguments: list[str] | None) -> int:

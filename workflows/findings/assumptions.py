@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fem.theory.kind import Kind, kind
 from workflows.scene import paper
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
@@ -97,7 +98,7 @@ def _known(scene: Scene) -> list[tuple[str, str]]:
 def _prestress(results: Results) -> str:
     if not results.effects["large_deflection"].on:
         return _FLAT
-    return _MODERATE if results.theory is not None and results.theory.name.startswith("kirchhoff") else _BENT
+    return _MODERATE if results.theory is not None and kind(results.theory.name) is Kind.KIRCHHOFF else _BENT
 
 
 def _thin(results: Results) -> list[tuple[str, str]]:

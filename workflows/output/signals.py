@@ -11,8 +11,24 @@ from typing import Any, TypeAlias
 
 _Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | None
 
+_AGAIN = "nothing is half-written; the same command starts over"
+_said = [_AGAIN]
+
 _before: dict[int, _Handler] = {}
 """The signals that a running command has taken, and what was done at them before."""
+
+
+def again() -> str:
+    """What an end from outside leaves, in words."""
+    return _said[-1]
+
+
+@contextmanager
+def going_on(words: str) -> Iterator[None]:
+    """While the block lasts, and where it is ended from outside, an end leaves something else; in these words."""
+    _said.append(words)
+    yield
+    _said.pop()
 
 
 class Terminated(BaseException):
@@ -25,6 +41,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
 
     Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
     """
+    _said[:] = [_AGAIN]
     if threading.current_thread() is not threading.main_thread():
         yield
         return

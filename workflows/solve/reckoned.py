@@ -9,6 +9,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from fem.theory.kind import Kind, kind
 from workflows.decisions.effects import Effect
 from workflows.scene.file import SceneFile
 from workflows.solve import needs
@@ -40,7 +41,7 @@ def usual_unknowns(source: SceneFile, decided: Decided, model: str) -> float:
     """Unknowns of the mesh that a search may end with."""
     (form, _), scene = decided.plate, source.scene
     first = first_unknowns(source, form, model)
-    if model.startswith("solid"):
+    if kind(model) is Kind.SOLID:
         return max(searched(source, decided, model))
     finer = 4.0 * first if source.mesh is not None and len(form.sizes) > 2 else first
     finer_still = max(_USUALLY / scene.accuracy.frequency, 1.0) ** 0.5
@@ -71,7 +72,7 @@ def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
         return [coarsest]
     sizes = list(first_pair(form, source.scene.rotor.modes))
     found = [needs.unknowns(model, form.mesh(size)) for size in sizes]
-    if not model.startswith("solid") or source.scene.accuracy.frequency >= _ROUGH:
+    if kind(model) is not Kind.SOLID or source.scene.accuracy.frequency >= _ROUGH:
         return found
     fit = needs.most_unknowns(source, form, model, decided.effects["large_deflection"].on)
     most, each = min(MOST_UNKNOWNS["solid"], fit), found[-1] / sizes[-1] ** 2

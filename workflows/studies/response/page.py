@@ -12,6 +12,7 @@ from workflows.findings import worth
 from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.response import files, plots, told
+from workflows.studies.response.document import document
 from workflows.studies.response.study import Response
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
@@ -20,7 +21,7 @@ FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 
 def dumps(found: Response) -> str:
     """The machine-readable result."""
-    return json.dumps(told.document(found), indent=1, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
 
 
 def write(found: Response, out: str | os.PathLike[str]) -> Path:

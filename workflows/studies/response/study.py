@@ -22,7 +22,7 @@ from workflows.solve import plate_stage as plate
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import CavityMode, Floats, Results, SpeedPoint, Surface
 from workflows.stages import Stages
-from workflows.studies.response import crossings
+from workflows.studies.response import crossings, driven
 from workflows.studies.response.crossings import Crossing
 from workflows.wording import whole
 
@@ -40,9 +40,6 @@ _ACCURACY = 1e-2
 
 _CYCLES = 30_000
 """Most cycles of a motion."""
-
-_STILL = 1e-6
-"""Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
 
 _PATH_CYCLES, _PATH_SAMPLES = 3, 1500
 """Of the ball's path that is shown."""
@@ -198,30 +195,68 @@ class _Solved:
 
 def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds: tuple[float, float]) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
-    from damper import Start, forced
-
     (at,) = solved.at(np.array([crossing.omega]))
-    modes = _modes(at, _branch((at,), crossing))
-    if modes is not None:
-        idle = _idle(modes, excitation)
-        if idle:
-            return idle
+    modes = driven.modes_of(at, driven.branch_of((at,), crossing))
+    if modes is not None and (idle := driven.idle(modes, excitation)):
+        return idle
     axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
+    leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
+    omega = _speeds(solved, crossing, at, speeds)
+    dampers, harmonics = _driven(solved, crossing, excitation, omega)
+    states = _followed(solved, crossing, dampers, harmonics, axis)
+    forces = len(excitation.levels)
+    shape, levels = (len(omega), forces), np.tile(excitation.levels, len(omega))
+    middle = dampers[len(omega) // 2 * forces]
+    top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
+    with solved.stages("damper"):
+        short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads)
+        return Through(
+            crossing=crossing,
+            axis=axis,
+            omega=omega,
+            forces=excitation.levels,
+            states=states,
+            short=short.reshape(*shape, -1),
+            least_force=float((levels * states.moves_from).min()),
+            figures=damper_stage.figures(middle),
+            path=_path(dampers[top], harmonics[top], float(omega[top // forces]), float(levels[top])),
+        )
+
+
+def _speeds(solved: _Solved, crossing: Crossing, at: SpeedPoint, speeds: tuple[float, float]) -> Floats:
+    """Speeds through the resonance without the ball, and with it at rest."""
     reduced, given = at.reduced, solved.scene.damper
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
-    band = crossing.band(given.damping_ratio if given is not None else 0.0, shift, *speeds)
-    omega = crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
-    dampers, harmonics = [], []
-    through = solved.at(omega)
-    branch = _branch(through, crossing)
-    for point in through:
-        own = _modes(point, branch)
-        system = solved.damper(point, None if own is None else _kept(point, own))
+    band = crossing.band(0.0 if given is None else given.damping_ratio, shift, *speeds)
+    return crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
+
+
+def _driven(
+    solved: _Solved, crossing: Crossing, excitation: Excitation, omega: Floats
+) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
+    """Dampers and what drives them, each speed with all forces after the other."""
+    dampers, harmonics, points = [], [], solved.at(omega)
+    branch = driven.branch_of(points, crossing)
+    for point in points:
+        own = driven.modes_of(point, branch)
+        system = solved.damper(point, None if own is None else driven.kept(point, own))
         dampers += [system] * len(excitation.levels)
-        harmonics += [_harmonic(system, crossing, point, excitation, level) for level in excitation.levels]
-    probe = _probe(dampers[0], axis)
-    count, starts = len(harmonics), tuple(Start)
-    with solved.stages("damper", count * len(starts)) as step:
+        harmonics += [driven.harmonic_of(system, crossing, point, excitation, level) for level in excitation.levels]
+    return dampers, harmonics
+
+
+def _followed(
+    solved: _Solved,
+    crossing: Crossing,
+    dampers: list[damper.ParticleDamper],
+    harmonics: list[damper.Harmonic],
+    axis: int,
+) -> damper.Forced:
+    """The steady states, with progress for a person who waits."""
+    from damper import Start, forced
+
+    starts = tuple(Start)
+    with solved.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
         def progress(number: int) -> None:
@@ -230,83 +265,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
                 step.advance(f"order {crossing.order} at {whole(crossing.rpm)} rpm")
             done = number
 
-        states = forced(
-            dampers, harmonics, starts, probe=probe, accuracy=_ACCURACY, max_cycles=_CYCLES, progress=progress
-        )
-        shape = len(omega), len(excitation.levels)
-        middle = dampers[count // 2 // shape[1] * shape[1]]
-        leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
-        short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads).reshape(*shape, len(starts))
-        levels = np.tile(excitation.levels, shape[0])
-        top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
-        return Through(
-            crossing=crossing,
-            axis=axis,
-            omega=omega,
-            forces=excitation.levels,
-            states=states,
-            short=short,
-            least_force=float((levels * states.moves_from).min()),
-            figures=damper_stage.figures(middle),
-            path=_path(dampers[top], harmonics[top], float(omega[top // shape[1]]), float(levels[top])),
-        )
-
-
-def _branch(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
-    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
-    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
-    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency), default=None)
-    return 0 if near is None else near.branch
-
-
-def _modes(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
-    """The mode that is crossed first, then the others; None where the structure is given."""
-    if not point.cavity_modes:
-        return None
-    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
-    return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
-
-
-def _kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
-    """The mode crossed and those that yield most along either axis, ascending."""
-    leaders = [felt.leading(point.cavity_modes, axis) for axis in range(2)]
-    numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
-    return [mode for mode in point.cavity_modes if mode.number in numbers]
-
-
-def _idle(modes: list[CavityMode], excitation: Excitation) -> str:
-    """Why a crossing has nothing to follow; nothing where it has."""
-    most = max(math.hypot(*mode.shape) for mode in modes)
-    if math.hypot(*modes[0].shape) <= _STILL * most:
-        return "the damper's place does not move in this mode"
-    pushes = [abs(_push(mode, excitation.kind)) for mode in modes]
-    return "" if pushes[0] > _STILL * max(pushes) else "the excitation does not drive this mode"
-
-
-def _push(mode: CavityMode, kind: str) -> float:
-    """Modal force by a unit of the excitation."""
-    return {"force": mode.shape[0], "pressure": mode.pressed, "base": -mode.drawn[0]}[kind]
-
-
-def _harmonic(
-    system: damper.ParticleDamper, crossing: Crossing, point: SpeedPoint, excitation: Excitation, level: float
-) -> damper.Harmonic:
-    from damper import Harmonic
-
-    frequency = crossing.order * point.omega
-    if excitation.kind == "force":
-        return Harmonic(frequency, force=(level, 0.0))
-    if excitation.kind == "base":
-        return Harmonic(frequency, base=(level, 0.0))
-    pressed = {mode.stiffness: mode.pressed for mode in point.cavity_modes}
-    return Harmonic(frequency, modal=tuple(level * pressed[mode.stiffness] for mode in system.modes or ()))
-
-
-def _probe(system: damper.ParticleDamper, axis: int) -> tuple[float, ...] | None:
-    """The cavity's displacement along an axis."""
-    if axis == 0:
-        return None
-    return (0.0, 1.0) if system.modes is None else tuple(mode.shape[1] for mode in system.modes)
+        return forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=_CYCLES, progress=progress)
 
 
 def _short(
@@ -329,24 +288,13 @@ def _short(
         return short
     found = backbone(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = _at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
+        force = driven.at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
         amplitudes = np.array([amplitude for amplitude, _ in found.answers(force, nu)])
         if amplitudes.size:
             off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
             short[n] = amplitudes[np.argmin(off, axis=0)]
     return short
-
-
-def _at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic) -> float:
-    """The force at the cavity along x that drives the leading mode as much, with the ball's part in a base [N]."""
-    if system.modes is None:
-        return abs(harmonic.force[0] - system.stuck_mass * harmonic.base[0])
-    k = system.leading(0)
-    mode = system.modes[k]
-    modal = 0.0 if harmonic.modal is None else harmonic.modal[k]
-    drawn = mode.participation[0] + system.ball_mass * mode.shape[0]
-    return abs(harmonic.force[0] + (modal - drawn * harmonic.base[0]) / mode.shape[0])
 
 
 def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float, force: float) -> Path:

@@ -68,9 +68,9 @@ class Crew:
         """Hand out a task."""
         return self._executor.submit(task, *arguments)
 
-    def dismiss(self) -> None:
-        """Hand out no more."""
-        self._executor.shutdown(wait=False)
+    def dismiss(self, *, wait: bool = False) -> None:
+        """Hand out no more; `wait` for the end of workers that end by themselves."""
+        self._executor.shutdown(wait=wait)
 
 
 def results(crew: Crew, task: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
@@ -165,7 +165,7 @@ def local(workers: int | None = None) -> Iterator[Crew]:
             yield crew
         finally:
             let_go.close()
-            crew.dismiss()
+            crew.dismiss(wait=True)
 
 
 @contextmanager

@@ -54,6 +54,7 @@ def render(data: xr.Dataset) -> str:
         drawing.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
+        headline=summary.spread(data) if "ST" in data else "",
         doubts=_doubts(data) if "ST" in data else [],
         spreads=_spreads(data) if "ST" in data else {},
         figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(data)],

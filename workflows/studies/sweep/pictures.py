@@ -53,12 +53,16 @@ def draw(data: xr.Dataset) -> list[Picture]:
     wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
     if len(wide) > 1:
         x, y = wide[:2]
+        used = (x, y, _panels(data, (x, y), best)[0])
         shown = [name for name in NAMED if name == HEADLINE or _varies(data, name, (x, y))]
-        return [_picture(partial(_maps, data, best, name, x, y), _caption(data, best, [x, y], name)) for name in shown]
+        return [_picture(partial(_maps, data, best, name, x, y), _caption(data, best, used, name)) for name in shown]
     x = max(numbers, key=lambda name: data.sizes[name])
     series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
-    used = [x] if series is None else [x, series]
-    return [_picture(partial(_curves, data, best, name, x, series), _caption(data, best, used, name)) for name in NAMED]
+    along = (x,) if series is None else (x, series)
+    shown = [name for name in NAMED if name == HEADLINE or _varies(data, name, along)]
+    return [
+        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name)) for name in shown
+    ]
 
 
 def _picture(draw: Callable[[Sheet], str], caption: str) -> Picture:
@@ -84,13 +88,15 @@ def _varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
     return bool((high > 1.01 * low).any())
 
 
-def _caption(data: xr.Dataset, best: dict[str, int], used: list[str], quantity: str) -> str:
-    others = [name for name in best if name not in used and data.sizes[name] > 1 and name != SPEEDS]
-    fixed = f" Here {', '.join(f'{name} = {_value(data, name, best[name])}' for name in others)}." if others else ""
+def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...], quantity: str) -> str:
+    """What a picture shows, and the values of the keys that it does not show: those of the best point."""
+    others = [name for name in best if name not in used and data.sizes[name] > 1]
+    fixed = f" Here {', '.join(_panel_title(data, name, best[name]) for name in others)}." if others else ""
+    air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
+    of_maps = "; dashed where the ball does as much, and a tenth of it. The cross is where it does most"
     about = {
         HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the plate"
-        f" endures. The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %; dashed in a map, where the"
-        " ball does as much, and a tenth of it. The cross is where the ball does most.",
+        f" endures. {air}{of_maps * (len(used) > 2)}.",
         "cutoff": "Below this amplitude the load holds the ball at rest.",
     }
     return about[quantity] + fixed

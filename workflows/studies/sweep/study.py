@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.output import signals
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
 from workflows.stages import Stages
@@ -34,6 +35,8 @@ _LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a shard, and the number of shards above which they grow."""
 
 DATA = "sweep.zarr"
+
+_GOES_ON = "what is finished stays; the same command goes on"
 
 _plates = Plates()
 """Of this process; every task looks here first."""
@@ -160,7 +163,8 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
     with folder.opened(out, study.key, study.identity) as place:
-        fill(study, place, hired, stages)
+        with signals.going_on(_GOES_ON):
+            fill(study, place, hired, stages)
         with stages("write"), folder.writing(out), folder.replaced(place.path / DATA) as aside:
             said = table.attributes(study.source.scene.title, study.plan, study.identity, study.key)
             table.write(study.plan, partial(rows, study, place), said, aside)

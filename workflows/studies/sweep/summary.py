@@ -80,20 +80,21 @@ def text(data: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
-def _uncertain(data: xr.Dataset) -> list[str]:
-    """How far the peak spreads, and what it is worth measuring for it, at the middle speed."""
+def spread(data: xr.Dataset) -> str:
+    """How far the largest damping ratio spreads at the middle speed."""
     k = (data.sizes[SPEEDS] - 1) // 2
     low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[0, :, k])
-    ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], k)
-    shares = ", ".join(
-        f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked
+    return (
+        f"At {float(data['rpm'].values[k]):.6g} rpm the largest damping ratio is {significant(low)} to"
+        f" {significant(high)} % (90 %), in the median {significant(middle)} %"
     )
-    rpm = f"{float(data['rpm'].values[k]):.6g} rpm"
-    return [
-        f"At {rpm} the largest damping ratio is {significant(low)} to {significant(high)} % (90 %), median"
-        f" {significant(middle)} %; of its variance each has, with all it acts together with:",
-        f"  {shares}",
-    ]
+
+
+def _uncertain(data: xr.Dataset) -> list[str]:
+    """The spread, and what it is worth measuring for it."""
+    ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], (data.sizes[SPEEDS] - 1) // 2)
+    shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
+    return [f"{spread(data)}; of its variance each has, with all it acts together with:", f"  {', '.join(shares)}"]
 
 
 def said(data: xr.Dataset, name: str, value: Any) -> str:

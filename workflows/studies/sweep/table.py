@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     from workflows.studies.sweep.blocks import Block
     from workflows.studies.sweep.plans import Plan
+
+Along: TypeAlias = dict[str, tuple[str, list[Value]]]
+"""The values of every axis, and the dimension that they lie along."""
 
 _SLAB = 16384
 """Points that are held at a time while a data set is written, and of its chunks."""
@@ -34,9 +37,9 @@ def write(plan: Plan, rows: Callable[[int, int], Block], attributes: dict[str, s
         path: where to.
     """
     first = next(iter(plan.dimensions))
-    length = plan.dimensions[first]
+    length, along_axes = plan.dimensions[first], plan.coordinates()
     for begin, end in slabs(plan):
-        data = _slab(plan, rows, begin, end).assign_attrs(attributes)
+        data = _slab(plan, along_axes, rows, begin, end).assign_attrs(attributes)
         if begin == 0:
             chunks = (min(length, _step(plan)), *list(plan.dimensions.values())[1:])
             encoding = {name: {"chunks": chunks} for name in data.data_vars}
@@ -44,12 +47,6 @@ def write(plan: Plan, rows: Callable[[int, int], Block], attributes: dict[str, s
         else:
             along = data.drop_vars([name for name in data.variables if first not in data[name].dims])
             along.to_zarr(path, append_dim=first, consolidated=False, zarr_format=3)
-
-
-def dataset(plan: Plan, rows: Callable[[int, int], Block], attributes: dict[str, str]) -> xr.Dataset:
-    """The whole data set in memory."""
-    length = next(iter(plan.dimensions.values()))
-    return _slab(plan, rows, 0, length).assign_attrs(attributes)
 
 
 def slabs(plan: Plan) -> Iterator[tuple[int, int]]:
@@ -63,7 +60,7 @@ def _step(plan: Plan) -> int:
     return max(1, _SLAB // math.prod(list(plan.dimensions.values())[1:]))
 
 
-def _slab(plan: Plan, rows: Callable[[int, int], Block], begin: int, end: int) -> xr.Dataset:
+def _slab(plan: Plan, along_axes: Along, rows: Callable[[int, int], Block], begin: int, end: int) -> xr.Dataset:
     import xarray as xr
 
     names = tuple(plan.dimensions)
@@ -76,14 +73,14 @@ def _slab(plan: Plan, rows: Callable[[int, int], Block], begin: int, end: int) -
         data[quantity.name] = (names, block.rows[quantity.name].reshape(shape), attributes)
     texts = np.array([*block.reasons, ""], dtype=object)[block.rows["reason"]]
     data["reason"] = (names, texts.reshape(shape), {"long_name": "why there is no answer; empty where there is one"})
-    return xr.Dataset(data, coords=_coordinates(plan, names[0], begin, end))
+    return xr.Dataset(data, coords=_coordinates(plan, along_axes, names[0], begin, end))
 
 
-def _coordinates(plan: Plan, first: str, begin: int, end: int) -> dict[str, Any]:
+def _coordinates(plan: Plan, along_axes: Along, first: str, begin: int, end: int) -> dict[str, Any]:
     """Values of the keys along their dimensions, and the speeds in rpm beside them."""
     units = {axis.name: axis.key.unit for axis in plan.axes}
     found: dict[str, Any] = {}
-    for name, (along, values) in plan.coordinates().items():
+    for name, (along, values) in along_axes.items():
         mine = values[begin:end] if along == first else values
         found[name] = (along, _array(mine), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
