@@ -8,13 +8,10 @@ import re
 from pathlib import Path
 from typing import Any
 
-from tests.workflows.conftest import chromium
-
-SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-"""Flags by which WebGL is drawn without a graphics card."""
+from tests.workflows.conftest import SOFTWARE_GL, chromium
 
 
-def driven(page: Path, script: str, folder: Path, *flags: str) -> Any:
+def driven(page: Path, script: str, folder: Path, gl: tuple[str, ...] = SOFTWARE_GL) -> Any:
     """What a script returns that a page runs once it stands; it may wait (`await`).
 
     Fails on whatever the page has to say on the console.
@@ -23,8 +20,8 @@ def driven(page: Path, script: str, folder: Path, *flags: str) -> Any:
     end = f"(async () => {{ {script} }})().then(found => {{ document.title = 'found: ' + JSON.stringify(found) }})"
     copy = folder / "driven.html"
     copy.write_text(text.replace("</body>", f"<script>{end}</script></body>"), encoding="utf-8")
-    arguments = (*(flags or SOFTWARE_GL), "--enable-logging=stderr", "--virtual-time-budget=4000", "--dump-dom")
-    done = chromium(folder / "profile", *arguments, "--window-size=1000,1600", copy.as_uri())
+    arguments = ("--enable-logging=stderr", "--virtual-time-budget=4000", "--dump-dom")
+    done = chromium(folder / "profile", *arguments, "--window-size=1000,1600", copy.as_uri(), gl=gl)
     said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     assert not said, said
     found = re.search(r"<title>found: (.*?)</title>", done.stdout, re.S)

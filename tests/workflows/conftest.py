@@ -117,10 +117,17 @@ def document(finished: Path) -> dict[str, Any]:
     return found
 
 
-def chromium(profile: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""Flags by which WebGL is drawn without a graphics card."""
+
+NO_GL = ("--disable-gpu", "--disable-3d-apis")
+"""Flags by which it is not drawn at all."""
+
+
+def chromium(profile: Path, *arguments: str, gl: tuple[str, ...] = SOFTWARE_GL) -> subprocess.CompletedProcess[str]:
     """Run chromium without a window."""
     quiet = ("--headless", "--no-sandbox", "--hide-scrollbars", "--disable-background-networking")
-    command = [str(CHROMIUM), *quiet, f"--user-data-dir={profile}", *arguments]
+    command = [str(CHROMIUM), *quiet, *gl, f"--user-data-dir={profile}", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import driven
-from tests.workflows.conftest import needs_chromium
+from tests.workflows.conftest import NO_GL, chromium, needs_chromium
 from workflows.report import packing, thinning, viewer
 from workflows.solve.records import Mode, SpeedPoint, Surface
 
@@ -242,9 +242,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
 def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path, tmp_path: Path) -> None:
     script = START + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
-    said, hidden, still, moving = driven(
-        finished / "report.html", script, tmp_path, "--disable-gpu", "--disable-3d-apis"
-    )
+    said, hidden, still, moving = driven(finished / "report.html", script, tmp_path, NO_GL)
     assert "no WebGL2" in said
     assert hidden
     assert still == "block"
@@ -253,10 +251,7 @@ def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: P
 
 @needs_chromium
 def test_in_print_the_still_picture_stands(finished: Path, tmp_path: Path) -> None:
-    from tests.workflows.browser import SOFTWARE_GL
-    from tests.workflows.conftest import chromium
-
     path = tmp_path / "report.pdf"
-    done = chromium(tmp_path / "profile", *SOFTWARE_GL, f"--print-to-pdf={path}", (finished / "report.html").as_uri())
+    done = chromium(tmp_path / "profile", f"--print-to-pdf={path}", (finished / "report.html").as_uri())
     assert path.read_bytes().startswith(b"%PDF"), done.stderr
     assert b"/Subtype /Image" in path.read_bytes() or b"/Subtype/Image" in path.read_bytes()

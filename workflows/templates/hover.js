@@ -5,7 +5,6 @@
 (() => {
 
 const REACH = 34;  // pixels up to which a point is meant
-const SVG = "http://www.w3.org/2000/svg";
 
 const plain = value => {
   const short = Number(value.toPrecision(6));
@@ -55,7 +54,7 @@ function start(figure) {
     svg.querySelector("." + name)?.remove();
     const spot = at && place(svg, at);
     if (!spot) return;
-    const mark = document.createElementNS(SVG, "circle");
+    const mark = document.createElementNS(svg.namespaceURI, "circle");
     mark.setAttribute("class", name);
     mark.setAttribute("cx", spot[0]);
     mark.setAttribute("cy", spot[1]);
