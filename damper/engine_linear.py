@@ -293,7 +293,7 @@ def _observe(
     time: float,
 ) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(cycle, system, motion, ball.host_mass, clock.watched, time):
+    while watch(cycle, system, motion, ball.host_mass + ball.mass, clock.watched, time):
         if len(peaks) > 0:
             if clock.peaks == len(peaks):
                 return False

@@ -1,7 +1,8 @@
 """The structure's velocity maxima where flights are series; what a cycle is, `damper.peaks` says.
 
 Where hits feed modes beside one along each axis, these come and go in the cavity's speed. What a cycle has lost is then
-told by the energy E of all modes: the speed recorded is sqrt(2 E / M2), which a single mode has at its maximum.
+told by the energy E of all modes with the ball riding along: the speed recorded is sqrt(2 E / M1), which a single mode
+has at its maximum. While the ball is stuck that keeps, however the modes exchange it.
 """
 
 from __future__ import annotations
@@ -18,37 +19,37 @@ if TYPE_CHECKING:
 
 
 @kernel
-def watch(cycle: Record, system: Record, motion: Record, host_mass: float, begin: float, end: float) -> bool:
+def watch(cycle: Record, system: Record, motion: Record, stuck_mass: float, begin: float, end: float) -> bool:
     """Look for the window's largest speed from time `begin` to `end`; True when it closed, as `damper.peaks.watch`."""
     low, high = max(begin, cycle.opens), min(end, cycle.closes)
     if low <= high:
         pieces = 1 + int(8 * (high - low) / cycle.period)
         t, (f, g) = low, _speed(system, motion, low)
-        _take(cycle, system, motion, host_mass, t, f)
+        _take(cycle, system, motion, stuck_mass, t, f)
         for i in range(pieces):
             t_next = low + (high - low) * (i + 1) / pieces
             f_next, g_next = _speed(system, motion, t_next)
-            _take(cycle, system, motion, host_mass, t_next, f_next)
+            _take(cycle, system, motion, stuck_mass, t_next, f_next)
             if g > 0.0 > g_next:
                 top = _stationary(system, motion, t, t_next, g, g_next, 1e-8 * cycle.period)
-                _take(cycle, system, motion, host_mass, top, _speed(system, motion, top)[0])
+                _take(cycle, system, motion, stuck_mass, top, _speed(system, motion, top)[0])
             t, g = t_next, g_next
     return bool(end >= cycle.closes)
 
 
 @kernel
-def _take(cycle: Record, system: Record, motion: Record, host_mass: float, time: float, square: float) -> None:
+def _take(cycle: Record, system: Record, motion: Record, stuck_mass: float, time: float, square: float) -> None:
     """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
     if not system.several:
         take(cycle, time, square)
     elif square > cycle.square:
         cycle.square, cycle.time = square, time
-        cycle.speed = math.sqrt(_twice_the_energy(system, motion, time) / host_mass)
+        cycle.speed = math.sqrt(_twice_the_energy(system, motion, time) / stuck_mass)
 
 
 @kernel
 def _twice_the_energy(system: Record, motion: Record, time: float) -> float:
-    """Of all modes, without the ball [J]."""
+    """Of all modes, the ball riding along [J]."""
     twice = 0.0
     for g in range(system.groups):
         span = system.span[g]
@@ -56,7 +57,10 @@ def _twice_the_energy(system: Record, motion: Record, time: float) -> float:
         for m in range(system.low[g], system.high[g]):
             if system.inertia[m] > 0.0:
                 q, rate = value(motion.series[m], x), slope(motion.series[m], x) / span
-                twice += system.spring[m, m] * q * q + system.inertia[m] * rate * rate
+                twice += system.spring[m, m] * q * q + system.mass[m, m] * rate * rate
+                for n in range(system.low[g], m):
+                    if system.inertia[n] > 0.0:
+                        twice += 2.0 * system.mass[m, n] * rate * slope(motion.series[n], x) / span
     return twice
 
 

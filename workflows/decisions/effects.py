@@ -118,6 +118,10 @@ def _check_beyond_the_paper(scene: Scene, file: str | None) -> None:
         if getattr(effects, name) is True and damper is not None and damper.formulation == "printed":
             problem = "the printed equations know one mode along each axis and a level floor"
             raise BadInput(problem, file=file, key=f"[effects] {name}", value=True)
+    pair = () if scene.structure is None else scene.structure.frequency
+    if effects.structural_modes is False and len(set(pair)) > 1:
+        problem = "belongs to a plate; a pair as [structure] frequency says that the axes differ: leave one of them out"
+        raise BadInput(problem, file=file, key="[effects] structural_modes", value=False)
     if effects.structural_modes is True and scene.plate is None:
         problem = "the scene has no plate whose modes these could be"
         raise BadInput(problem, file=file, key="[effects] structural_modes", value=True)

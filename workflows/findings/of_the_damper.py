@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from workflows.findings import of_the_floor
+from workflows.findings import of_the_floor, worth
 from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
 from workflows.scene import thicknesses
@@ -156,19 +156,18 @@ def _rolling(results: Results) -> str | None:
 
 
 def _release_stress(results: Results) -> str | None:
-    plate, material, rung = results.scene.plate, results.scene.material, rung_down(results)
-    if plate is None or material is None or plate.length is None or not rung:
+    material, rung = results.scene.material, rung_down(results)
+    if material is None or not rung:
         return None
     lift = max(abs(damping.release[0]) for _, _, damping in rung)
-    # Root curvature of a uniform cantilever in its first mode: 3.516 w/L².
-    thickness = thicknesses.at(plate, (0.0, 0.0))
-    stress = material.youngs_modulus * thickness / 2 * 3.516 * lift / plate.length**2
-    if stress < 1e8 and lift < thickness:
+    strain = worth.root_strain(results, lift)
+    if strain is None or material.youngs_modulus * strain < 1e8:
         return None
+    stress = material.youngs_modulus * strain
     large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
     return (
-        f"A release of {significant(1e3 * lift)} mm is {significant(lift / thickness, 2)} plate thicknesses and"
-        f" bends the root to about {significant(stress / 1e6, 2)} MPa{large}."
+        f"A release of {significant(1e3 * lift)} mm at the cavity bends the root to about"
+        f" {significant(stress / 1e6, 2)} MPa{large}."
     )
 
 
@@ -187,6 +186,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _capped,
     _nothing_released,
     _held,
+    of_the_floor.leaning_load,
     of_the_floor.level_floor,
     of_the_floor.turning_floor,
     of_the_floor.pendulum,

@@ -93,7 +93,7 @@ def scattered(results: Results) -> str | None:
     for point, _, damping in rung_down(results):
         leaders = {m.number for axis in range(2) if (m := felt.leading(point.cavity_modes, axis)) is not None}
         rest = sum(e for number, e in damping.modal_energies.items() if number not in leaders)
-        if damping.energy.initial > 0:
+        if damping.energy.initial > 0 and damping.impacts > 0:
             shares.append((rest / damping.energy.initial, point.rpm))
     share, rpm = max(shares, default=(0.0, 0.0))
     if share <= results.scene.accuracy.damping:
@@ -129,6 +129,24 @@ def still_across(results: Results) -> str | None:
     return (
         f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, which there is still:"
         " its lag modes lie higher."
+    )
+
+
+def leaning_load(results: Results) -> str | None:
+    """A load that does not point along the plate at the cavity, whose floor is taken to face it."""
+    scene = results.scene
+    if scene.damper is None or scene.damper.at is None or scene.plate is None or not rung_down(results):
+        return None
+    across = abs(scene.damper.at[1] * math.cos(scene.rotor.stagger))
+    point = max((p for p, _, _ in rung_down(results)), key=lambda p: p.load_g)
+    lean, rolls = across / point.radius, scene.damper.rolling_friction / scene.damper.radius
+    if point.load_g == 0 or lean <= 0.1 * rolls:
+        return None
+    held = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"
+    return (
+        f"At this place the load leans by {significant(math.degrees(math.atan(lean)), 2)}° from the plate's length,"
+        f" away from its centre line: the cavity's floor is taken to face it. On one square to the length the ball"
+        f" {held}, which is not what is simulated."
     )
 
 

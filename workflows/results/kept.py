@@ -58,7 +58,7 @@ def read(folder: str | os.PathLike[str]) -> records.Results:
     given = Path(folder)
     path = given / NAME if given.is_dir() else given
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
+        with path.open("rb") as file, np.load(file) as kept:
             document = json.loads(kept["tree"].tobytes())
             arrays = [kept[f"array_{number}"] for number in range(len(kept.files) - 1)]
         if document["version"] != VERSION:

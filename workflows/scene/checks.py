@@ -230,6 +230,10 @@ def _structure_only(scene: Scene) -> None:
         raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
     if scene.rotor.radius is None:
         raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
+    if scene.structure is not None and max(map(abs, scene.structure.floor_tilt)) * scene.damper.radius >= 1:
+        raise fault(
+            "structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / scene.damper.radius:g} 1/m"
+        )
     for key in ("hub_radius", "stagger", "precone"):
         if getattr(scene.rotor, key):
             raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")

@@ -57,7 +57,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
-    found = replace(point, damping=damping, pendulum=felt.pendulum(system))
+    found = replace(point, damping=damping, pendulum=felt.pendulum(system, point.omega))
     if tilting is None:
         return replace(found, working=figures(system))
     cutoff = _cutoff(tilting, point)

@@ -134,7 +134,7 @@ def _on_axis(mode: CavityMode) -> CavityMode:
     return replace(mode, shape=(x, y), slope=(a, b))
 
 
-def pendulum(damper: damper.ParticleDamper) -> Pendulum | None:
+def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     """Frequencies of a ball that swings in a hollow floor, at small amplitudes; None on a flat one.
 
     omega_s² = beta (G / rho - Omega² P), P the axis' share in the plane of rotation.
@@ -147,7 +147,7 @@ def pendulum(damper: damper.ParticleDamper) -> Pendulum | None:
         pull = damper.centrifugal_acceleration / (radius - damper.ball_radius) - damper.rotation**2 * side
         found.append(math.sqrt(max(damper.inertia_ratio * pull, 0.0)) / (2 * math.pi))
     x, y = found
-    turns = damper.rotation / (2 * math.pi)
+    turns = omega / (2 * math.pi)
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 

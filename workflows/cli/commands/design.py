@@ -42,4 +42,5 @@ def design(
         return
     typer.echo(page.text(found))
     if out is not None:
-        typer.echo(f"\nopen {out / 'report.html'}, or spindamp run {out / 'best.toml'}")
+        winner = f", or spindamp run {out / 'best.toml'}" if found.toml else ""
+        typer.echo(f"\nopen {out / 'report.html'}{winner}")

@@ -20,7 +20,7 @@ from workflows.studies.design.objective import Scored
 from workflows.studies.design.search import Found
 from workflows.studies.design.space import Space
 from workflows.studies.design.verdict import Holds
-from workflows.studies.sweep import code, crew, kernels, plans, scenes
+from workflows.studies.sweep import crew, fingerprint, kernels, plans, scenes
 from workflows.studies.sweep.crew import Crew
 from workflows.studies.sweep.plates import Plates
 
@@ -110,7 +110,7 @@ def design(
     needs.check(source)
     clock = stages or Stages()
     with hired or crew.local() as workers, clock("design") as step:
-        score = partial(scored, workers, code.digest())
+        score = partial(scored, workers, fingerprint.digest())
         found = search.search(space, partial(score, space), seed, step.advance)
         held = verdict.holds(space, found, score)
         grid = _around(space, found, partial(score, space))
@@ -129,7 +129,7 @@ def winner(space: Space, found: Found) -> SceneFile:
 
 def part(space: Space, shares: Floats, quick: bool, digest: str, number: int) -> list[Scored]:
     """Score a part of some designs; what a worker does."""
-    code.same(digest)
+    fingerprint.same(digest)
     kernels.ready()
     return objective.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
 

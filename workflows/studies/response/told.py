@@ -110,12 +110,22 @@ def sentences(found: Response) -> list[str]:
         low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
         return [f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."]
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
+    if _undamped(found):
+        said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
         said.append(f"{_place(crossing.order, crossing.family, crossing.rpm)}: nothing to follow, {why}.")
-    given = found.results.scene.damper
-    if given is not None and given.damping_ratio == 0 and found.passed:
-        said.append("Without damping of its own ([damper] damping_ratio) the structure has no bound at resonance.")
     return said
+
+
+_UNDAMPED = (
+    "without damping of its own ([damper] damping_ratio) the structure has no bound at resonance, so that there is no"
+    " amplitude that the ball could be held against; give it what the air or its clamp takes, such as 0.001"
+)
+
+
+def _undamped(found: Response) -> bool:
+    given = found.results.scene.damper
+    return given is not None and given.damping_ratio == 0 and bool(found.passed)
 
 
 def _verdict(found: Response) -> str:

@@ -10,7 +10,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from workflows.studies.sweep import code
+from workflows.studies.sweep import fingerprint
 
 
 @cache
@@ -53,4 +53,4 @@ def _digest() -> str:
     """Of the code and of where it lies: an installation has a cache of its own."""
     import hashlib
 
-    return hashlib.sha256(f"{code.digest()} {Path(__file__).resolve()}".encode()).hexdigest()[:16]
+    return hashlib.sha256(f"{fingerprint.digest()} {Path(__file__).resolve()}".encode()).hexdigest()[:16]

@@ -20,7 +20,7 @@ from workflows.output import signals
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
 from workflows.stages import Stages
-from workflows.studies.sweep import axes, blocks, code, crew, folder, kernels, keys, plans, scenes, table
+from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, keys, plans, scenes, table
 from workflows.studies.sweep import uncertain as doubts
 from workflows.studies.sweep.blocks import Block
 from workflows.studies.sweep.crew import Crew
@@ -83,7 +83,7 @@ class Study:
             "quick": self.quick,
             "points": plans.size(self.plan),
             "shard": self.size,
-            "code": code.identity(),
+            "code": fingerprint.identity(),
         }
 
     @cached_property
@@ -121,8 +121,8 @@ def asked(
     scenes.base(source, [axis.key for axis in given])
     speeds = source.scene.rotor.speeds
     if count is None:
-        return Study(source, plans.grid(given, speeds), quick, code.digest())
-    return Study(source, plans.sample(given, speeds, count, seed), quick, code.digest())
+        return Study(source, plans.grid(given, speeds), quick, fingerprint.digest())
+    return Study(source, plans.sample(given, speeds, count, seed), quick, fingerprint.digest())
 
 
 def _uncertain(
@@ -132,7 +132,7 @@ def _uncertain(
     given = doubts.axes(vary, source.scene)
     scenes.base(source, [axis.key for axis in given])
     plan = doubts.plan(given, source.scene.rotor.speeds, doubts.BASE if count is None else count, seed)
-    return Study(source, plan, quick, code.digest())
+    return Study(source, plan, quick, fingerprint.digest())
 
 
 def compute(study: Study, number: int) -> Block:
@@ -141,7 +141,7 @@ def compute(study: Study, number: int) -> Block:
     Raises:
         BadInput: the worker has other code.
     """
-    code.same(study.code)
+    fingerprint.same(study.code)
     kernels.ready()
     begin, end = study.ranges[number]
     return blocks.block(study.source, study.plan, begin, end, _plates, quick=study.quick)
