@@ -164,7 +164,7 @@ def test_another_study_is_refused(asked, tmp_path):
 
 def test_other_code_is_refused(asked, tmp_path, monkeypatch):
     complete(asked, tmp_path / "out")
-    monkeypatch.setattr("workflows.studies.sweep.code.digest", lambda: "other")
+    monkeypatch.setattr("workflows.studies.sweep.fingerprint.digest", lambda: "other")
     with pytest.raises(BadInput, match="differs in its code and versions"):
         complete(study.asked("structure", VARY, quick=True), tmp_path / "out")
     with pytest.raises(BadInput, match="a worker has other code"):

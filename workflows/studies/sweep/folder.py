@@ -86,7 +86,7 @@ class Folder:
         Raises:
             OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile: it is not whole.
         """
-        with np.load(io.BytesIO(self.shard(number).read_bytes()), allow_pickle=False) as found:
+        with np.load(io.BytesIO(self.shard(number).read_bytes())) as found:
             if str(found["key"]) != self.key:
                 raise ValueError("a shard of another study")
             return Block(int(found["begin"]), found["rows"], tuple(map(str, found["reasons"])))
