@@ -172,10 +172,10 @@ def test_other_code_is_refused(asked, tmp_path, monkeypatch):
 
 
 def test_the_digest_sees_every_module():
-    from workflows.studies.sweep import code
+    from workflows.studies.sweep import fingerprint
 
-    assert len(code.digest()) == 64
-    assert code.identity()["sources_sha256"] == code.digest()
+    assert len(fingerprint.digest()) == 64
+    assert fingerprint.identity()["sources_sha256"] == fingerprint.digest()
 
 
 def test_a_folder_with_other_things_is_refused(asked, tmp_path):

@@ -118,12 +118,19 @@ def _thick(results: Results) -> str:
     return f"{low} to {high} mm thick"
 
 
+def _beyond(results: Results, point: SpeedPoint) -> bool:
+    """Whether the damper's peak lies at an amplitude that the plate does not endure."""
+    limit = worth.endured(results)
+    return limit is not None and point.working is not None and point.working.peak_amplitude > limit
+
+
 def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
     """A line of the tables."""
     return {
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
+        "beyond": _beyond(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
     }
