@@ -224,3 +224,50 @@ def test_results_carry_the_modes(paper: Scene) -> None:
     assert {entry["mode"] for entry in energies} <= {mode["number"] for mode in modes}
     total = sum(entry["energy"] for entry in energies)
     assert total == pytest.approx(found["speeds"][0]["damper"]["energy"]["final"], rel=0.05)
+
+
+def test_a_load_that_leans_is_said(paper: Scene) -> None:
+    """Off the centre line the load leans by atan(y cos(stagger) / R) from the plate's length."""
+    scene = changed(paper, rotor__speeds=["5000 rpm"], release__cycles=3, damper__at=["20 cm", "3.5 cm"])
+    notes = " ".join(workflows.run(scene).notes)
+    assert f"leans by {math.degrees(math.atan(0.035 / 0.2)):.2g}°" in notes
+    assert "would roll to a wall" in notes
+    assert "leans" not in " ".join(workflows.run(changed(scene, damper__at=["20 cm", "0 cm"])).notes)
+
+
+def test_modes_that_beat_lose_nothing(paper: Scene) -> None:
+    """A ball that never moves, five times as heavy as what carries it: no loss without one, and no word of hits."""
+    heavy = changed(paper, effects=None, rotor__speeds=["10000 rpm"], damper__mass_ratio=5.0, damper__damping_ratio=0.0)
+    run = workflows.run(changed(heavy, release={"displacement": ["1 mm", "0 mm"], "cycles": 20}))
+    damping = run.speeds[0].damping
+    assert (damping.impacts, damping.energy.residual) == (0, pytest.approx(0.0, abs=1e-9))
+    assert abs(damping.sdc).max() < 1e-6
+    assert not any("scatter" in note for note in run.notes)
+
+
+def test_the_order_of_a_known_structure(structure: Scene) -> None:
+    run = workflows.run(changed(structure, damper__floor_radius=["16 mm", "8 mm"]))
+    orders = [math.sqrt(5 / 7 * 0.2 / path) for path in (15e-3, 7e-3)]
+    assert run.speeds[0].pendulum.order == pytest.approx(orders, rel=1e-9)
+
+
+def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
+    """5 mm at a quarter of the length are many times as much at the tip, by the mode of a cantilever."""
+    scene = changed(paper, rotor__speeds=["5000 rpm"], release={"displacement": ["1 mm", "0 mm"], "cycles": 2})
+    inner = workflows.run(changed(scene, damper__at=["5 cm", "0 cm"], damper__mass_ratio=1e-4))
+    said = next(note for note in inner.notes if "bends the root" in note)
+    tip = 182.6e9 * 0.005 * 3.516 / 0.2**2 * 1e-3 / 0.0973  # the mode's shape at a quarter of the length, 1 at the tip
+    assert f"about {float(f'{tip / 1e6:.2g}'):g} MPa" in said
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"structure__frequency": [269.5, 1500], "effects__structural_modes": False}, "leave one of them out"),
+        ({"structure__floor_tilt": 1e5}, "floor_tilt"),
+    ],
+)
+def test_contradictions_of_a_structure(changes: dict[str, object], said: str, structure: Scene) -> None:
+    with pytest.raises(BadInput, match=said) as caught:
+        rules.of(opened(changed(structure, **changes)))
+    assert "[damper]" not in str(caught.value)

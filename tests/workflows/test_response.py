@@ -276,3 +276,11 @@ def test_a_floor_tuned_to_the_order():
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
     assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
+
+
+def test_without_damping_there_is_no_verdict():
+    """Where it has no bound, an amplitude without the ball is that of the nearest speed followed, and says nothing."""
+    found = respond(read(changed("damping_ratio = 0.01", "damping_ratio = 0")))
+    said = told.sentences(found)
+    assert said[0].startswith("No verdict: without damping of its own")
+    assert not any("takes up to" in sentence or "helps" in sentence for sentence in said)
