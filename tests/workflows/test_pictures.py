@@ -36,9 +36,9 @@ def captured() -> Iterator[list[Any]]:
     drawn: list[Any] = []
     kept = drawing.svg
 
-    def keep(figure: Any, *rest: Any) -> str:
+    def keep(figure: Any, *rest: Any, **options: Any) -> str:
         drawn.append(figure)
-        return kept(figure, *rest)
+        return kept(figure, *rest, **options)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(drawing, "svg", keep)
