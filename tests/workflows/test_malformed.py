@@ -149,6 +149,15 @@ BENT: dict[str, dict[str, str]] = {
     "excitation.force": NO_LEVEL | {"twice": '["1 N", "1 N"]'},
     "excitation.pressure": NO_LEVEL | {"beside a force": '"100 Pa"'},
     "excitation.base": NO_LEVEL | {"beside a force": '"1 g"'},
+    "design.ball_material": NO_NUMBER | {"no material": '["wood"]', "a number inside": "[1]"},
+    "design.ball_diameter": NO_NUMBER | {"descending": "[4e-3, 2e-3]", "zero inside": "[0, 1e-3]"},
+    "design.clearance": NO_NUMBER | {"descending": "[4e-3, 2e-3]", "zero inside": "[0, 1e-3]"},
+    "design.floor_radius": NO_NUMBER | {"misspelt": '["flatt", "8 mm"]'},
+    "design.count": NO_NUMBER | {"zero inside": "[0, 2]", "a fraction inside": "[1.5]"},
+    "design.place": NO_NUMBER | {"descending": "[0.2, 0.1]", "negative inside": "[-0.1, 0.1]"},
+    "design.mass": NO_QUANTITY | NEGATIVE | ZERO,
+    "design.wall": NO_QUANTITY | NEGATIVE,
+    "design.amplitude": NO_PAIR | {"descending": "[5e-3, 2e-3]", "from nothing": "[0, 2e-3]"},
     "release.cycles": NO_NUMBER | NEGATIVE | ZERO | {"too many": "1e10", "another case": '"Auto"'},
     "accuracy.frequency": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
     "accuracy.damping": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
@@ -209,6 +218,8 @@ def _home(table: str, key: str) -> Raw:
     """A right scene in which this key can stand."""
     if table == "structure" or (table, key) == ("rotor", "radius"):
         return _right("structure")
+    if table == "design":
+        return _right("design")
     raw = _right("paper")
     if (table, key) == ("material", "name"):
         return raw | {"material": {}}
