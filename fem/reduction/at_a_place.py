@@ -72,9 +72,18 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
 
     rows = vstack([floor_rows(operators, at), csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
+    large = operators.effects.large_deflection
+    pull = None if large else with_point_mass(operators, at, 1.0).spinning - operators.spinning
     for part in diagram.parts:
         balls, masses = masses[: part.omega.size], masses[part.omega.size :]
-        values, vectors = _under_pull(operators, part, at, balls, count)
+        vectors = part.vectors[:, :, :count]
+        stiffness_there = (
+            _about_a_state(operators, part, at, float(balls[0]), part.basis @ vectors[0])
+            if pull is None
+            else _about_rest(part, part.basis.T @ (pull @ part.basis), balls, vectors)
+        )
+        values, turned = _solved(part, stiffness_there)
+        vectors = vectors @ turned
         stiffness.append(values)
         motions.append((rows @ part.basis) @ vectors)
     motion = np.concatenate(motions)
@@ -103,23 +112,23 @@ def load_rows(operators: Operators) -> Array:
     return np.array([*drawn, uniform_load(model, 1.0 / height, np.eye(3)[2])])
 
 
-def _under_pull(
-    operators: Operators, part: Swept, at: tuple[float, float], balls: Array, count: int
-) -> tuple[Array, Array]:
-    """Squared circular frequencies (k, count) and vectors (k, r, count) in a part's basis, ascending."""
-    vectors = part.vectors[:, :, :count]
-    if part.state is None:
-        heavy = with_point_mass(operators, at, 1.0)
-        pull = part.basis.T @ ((heavy.spinning - operators.spinning) @ part.basis)
-        own = part.rates[:, :count, None] ** 2 * np.eye(count)
-        weight = (part.omega**2 * balls)[:, None, None]
-        stiffness = own + weight * (vectors.transpose(0, 2, 1) @ pull @ vectors)
-    else:
-        shapes = part.basis @ vectors[0]
-        heavy = with_point_mass(operators, at, float(balls[0]))
-        stiffness = (shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None]
+def _about_rest(part: Swept, pull: Array, balls: Array, vectors: Array) -> Array:
+    """Stiffness (k, count, count) of modes whose prestress is linear; pull: of 1 kg, in the part's basis (r, r)."""
+    own = part.rates[:, : vectors.shape[2], None] ** 2 * np.eye(vectors.shape[2])
+    weight = (part.omega**2 * balls)[:, None, None]
+    return np.asarray(own + weight * (vectors.transpose(0, 2, 1) @ pull @ vectors))
+
+
+def _about_a_state(operators: Operators, part: Swept, at: tuple[float, float], ball: float, shapes: Array) -> Array:
+    """The same (1, count, count) about the bent state of the plate with the ball."""
+    heavy = with_point_mass(operators, at, ball)
+    return np.asarray((shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None])
+
+
+def _solved(part: Swept, stiffness: Array) -> tuple[Array, Array]:
+    """Squared circular frequencies (k, count), ascending, and the vectors (k, count, count)."""
     values, turned = np.linalg.eigh(stiffness)
     if values.min() <= 0.0:
         worst = int(values[:, 0].argmin())
         raise Divergence(float(part.omega[worst]), float(values[worst, 0]))
-    return values, vectors @ turned
+    return values, turned
