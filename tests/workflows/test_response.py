@@ -13,9 +13,11 @@ import xarray as xr
 import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from workflows.errors import BadInput
+from workflows.results import crossings
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
-from workflows.studies.response import crossings, files, page, told
+from workflows.solve.records import Mode, SpeedPoint
+from workflows.studies.response import band, files, page, told
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -60,7 +62,7 @@ def test_a_known_structure(known):
     """The crossing is where three turns a period are 200 Hz without the ball; locked, the textbook's amplitude."""
     (through,) = known.passed
     hertz = 200 * math.sqrt(1.01)
-    assert through.crossing.frequency == pytest.approx(hertz, rel=1e-12)
+    assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
     weak, strong = told.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
@@ -171,8 +173,25 @@ def test_schema_takes_what_scenes_take():
     jsonschema.validate(tomllib.loads(STRUCTURE), schema())
 
 
+def test_crossings_between_few_speeds_are_exact():
+    """f² = f0² + s (Ω/2π)² and f = k Ω/2π: wherever the two speeds of a mode lie, one module answers for all."""
+    f0, share, k = 100.0, 1.7, 3
+    points = tuple(
+        SpeedPoint(
+            rpm * math.pi / 30, rpm, 0.2, 0.0, modes=(Mode(math.hypot(f0, math.sqrt(share) * rpm / 60), "flap"),)
+        )
+        for rpm in (500.0, 9000.0)
+    )
+    (met,) = crossings.of_points(points, [k, 1])
+    turns = f0 / math.sqrt(k**2 - share)
+    assert met.rpm == pytest.approx(60 * turns, rel=1e-12)
+    assert met.frequency_hz == pytest.approx(k * turns, rel=1e-12)
+    assert met.turns == pytest.approx(share / k, rel=1e-12), "df/dn = s n / f"
+    assert (met.order, met.branch, met.label) == (k, 0, "flap 1")
+
+
 def test_speeds_through_a_crossing():
-    omega = crossings.gathered(100.0, 98.0, 101.0, 21)
+    omega = band.gathered(100.0, 98.0, 101.0, 21)
     assert (omega[0], omega[10], omega[-1]) == pytest.approx((98.0, 100.0, 101.0))
     steps = np.diff(omega)
     assert (steps > 0).all()
@@ -251,7 +270,7 @@ orders = [3]
     assert through.crossing.family == "flap"
     assert len(through.omega) in (60, FEW_SPEEDS)
     (row,) = told.rows(found)
-    omega = 2 * math.pi * through.crossing.frequency
+    omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
     tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)

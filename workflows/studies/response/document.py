@@ -8,7 +8,7 @@ import numpy as np
 
 from workflows.findings import worth
 from workflows.results import provenance, resolved
-from workflows.studies.response.study import Response, Through
+from workflows.studies.response.records import Response, Through
 from workflows.studies.response.told import Row, endured, rows, sentences
 
 
@@ -29,7 +29,7 @@ def document(found: Response) -> dict[str, Any]:
         "crossings": [_entry(found, row) for row in rows(found)],
         "dampers": [_damper(found, through) for through in found.passed],
         "not_followed": [
-            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency}
+            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency_hz}
             | {"why": why}
             for c, why in found.idle
         ],
@@ -47,7 +47,7 @@ def _entry(found: Response, row: Row) -> dict[str, Any]:
         "mode": c.branch + 1,
         "family": c.family,
         "rpm": c.rpm,
-        "frequency_hz": c.frequency,
+        "frequency_hz": c.frequency_hz,
         "frequency_error": _known(c.error),
         "basis_error": c.basis,
         "force": row.force,

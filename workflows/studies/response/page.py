@@ -13,7 +13,7 @@ from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.response import files, plots, told
 from workflows.studies.response.document import document
-from workflows.studies.response.study import Response
+from workflows.studies.response.records import Response
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 """What is written beside the usual files, as a regular expression."""

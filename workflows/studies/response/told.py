@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows.findings import worth
-from workflows.studies.response.study import Response, Through, peak
+from workflows.studies.response.records import Response, Through, peak
 from workflows.wording import significant, whole
 
 HELPS = 0.99
@@ -157,7 +157,7 @@ def _place(order: int, family: str, rpm: float) -> str:
 
 def _sentence(found: Response, through: Through) -> str:
     c, unit = through.crossing, found.excitation.unit
-    place = f"{_place(c.order, c.family, c.rpm)}, {significant(c.frequency)} Hz"
+    place = f"{_place(c.order, c.family, c.rpm)}, {significant(c.frequency_hz)} Hz"
     mine = [row for row in rows(found) if row.through is through]
     best = min(mine, key=lambda row: row.ratio)
     begins = _begins(found, through)
