@@ -215,6 +215,10 @@ def together(scene: Scene) -> None:
             "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the plate"
             " alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
         )
+    if scene.design is not None and scene.design.amplitude is None and scene.excitation is None:
+        raise fault(
+            "design.amplitude", "missing: the range over which the least damping counts (or give [excitation] instead)"
+        )
     if scene.plate is not None:
         _on_the_plate(scene.plate, scene.damper)
         _release_of(scene.plate, scene.release)

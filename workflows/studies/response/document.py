@@ -26,7 +26,7 @@ def document(found: Response) -> dict[str, Any]:
         "headline": sentences(found),
         "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
         "aerodynamic_damping_ratio": list(worth.AIR),
-        "crossings": [_entry(found, row) for row in rows(found)],
+        "crossings": entries(found),
         "dampers": [_damper(found, through) for through in found.passed],
         "not_followed": [
             {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency_hz}
@@ -34,6 +34,11 @@ def document(found: Response) -> dict[str, Any]:
             for c, why in found.idle
         ],
     }
+
+
+def entries(found: Response) -> list[dict[str, Any]]:
+    """The crossings, each under every force."""
+    return [_entry(found, row) for row in rows(found)]
 
 
 def _entry(found: Response, row: Row) -> dict[str, Any]:

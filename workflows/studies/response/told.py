@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows.findings import worth
+from workflows.results.crossings import Crossing
 from workflows.studies.response.records import Response, Through, peak
 from workflows.wording import significant, whole
 
@@ -113,7 +114,7 @@ def sentences(found: Response) -> list[str]:
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
-        said.append(f"{_place(crossing.order, crossing.family, crossing.rpm)}: nothing to follow, {why}.")
+        said.append(f"{place(crossing)}: nothing to follow, {why}.")
     return said
 
 
@@ -151,20 +152,21 @@ def _listed(orders: list[int]) -> str:
     return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
 
 
-def _place(order: int, family: str, rpm: float) -> str:
-    return f"Order {order} meets the {family} mode at {whole(rpm)} rpm"
+def place(c: Crossing) -> str:
+    """Where an order meets a mode."""
+    return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm"
 
 
 def _sentence(found: Response, through: Through) -> str:
     c, unit = through.crossing, found.excitation.unit
-    place = f"{_place(c.order, c.family, c.rpm)}, {significant(c.frequency_hz)} Hz"
+    where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
     mine = [row for row in rows(found) if row.through is through]
     best = min(mine, key=lambda row: row.ratio)
     begins = _begins(found, through)
     if best.ratio > HELPS:
         left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
         return (
-            f"{place}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
+            f"{where}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
             f" {left} % of it are left{begins}"
         )
     helped = [row.force for row in mine if row.ratio <= HELPS]
@@ -173,8 +175,8 @@ def _sentence(found: Response, through: Through) -> str:
     limit = endured(found, through)
     if limit is not None and all(row.mean > limit for row in mine if row.ratio <= HELPS):
         cut += " %, but only at amplitudes beyond what the root of a blade endures; it takes"
-        return f"{place}: the ball takes up to {cut} that at {span} {unit}{begins}"
-    return f"{place}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
+        return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
+    return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
 
 
 def _begins(found: Response, through: Through) -> str:
