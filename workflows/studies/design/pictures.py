@@ -96,15 +96,15 @@ def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
         xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours if of_damping else colours[::-1]
     )
     if grid.beyond.any():
-        hatch: dict[str, Any] = {"colors": "none", "hatches": ["////"]}
-        axes.contourf(xs, ys, grid.beyond.astype(float), [0.5, 1.5], **hatch)
+        maps.hatch(axes, xs, ys, grid.beyond)
     best = found.space.values(found.found.shares)
     at = _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y])
-    axes.plot(*at, "x", color=drawing.INK, ms=7, mew=1.6, clip_on=False)
+    maps.mark(axes, *at)
     scales: dict[str, Any] = {"xscale": maps.scale(grid.xs), "yscale": maps.scale(grid.ys)}
     axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
     axes.grid(visible=False)
-    maps.colour_key(figure, sheet, levels, colours if of_damping else colours[::-1], name)
+    idle = "beyond a limit" if grid.beyond.any() else ""
+    maps.colour_key(figure, sheet, levels, colours if of_damping else colours[::-1], name, idle=idle)
     return drawing.svg(figure, sheet, "around", f"The {name.partition(',')[0]} around the best design")
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _STEPS = (1.0, 2.0, 5.0)
 
+_HATCH = "////"
+
 SHADES = 12
 """Colours of a map, at most."""
 
@@ -49,14 +51,29 @@ def spread(count: int) -> list[str]:
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
-def colour_key(figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str) -> None:
-    """Say beside a map which colour is which level."""
+def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
+    """Hatch the part of a map that has no figures."""
+    axes.contourf(xs, ys, where.astype(float), [0.5, 1.5], colors="none", hatches=[_HATCH])
+
+
+def mark(axes: Any, x: float, y: float) -> None:
+    """Mark the best point, also at the edge of a map."""
+    axes.plot(x, y, "o", color=drawing.PAPER, ms=8, mec=drawing.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=drawing.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+
+
+def colour_key(
+    figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str, *, idle: str = ""
+) -> None:
+    """Say beside a map which colour is which level, and what is hatched."""
     from matplotlib.patches import Patch
 
     named = [
         Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
+    if idle:
+        named.insert(0, Patch(facecolor="none", edgecolor=drawing.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     where: dict[str, Any] = (
         {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
     )
