@@ -222,7 +222,10 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
-    """What a run has written into a folder; see :func:`workflows.load_results`."""
+    """What a run has written into a folder; see :func:`workflows.load_results`.
+
+    Saved again it is the same but for `timings`, to which reading and writing add theirs.
+    """
     from workflows.report import publish
 
     return publish.load_results(folder)

@@ -1,6 +1,7 @@
 """Forced response of scenes: crossings, figures, files, and what is refused."""
 
 import csv
+import dataclasses
 import json
 import math
 import tomllib
@@ -14,6 +15,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from workflows.errors import BadInput
 from workflows.results import crossings
+from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
 from workflows.solve.records import Mode, SpeedPoint
@@ -163,10 +165,39 @@ def test_what_response_needs(text, says):
 
 def test_no_crossing():
     found = respond(read(changed("orders = [3]", "orders = [1]")))
-    assert told.sentences(found) == ["No engine order asked for crosses a mode between 3000 and 5000 rpm."]
+    assert told.sentences(found) == [
+        "No engine order asked for crosses a mode between 3000 and 5000 rpm.",
+        "Order 1 would meet the first mode near 12060 rpm.",
+    ]
     assert json.loads(page.dumps(found))["crossings"] == []
     assert "<figure>" in page.render(found)
     assert not files.dataset(found).data_vars
+
+
+def test_crossings_beyond_the_speeds():
+    """f² = f0² + s n²: the order k meets it at n = f0 / sqrt(k² - s), wherever the known speeds lie; else never."""
+    for share, order, low, high in ((1.7, 3, 5000.0, 9000.0), (0.0, 2, 100.0, 200.0), (1.7, 1, 0.0, 500.0)):
+        points = [
+            SpeedPoint(
+                rpm * math.pi / 30, rpm, 0.2, 0.0, (Mode(math.hypot(100.0, math.sqrt(share) * rpm / 60), "flap"),)
+            )
+            for rpm in (low, high)
+        ]
+        found = crossings.beyond(points, order)
+        if share > order**2:
+            assert found is None
+        else:
+            assert found == pytest.approx(60 * 100.0 / math.sqrt(order**2 - share), rel=1e-9)
+
+
+def test_words_of_a_response(known):
+    """Two speeds, of the crossing without a ball and of the largest amplitude with it, each named; the force's kind."""
+    assert "meets the flap mode at 4020 rpm without a ball" in told.text(known)
+    assert "largest at, rpm" in told.text(known)
+    assert "force, N" in told.text(known)
+    pressed = dataclasses.replace(known, excitation=Excitation(orders=(3,), pressure=(2.0, 20.0)))
+    assert "pressure, Pa" in told.text(pressed)
+    assert "force" not in told.text(pressed).splitlines()[4]
 
 
 def test_schema_takes_what_scenes_take():

@@ -66,6 +66,18 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     ]
 
 
+def beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
+    """The speed [rev/min] at which an order would meet the first mode beyond these points; None where it never would.
+
+    f² goes with Ω² as between the lowest and the highest of them.
+    """
+    track = _track(sorted(points, key=lambda point: point.omega), 0)
+    (a, f), (b, g) = ((point.rpm, _hertz(point, k)) for point, k in (track[0], track[-1]))
+    growth = 0.0 if a == b else 3600 * (g**2 - f**2) / (b**2 - a**2)
+    square = (3600 * f**2 - growth * a**2) / (order**2 - growth) if order**2 > growth else -1.0
+    return math.sqrt(square) if square > 0 else None
+
+
 def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, int]]:
     """Points that have a branch, each with which of its modes that is, from 0; of a structure that is given all."""
     every = [(point, k) for point in points for k, mode in enumerate(point.modes) if mode.branch == branch]

@@ -23,7 +23,6 @@ from workflows.studies.response import driven
 if TYPE_CHECKING:
     from damper import Backbone, Forced, Harmonic, ParticleDamper, Start
     from damper.starts import Motions
-    from workflows.solve.records import Floats
 
 _ACCURACY = 1e-2
 """To which the mean amplitude is known of motion that does not repeat itself."""
@@ -183,32 +182,33 @@ def linear(crossed: Crossed) -> Linear:
     """
     from damper import Harmonic
 
-    met = crossed.crossing.omega
-    alone = float(np.abs(_answers(crossed, met, [crossed.at(met)[1]]).without[0]))
-    omega, frequencies = _about(crossed)
-    driven_at = [replace(crossed.harmonic, frequency=float(nu)) for nu in frequencies]
-    found = _answers(crossed, omega, driven_at)
+    met = crossed.crossing.order * crossed.crossing.omega
+    alone = _answers(crossed, *_about(crossed, met)).without
+    omega, harmonics = _about(crossed, crossed.stuck)
+    found = _answers(crossed, omega, harmonics)
     k = int(np.argmax(np.abs(found.linear)))
-    resting, nu, axis = float(np.abs(found.linear[k])), float(frequencies[k]), crossed.axis
+    resting, nu, axis = float(np.abs(found.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
     receptance = float(np.abs(_answers(crossed, omega, [unit]).linear[0]))
     system = crossed.system
     held = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
-    return Linear(alone, resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0))
+    return Linear(
+        float(np.abs(alone).max()), resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0)
+    )
 
 
-def _about(crossed: Crossed) -> tuple[float, Floats]:
-    """Frequencies about the resonance with the ball at rest, and the speed of the structure [rad/s].
+def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
+    """The speed of the structure [rad/s] and what drives it, at frequencies about a resonance.
 
     Where no speed looked at meets it, the one that comes nearest does.
     """
-    wide = _WIDTHS * max(crossed.system.damping_ratio, 1e-4)
-    found = crossed.stuck * (1 + wide * np.linspace(-1.0, 1.0, _ABOUT))
     low, high = crossed.speeds
-    met = crossed.speed_of(crossed.stuck)
-    if low < met < high:
-        return crossed.crossing.omega, found
-    return met, np.array([crossed.crossing.order * met])
+    met = crossed.speed_of(resonance)
+    if not low < met < high:
+        return met, [crossed.at(met)[1]]
+    wide = _WIDTHS * max(crossed.system.damping_ratio, 1e-4)
+    frequencies = resonance * (1 + wide * np.linspace(-1.0, 1.0, _ABOUT))
+    return crossed.crossing.omega, [replace(crossed.harmonic, frequency=float(nu)) for nu in frequencies]
 
 
 def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motions:

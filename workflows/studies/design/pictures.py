@@ -35,7 +35,8 @@ def draw(found: Designed) -> list[Picture]:
             pictures.append(_picture(partial(_curves, goal, curves), _OF_CURVES))
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
-            drawn = partial(plots.response, found.response, through, str(number))
+            shades = maps.spread(len(through.forces) + 1)[:-1]
+            drawn = partial(plots.response, found.response, through, str(number), shades)
             pictures.append(_picture(drawn, f"{told.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
@@ -90,7 +91,7 @@ def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
     figure, (axes,) = drawing.canvas(sheet, 3.4)
     xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
     values = factor * grid.values
-    levels = maps.levels([values])
+    levels = maps.levels([values]) if of_damping else maps.levels([values], least=0.0)
     colours = maps.spread(len(levels) - 1)
     axes.contourf(
         xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours if of_damping else colours[::-1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,13 +70,12 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
     )
 
 
-def response(found: Response, through: Through, name: str, sheet: Sheet) -> str:
+def response(found: Response, through: Through, name: str, shades: Sequence[str], sheet: Sheet) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
     with drawing.style():
         figure, (axes,) = drawing.canvas(sheet, 3.3)
         rpm = through.omega * 30 / np.pi
         states = through.states
-        shades = drawing.shades(len(through.forces))
         least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
         without = np.abs(through.shaped(states.without))
         for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):

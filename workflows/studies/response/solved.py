@@ -29,9 +29,10 @@ def shaken(source: SceneFile) -> SceneFile:
 
     The floor of the cavity tilts, and a plate moves in its own modes.
     """
-    effects = source.scene.effects.model_copy(update={"floor_tilt": True, "structural_modes": "auto"})
-    if source.scene.plate is not None:
-        effects = effects.model_copy(update={"structural_modes": True})
+    structure = source.scene.structure
+    tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
+    modes: bool | str = True if source.scene.plate is not None else "auto"
+    effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
     return source.changed(effects=effects)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows.findings import worth
+from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.studies.response.records import Response, Through, peak
 from workflows.wording import significant, whole
@@ -109,13 +110,20 @@ def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
     if not found.passed and not found.idle:
         low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
-        return [f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."]
+        none = f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."
+        return [none, *_beyond(found)]
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
         said.append(f"{place(crossing)}: nothing to follow, {why}.")
     return said
+
+
+def _beyond(found: Response) -> list[str]:
+    """Where orders would meet the first mode at other speeds."""
+    near = [(order, crossings.beyond(found.results.speeds, order)) for order in found.excitation.orders]
+    return [f"Order {order} would meet the first mode near {whole(rpm)} rpm." for order, rpm in near if rpm is not None]
 
 
 _UNDAMPED = (
@@ -154,7 +162,7 @@ def _listed(orders: list[int]) -> str:
 
 def place(c: Crossing) -> str:
     """Where an order meets a mode."""
-    return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm"
+    return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
 def _sentence(found: Response, through: Through) -> str:
@@ -198,13 +206,12 @@ def _begins(found: Response, through: Through) -> str:
 
 def text(found: Response) -> str:
     """What a person reads on the terminal."""
-    unit = found.excitation.unit
     lines = [found.results.scene.title, *sentences(found), ""]
     heads = (
         "order",
         "mode",
-        "rpm",
-        f"force, {unit}",
+        "largest at, rpm",
+        f"{found.excitation.kind}, {found.excitation.unit}",
         "without, mm",
         "with, mm",
         "ratio",

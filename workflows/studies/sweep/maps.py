@@ -29,12 +29,15 @@ def scale(values: Floats) -> str:
     return "log" if ratios.std() / abs(ratios.mean()) < steps.std() / abs(steps.mean()) else "linear"
 
 
-def levels(tables: list[Floats]) -> list[float]:
-    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours."""
+def levels(tables: list[Floats], least: float = 0.02) -> list[float]:
+    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours.
+
+    `least`: quantile of the values from which on they are told apart.
+    """
     known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
     if not known.size:
         return [0.0, 1.0]
-    low, high = float(np.quantile(known, 0.02)), float(known.max())
+    low, high = float(np.quantile(known, least)), float(known.max())
     powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     every = [step * 10.0**power for power in powers for step in _STEPS]
     levels = [level for level in every if level < high]
