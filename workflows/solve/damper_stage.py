@@ -13,6 +13,7 @@ from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve import felt
+from workflows.solve.ball_path import ball_path
 from workflows.solve.records import CavityMode, CutOff, Damping, Energy, History, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
@@ -181,6 +182,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         ),
         modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
+        path=ball_path(motion) if keep else None,
     )
 
 

@@ -154,12 +154,35 @@ class History:
 
 
 @dataclass(frozen=True, eq=False)
+class BallPath:
+    """The ball's way through its cavity over a stretch of a ring-down; straight lines between the times are close.
+
+    Attributes:
+        t: (n,) [s], ascending; the time of every event is among them.
+        ball: its centre from the cavity's, (n, 2) [m].
+        structure: displacement of the cavity, (n, 2) [m].
+        regime: from each time on, along each axis, (n, 2): 0 at rest in the cavity, 1 rolling, 2 slipping.
+        at: which of the times have an event, (k,); kind: what it is: `release`, `start` (it sets off), `reversal`,
+            `hit`, `rub` (along the wall that is hit), `grip` (slip ends); axis: 0 or 1.
+    """
+
+    t: Floats = field(repr=False)
+    ball: Floats = field(repr=False)
+    structure: Floats = field(repr=False)
+    regime: npt.NDArray[np.int64] = field(repr=False)
+    at: npt.NDArray[np.int64] = field(repr=False)
+    kind: tuple[str, ...] = field(repr=False)
+    axis: npt.NDArray[np.int64] = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
 class Damping:
     """One ring-down. `amplitude_g`, `sdc` and `peak_velocity` hold a value per vibration cycle.
 
     `stopped` is when the ball came to rest for good [s], None where it did not (yet); the cut-off is the amplitude
     of the last cycle in which it moved. `modal_energies` [J] are those left at the end in the plate's modes, by number,
-    where they are simulated.
+    where they are simulated. `history` and `path` are kept at the speed that the pictures show, and there is no path of
+    a ball that never moves.
     """
 
     outcome: str
@@ -181,6 +204,7 @@ class Damping:
     energy: Energy
     modal_energies: dict[int, float] = field(default_factory=dict)
     history: History | None = None
+    path: BallPath | None = None
 
 
 @dataclass(frozen=True, eq=False)
