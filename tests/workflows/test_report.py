@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.workflows.browser import findings, needs_axe
 from tests.workflows.conftest import (
     PHONE,
     Outcome,
@@ -19,8 +20,9 @@ from tests.workflows.conftest import (
     width_on_a_phone,
     write,
 )
-from workflows.report import mode_shape
+from workflows.report import mode_shape, templating
 
+TEMPLATES = Path(templating.__file__).parents[1] / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
@@ -142,3 +144,49 @@ def test_chromium_opens_it_without_a_word(finished: Path, tmp_path: Path, size: 
 @needs_chromium
 def test_a_phone_shows_it_whole(finished: Path, tmp_path: Path) -> None:
     assert width_on_a_phone(finished / "report.html", tmp_path) <= PHONE
+
+
+@needs_chromium
+@needs_axe
+@pytest.mark.parametrize("look", [(), ("--blink-settings=preferredColorScheme=0",)], ids=["light", "dark"])
+def test_nothing_hinders_a_reader(finished: Path, look: tuple[str, ...], tmp_path: Path) -> None:
+    assert findings(finished / "report.html", tmp_path, *look) == []
+
+
+@needs_chromium
+@needs_axe
+def test_what_hinders_a_reader_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(
+        '<!doctype html><html lang="en"><title>a</title><body><main><h1>a</h1><img src="data:,">'
+        '<p style="color: #ccc; background: #fff">pale</p></main></body></html>',
+        encoding="utf-8",
+    )
+    assert {found.split()[1] for found in findings(page, tmp_path)} >= {"image-alt", "color-contrast"}
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def test_words_in_figures_stand_out_of_the_page() -> None:
+    """WCAG 2.1 asks for a contrast of 4.5; what a browser cannot tell within a drawing is reckoned here."""
+    css = (TEMPLATES / "report.css").read_text(encoding="utf-8")
+    for look in (css[: css.index("@media")], css[css.index("@media") : css.index("* {")]):
+        paper, *_ = re.findall(r"--paper: (#\w+)", look)
+        words = re.findall(r"--(ink|muted|accent|text-\d): (#\w+)", look)
+        assert len(words) == 10
+        for name, colour in words:
+            low, high = sorted((luminance(paper), luminance(colour)))
+            assert (high + 0.05) / (low + 0.05) >= 4.5, name
+
+
+def test_no_word_of_a_figure_has_the_colour_of_a_line(finished: Path) -> None:
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    pale = re.findall(r"(\.[\w-]+)\{[^}]*fill:var\(--line-", page)
+    texts = re.findall(r'<text[^>]*(?:class="([\w-]+)"|style="([^"]*)")', page)
+    assert len(texts) > 100
+    assert not {f".{name}" for name, _ in texts} & set(pale)
+    assert not [style for _, style in texts if "var(--line-" in style]

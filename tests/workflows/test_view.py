@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.browser import driven
+from tests.workflows.browser import driven, findings, needs_axe
 from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
 from workflows.cli.entry import main
 from workflows.looking import page, screen, target, window
@@ -299,3 +299,12 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
     assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
     assert width_on_a_phone(path, tmp_path) <= PHONE
+
+
+@needs_chromium
+@needs_axe
+def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
+    for number, sight in enumerate((target.of(str(turning)), target.of(str(MESHES / "plate_with_hole.msh")))):
+        path = tmp_path / f"{number}.html"
+        page.write(sight, path)
+        assert findings(path, tmp_path) == []

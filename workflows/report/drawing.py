@@ -29,6 +29,9 @@ INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
 CATEGORIES = ("#0072b2", "#d55e00", "#009e73", "#a0568c", "#c48a00", "#3f9bd1", "#7f7f7f")
 """After Okabe and Ito (2008): told apart with any kind of colour vision."""
 
+_WRITTEN = ("#0072b2", "#b34f00", "#00795a", "#a0568c", "#8a6000", "#2474a6", "#6b6b6b")
+"""The same in a light page where words have them: with a contrast of 4.5 and more."""
+
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 _VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
@@ -190,6 +193,7 @@ def _frames(figure: Figure) -> list[dict[str, Any]]:
 def standalone(drawn: str) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page."""
     light = _LIGHT | {"--sans": "sans-serif"} | {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    light |= {f"--text-{i}": colour for i, colour in enumerate(_WRITTEN)}
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)
     width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
@@ -244,6 +248,7 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var({variable})")
+    text = re.sub(r'(<text style="[^"]*)var\(--line-', r"\1var(--text-", text)
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
