@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,6 +22,8 @@ from tests.workflows.conftest import (
     write,
 )
 from workflows.report import mode_shape, templating
+from workflows.results import crossings
+from workflows.scene.file import parse
 
 TEMPLATES = Path(templating.__file__).parents[1] / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -190,3 +193,24 @@ def test_no_word_of_a_figure_has_the_colour_of_a_line(finished: Path) -> None:
     assert len(texts) > 100
     assert not {f".{name}" for name, _ in texts} & set(pale)
     assert not [style for _, style in texts if "var(--line-" in style]
+
+
+def test_forces_that_a_run_leaves_out_are_said(finished: Path, document: dict[str, Any], paper: Scene) -> None:
+    """The table [excitation] is that of another command; its orders are in the diagram all the same."""
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    text = re.sub(r"(<[^>]+>|[ \n])+", " ", page[page.index("Under engine orders") :])
+    assert "spindamp response" in text
+    found = re.findall(r"(\d)× meets (\w+ \d) at ([\d\u2009]+) rpm \(([\d.\u2009]+) Hz\)", text[:600])
+    assert {int(order) for order, *_ in found} <= set(paper["excitation"]["orders"])
+    assert found
+    first = [speed["modes"][0]["frequency_hz"] for speed in document["speeds"]]
+    for order, label, rpm, hertz in found:
+        turns = float(rpm.replace("\u2009", "")) / 60
+        assert float(hertz.replace("\u2009", "")) == pytest.approx(int(order) * turns, rel=5e-3)
+        assert label != "flap 1" or min(first) < int(order) * turns < max(first)
+
+
+def test_a_diagram_has_the_orders_of_its_scene(paper: Scene) -> None:
+    scene = parse(changed(paper, excitation__orders=[5, 2]))
+    assert crossings.orders(scene) == (1, 2, 3, 4, 5, 6, 8, 12, 16)
+    assert crossings.orders(scene.model_copy(update={"excitation": None})) == crossings.ENGINE_ORDERS

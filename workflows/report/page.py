@@ -26,6 +26,7 @@ from workflows.report import (
 from workflows.report.mode_shape import Picture
 from workflows.report.viewer import View
 from workflows.results import curves, resolved
+from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
@@ -83,6 +84,7 @@ def render(results: Results, drawings: Drawings) -> str:
         errors=trust.worst(results),
         error_parts=trust.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        driven=_driven(results),
         tilts=any(p.tilted for p in results.speeds),
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),
@@ -133,6 +135,14 @@ def _thick(results: Results) -> str:
         return "its thickness varies"
     low, high = (wording.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
     return f"{low} to {high} mm thick"
+
+
+def _driven(results: Results) -> list[Crossing] | None:
+    """Where the orders of the scene's [excitation] meet modes; None without that table."""
+    asked = results.scene.excitation
+    if asked is None:
+        return None
+    return [meeting for meeting in crossings(results) if meeting.order in asked.orders]
 
 
 def _stretch(results: Results) -> dict[str, Any] | None:
