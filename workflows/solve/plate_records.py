@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
+SMOOTH, _PARTS = 900, 4
+"""Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
+
+_NOTHING = 1e-7
+"""Part of a shape's largest displacement that no picture shows."""
+
 
 @dataclass(frozen=True, eq=False)
 class Discrete:
@@ -109,11 +115,36 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int],
     from fem import displacement
 
     kept = _kept(len(numbers))
-    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
+    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
+    found = _shaped(operators, operators.plate.mesh, displacement(operators, unknowns), kept)
+    return replace(found, finer=_finer(operators, unknowns, kept))
+
+
+def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, kept: tuple[int, ...]) -> Surface:
+    """A mesh with displacements (shapes, n, 3), as many at each of the speeds kept."""
     by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
-    found = bare(operators.plate.mesh)
-    return replace(found, shapes=by_speed.real, at=kept, thickness=_thickness(operators.plate), behind=behind)
+    thickness = _thickness(operators.plate, mesh)
+    return replace(bare(mesh), shapes=by_speed.real, at=kept, thickness=thickness, behind=behind)
+
+
+def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) -> Surface | None:
+    """The surface with each side of a cell in as many parts as `SMOOTH` points allow; None where that is one.
+
+    For pictures: in single precision, and without what rounding leaves.
+    """
+    from fem.operators.between_vertices import between
+
+    mesh = operators.model.mesh
+    points = mesh.t.shape[1] if mesh.t.shape[0] == 4 else mesh.t.shape[1] / 2
+    parts = min(int(np.sqrt(SMOOTH / points)), _PARTS)
+    if parts < 2:
+        return None
+    found = between(operators, unknowns, parts)
+    shapes = found.displacement
+    shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
+    small = shapes.astype(np.complex64 if np.iscomplexobj(shapes) else np.float32)
+    return replace(_shaped(operators, found.mesh, small, kept), lines=found.lines)
 
 
 def bare(mesh: Any) -> Surface:
@@ -126,11 +157,10 @@ def bare(mesh: Any) -> Surface:
     return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
-def _thickness(plate: fem.Plate) -> Floats | None:
-    """The thickness [m] at the mesh's points, (n,), where it varies."""
+def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
+    """The thickness [m] at a mesh's points, (n,), where it varies."""
     if isinstance(plate.thickness, float | int):
         return None
-    mesh = plate.mesh
     found = np.zeros(mesh.p.shape[1])
     found[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
     return found

@@ -253,6 +253,8 @@ class Surface:
         at: which of the run's speeds the first axis of `shapes` holds.
         thickness: at the points, (n,) [m], where it varies.
         behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
+        finer: the same with points between the mesh's, where these are too few for a smooth picture; its `lines` are
+            the edges of the mesh's cells, (k, 2).
     """
 
     points: Floats = field(repr=False)
@@ -263,6 +265,8 @@ class Surface:
     at: tuple[int, ...]
     thickness: Floats | None = field(default=None, repr=False)
     behind: Floats | None = field(default=None, repr=False)
+    finer: Surface | None = field(default=None, repr=False)
+    lines: npt.NDArray[np.int64] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
