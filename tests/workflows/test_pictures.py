@@ -435,3 +435,22 @@ def test_a_phone_shows_them_whole(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
 def test_nothing_hinders_a_reader(name: str, tmp_path: Path) -> None:
     assert findings(pages(tmp_path)[name], tmp_path) == []
+
+
+def test_a_map_says_each_cell_once() -> None:
+    """300 cells, each with a strength of its own, begin at the upper corner in the units of the page."""
+    k = np.arange(300)
+    x, y = k % 60, k // 60
+    with drawing.style():
+        figure, (axes,) = drawing.canvas(drawing.WIDE, 2.6)
+        for n in k:
+            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=drawing.CATEGORIES[0], alpha=n / 300, lw=0)
+        axes.set(xlim=(0, 60), ylim=(0, 5))
+        drawn = drawing.svg(figure, drawing.WIDE, "map", "a map", live=True)
+    moved, cells = re.findall(r'<g transform="translate\(0 ([\d.]+)\)">((?:\s*<path [^>]*/>)+)', drawn)[0]
+    at = np.array(re.findall(r'd="M([\d.]+) (-?[\d.]+)L', cells), float)
+    assert len(at) == len(k)
+    ((left, right, top, bottom),) = (each["box"] for each in json.loads(re.findall(r"data-axes='([^']*)'", drawn)[0]))
+    assert at[:, 0] == pytest.approx(left + x / 60 * (right - left), abs=0.02)
+    assert at[:, 1] + float(moved) == pytest.approx(bottom - (y + 1) / 5 * (bottom - top), abs=0.02)
+    assert len(drawn) < 45_000

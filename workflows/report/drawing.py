@@ -252,7 +252,7 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
-    return _styled(_named(_compact(text), name), name).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+    return _styled(_compact(_named(text, name)), name).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
 
 
 def _compact(text: str) -> str:
@@ -261,11 +261,40 @@ def _compact(text: str) -> str:
     text = re.sub(r' transform="rotate\(-0 [^"]*"', "", text)
     text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)
     text = re.sub(r' style="[^"]*"', lambda style: re.sub(r"([:;]) ", r"\1", style[0]), text)
-    text = re.sub(r">\s+<", "><", text)
+    text = re.sub(r"(opacity:0\.\d\d)\d+", r"\1", text)
+    text = _drawn_once(re.sub(r">\s+<", "><", text))
     text = re.sub(r'(?:<use [^>]*? style="[^"]*"/>){2,}', _markers, text)
     while (plain := re.sub(r"<g>(<(?:path|use|text)\b[^>]*(?:/>|>[^<]*</\w+>))</g>", r"\1", text)) != text:
         text = plain
     return text.replace("><", ">\n<")
+
+
+def _drawn_once(text: str) -> str:
+    """Shapes that are defined and then used once, as those of a map are, drawn where they stand."""
+    times = Counter(re.findall(r'href="#([^"]+)"', text))
+
+    def plain(found: re.Match[str]) -> str:
+        name, path, clip, x, y, style = found.groups()
+        if times[name] > 1:
+            return str(found[0])
+        return f'<g clip-path="{clip}"><g transform="translate({x} {y})"><path {path}{style}/></g></g>'
+
+    text = re.sub(
+        r'<g><defs><path id="([^"]+)" (d="[^"]*")/></defs><g clip-path="([^"]+)">'
+        r'<use href="#\1" x="([^"]*)" y="([^"]*)"( style="[^"]*")/></g></g>',
+        plain,
+        text,
+    )
+    return re.sub(r'(?:<g clip-path="[^"]+"><g transform="[^"]+"><path [^>]*/></g></g>){2,}', _together, text)
+
+
+def _together(run: re.Match[str]) -> str:
+    """Shapes one after another; where they are cut and moved alike, in one group."""
+    heads = set(re.findall(r"<g clip-path[^>]*><g transform[^>]*>", run[0]))
+    if len(heads) > 1:
+        return str(run[0])
+    head = str(heads.pop())
+    return head + str(run[0]).replace(head, "").replace("</g></g>", "") + "</g></g>"
 
 
 def _named(text: str, name: str) -> str:
