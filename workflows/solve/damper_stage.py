@@ -13,7 +13,8 @@ from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve import felt
-from workflows.solve.records import CavityMode, CutOff, Damping, Energy, History, SpeedPoint
+from workflows.solve.quantity import taken_over
+from workflows.solve.records import CavityMode, CutOff, Damping, Energy, Figures, History, OwnFigures, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
 
@@ -58,12 +59,12 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
     found = replace(point, damping=damping, pendulum=felt.pendulum(system, point.omega))
+    judged = system if tilting is None or system.formulation == "printed" else tilting
+    found = replace(found, working=taken_over(OwnFigures, figures(judged)))
     if tilting is None:
-        return replace(found, working=figures(system))
-    cutoff = _cutoff(tilting, point)
-    if system.formulation == "printed":
-        return replace(found, working=figures(system), tilted=cutoff)
-    return replace(found, working=figures(tilting), level=figures(system), tilted=cutoff)
+        return found
+    level = None if judged is system else taken_over(Figures, figures(system))
+    return replace(found, level=level, tilted=_cutoff(tilting, point))
 
 
 def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
@@ -158,7 +159,6 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
-    books = motion.energy
     return Damping(
         outcome=str(motion.outcome),
         impacts=motion.impacts,
@@ -176,9 +176,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         amplitude_g=found.amplitude / gravity,
         sdc=found.sdc,
         peak_velocity=found.peak_velocity,
-        energy=Energy(
-            books.initial, books.final, books.structure, books.rolling, books.impact, books.slip, books.residual
-        ),
+        energy=taken_over(Energy, motion.energy),
         modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
     )

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from workflows.decisions import effects as rules
 from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
 from workflows.solve.felt import rpm
+from workflows.solve.quantity import entries
 from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
 
 if TYPE_CHECKING:
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
+
+_EFFECTS = tuple(part.attribute for part in entries(ErrorParts) if part.attribute in rules.NAMES)
+"""Parts of an error that are what an effect left out would move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +99,7 @@ def _errors(discrete: Discrete, omega: float, bounds: Floats, theory: Floats) ->
             layers=discrete.layers,
             basis=float(bounds[k]),
             theory=float(theory[k]),
-            **{name: _share(left_out.get(name), k) for name in ("large_deflection", "coriolis")},
+            **{name: _share(left_out.get(name), k) for name in _EFFECTS},
         )
         for k in range(bounds.size)
     ]
