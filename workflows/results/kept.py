@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.decisions.effects import Effect
-from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
 from workflows.errors import BadInput
 from workflows.scene.file import parse
 from workflows.scene.scene import Scene

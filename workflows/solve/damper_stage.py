@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.decisions.effects import Effect
+from workflows.effects.table import EFFECTS
 from workflows.errors import BadInput
+from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import felt
 from workflows.solve.quantity import taken_over
@@ -137,15 +139,19 @@ def particle_damper(
             floor_radius=given.floor_radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
             restitution=given.restitution,
-            friction=given.friction if effects["impact_friction"].on else 0.0,
-            rolling_friction=given.rolling_friction if effects["rolling_resistance"].on else 0.0,
             damping_ratio=given.damping_ratio,
             sticking_ratio=given.sticking_ratio,
             formulation=Formulation(given.formulation),
-            floor_friction=given.friction if effects["ball_slip"].on and point.omega > 0 else None,
+            **_terms(given, effects, point.omega),
         )
     except ValueError as error:
         raise BadInput(str(error), key="[damper]") from error
+
+
+def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
+    """What effects on the ball have to say of a damper, at a speed in rad/s."""
+    said = (kind.arguments(given, omega, effects[name].on) for name, kind in EFFECTS.items())
+    return {argument: value for each in said for argument, value in each.items()}
 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:

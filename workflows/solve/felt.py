@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workflows.decisions.effects import Effect
-from workflows.decisions.of_the_ball import SCATTERED
+from workflows.effects.structural_modes import SCATTERED
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.decisions import effects as rules
-from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
 from workflows.solve.felt import rpm
-from workflows.solve.quantity import entries
 from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
-_EFFECTS = tuple(part.attribute for part in entries(ErrorParts) if part.attribute in rules.NAMES)
+_EFFECTS = tuple(name for name in rules.NAMES if name in ErrorParts.__annotations__)
 """Parts of an error that are what an effect left out would move."""
 
 

@@ -13,8 +13,9 @@ from workflows.decisions import theorising
 from workflows.decisions.answering import answering
 from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
-from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
+from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
 from workflows.scene.file import SceneFile
@@ -134,9 +135,7 @@ def discretise(
 
     scene, effects = source.scene, decided.effects
     form, theory = decided.plate
-    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
-    names = ("stress_stiffening", "spin_softening", "large_deflection", "rotary_inertia")
-    plain = Effects(**{name: effects[name].on for name in names})
+    plain = Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
     rotor = plate_mesh.rotor(scene)
     model, layers = _with_layers(source, form, theory)
 

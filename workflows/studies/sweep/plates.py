@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from workflows.decisions import effects as rules
 from workflows.decisions.answering import answering
 from workflows.decisions.decided import decide
-from workflows.decisions.effects import OF_THE_PLATE, Effect
+from workflows.decisions.effects import OF_THE_DAMPER, OF_THE_PLATE, Effect
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import felt, plate_records, plate_stage
@@ -135,8 +135,7 @@ def solve(source: SceneFile) -> Solved:
 def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
     """The effects of a scene's damper, decided as in a run."""
     found = {}
-    for name, rule in rules.OF_THE_BALL.items():
-        called, why = rule(scene, form)
+    for name, (called, why, _) in rules.called_for(scene, form, OF_THE_DAMPER).items():
         asked = getattr(scene.effects, name)
         found[name] = Effect(called if asked == "auto" else asked is True, why)
     return found
