@@ -14,9 +14,6 @@ from workflows.wording import significant, whole
 if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform
 
-_DOUBT = 0.1
-"""Part of the accuracy from which a share of a beam's drive calls for the tilt: the plate's own is not known before."""
-
 
 def called_for(case: Case) -> Called:
     """The cavity's floor tilts: called for where that takes more of the ball's drive than `accuracy.damping`."""
@@ -34,7 +31,7 @@ def called_for(case: Case) -> Called:
     about = "about " if scene.structure is None else ""
     at = f"{whole(omega * 30 / math.pi)} rpm"
     said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
-    if share > asked * (_DOUBT if scene.structure is None else 1.0):
+    if share > (scene.budget.rough_drive if scene.structure is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {said}")
     return Called(False, f"{said}, less than the {significant(100 * asked)} % asked for")
 

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from fem.accuracy.deflection import Bent
     from workflows.scene.plate_mesh import Planform
 
-CERTAIN = 0.95
-"""Part of the accuracy asked for from which a shift on a coarse mesh counts: it is good to a few percent of itself."""
-
 THINNER, LEAST = 0.88, 0.29
 """What the strain at the root does to the six lowest modes of a flat blade, by Poisson's ratio (times nu (1 + nu), the
 contraction of the thickness where the root holds the width) and without it. The largest of 400 random rectangles in the
@@ -96,7 +93,7 @@ def _moves(scene: Scene, form: Planform | None) -> Called:
         f" strains it by up to {_percent(found.strain)} %, which moves frequencies by up to {_percent(found.shift)} %"
     )
     moves = LeftOut(np.array([found.omega]), found.shifts[None])
-    if found.shift > CERTAIN * asked:
+    if found.shift > scene.budget.left_out:
         return Called(True, f"{state}; the modes are those about that state", moves)
     return Called(False, f"{state}, less than the {significant(100 * asked)} % asked for", moves)
 

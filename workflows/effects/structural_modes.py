@@ -14,10 +14,6 @@ from workflows.wording import significant
 if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform
 
-SCATTERED = 2.0
-"""Relative change of the damping by a structural mode beyond the leading ones, over the ball's mass over the mode's at
-the cavity: at most 1.75, 0.15 in the median, by `python -m tests.benchmarks.modes_needed`."""
-
 
 def called_for(case: Case) -> Called:
     """The plate's own modes: called for where the motion leaves the bending plane, or hits feed other modes."""
@@ -37,7 +33,7 @@ def called_for(case: Case) -> Called:
         return Called(True, "the cavity is not on the centre line of a rectangle: modes that twist move it too")
     ratio, asked = _mass_ratio(scene, case.form), scene.accuracy.damping
     said = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
-    if SCATTERED * ratio > asked:
+    if ratio > scene.budget.scattered:
         return Called(True, f"{said}: its hits scatter energy into modes beyond the first")
     return Called(
         False,

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workflows.decisions.effects import Effect
-from workflows.effects.structural_modes import SCATTERED
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint
@@ -110,8 +109,8 @@ _STILL = 1e-6
 def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
-    Those that yield most along either axis, and the others that a hit feeds enough: by `SCATTERED`, the heaviest first
-    as far as there is room.
+    Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
+    first as far as there is room.
     """
     from damper.system import MODES
 
@@ -119,9 +118,9 @@ def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     if point.reduced is None or not modes:
         return ()
     leaders = {found.number for axis in range(2) if (found := leading(modes, axis)) is not None}
-    ball, asked = ball_mass(scene, point.reduced.M2), scene.accuracy.damping
+    ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
-    needed = [m for m in others if SCATTERED * ball * math.hypot(*m.shape) ** 2 > asked]
+    needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
     kept = leaders | {m.number for m in needed[: MODES - len(leaders)]}
     return tuple(_on_axis(m) for m in modes if m.number in kept)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene.file import SceneFile
-from workflows.solve import needs, reckoned
+from workflows.solve import at_the_cavity, needs, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
@@ -87,7 +87,7 @@ def _spent(small: SceneFile, decided: Decided, model: str, unknowns: float) -> S
     discrete = plate.discretise(small, alike, Stages(visible=False))
     searched = perf_counter()
     diagram = plate.sweep(small, discrete)
-    plate.reduce(small, discrete.choice.operators, diagram)
+    at_the_cavity.reduce(small, discrete.choice.operators, diagram)
     return Spent(discrete.choice.operators.mass.shape[0], searched - began, perf_counter() - searched)
 
 
