@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.decisions.effects import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
-from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint
+from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint, rpm
 
 if TYPE_CHECKING:
     import damper
@@ -28,11 +28,6 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     load = omega**2 * rotor.radius / rotor.gravity
     return SpeedPoint(omega, rpm(omega), rotor.radius, load, reduced=reduced)
-
-
-def rpm(omega: float) -> float:
-    """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{omega * 30 / math.pi:.13g}")
 
 
 def ball_mass(scene: Scene, m2: float) -> float:

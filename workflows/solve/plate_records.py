@@ -12,14 +12,21 @@ from workflows.decisions.theorising import Theory
 from workflows.effects.left_out import LeftOut
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
-from workflows.solve.felt import rpm
-from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.solve.records import (
+    SHAPES_AT_MOST,
+    CavityMode,
+    Diagram,
+    ErrorParts,
+    Floats,
+    Mode,
+    Reduced,
+    SpeedPoint,
+    Surface,
+    rpm,
+)
 
 if TYPE_CHECKING:
     import fem
-
-SHAPES_AT_MOST = 20
-"""Speeds whose mode shapes are kept for pictures and files."""
 
 _EFFECTS = tuple(name for name in rules.NAMES if name in ErrorParts.__annotations__)
 """Parts of an error that are what an effect left out would move."""

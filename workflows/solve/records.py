@@ -29,6 +29,7 @@ from workflows.solve.quantity import Part, Quantity
 from workflows.solve.structure_records import CavityMode, ErrorParts, Mode, Reduced
 
 __all__ = [
+    "SHAPES_AT_MOST",
     "CavityMode",
     "CutOff",
     "Damping",
@@ -46,10 +47,14 @@ __all__ = [
     "SpeedPoint",
     "Surface",
     "expect",
+    "rpm",
     "shown",
 ]
 
 _OWN = "working"
+
+SHAPES_AT_MOST = 20
+"""Speeds whose mode shapes are kept for pictures and files."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,6 +192,11 @@ class Results:
     mesh_sha256: str | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
+
+
+def rpm(omega: float) -> float:
+    """Revolutions per minute, without the last digits that the conversion leaves behind."""
+    return float(f"{omega * 30 / math.pi:.13g}")
 
 
 def shown(points: tuple[SpeedPoint, ...]) -> int:
