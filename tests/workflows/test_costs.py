@@ -17,6 +17,7 @@ from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.decisions.decided import decide
 from workflows.decisions.effects import NAMES, OF_THE_PLATE
+from workflows.effects.table import EFFECTS
 from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
 from workflows.scene.rotor import Accuracy
@@ -355,12 +356,7 @@ def test_effects_that_cannot_be_switched_say_so(
     assert any(found["impact_friction"]["changes"].values())
 
 
-COSTS = {
-    "stress_stiffening": ("fem.operators.assembly._stiffening",),
-    "spin_softening": ("fem.plate.rotor.Rotor.projector",),
-    "coriolis": ("fem.plate.rotor.Rotor.spin", "fem.modes.solve.solve_gyroscopic"),
-    "large_deflection": ("fem.statics.linearised.equilibrium", "fem.statics.large_deflection._newton"),
-}
+COSTS = {name: kind.costs for name, kind in EFFECTS.items() if kind.costs}
 """What an effect takes that nothing else needs."""
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene.file import SceneFile
-from workflows.solve import needs, plate_records, reckoned
+from workflows.solve import at_the_cavity, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
@@ -100,8 +100,8 @@ def _spent(small: SceneFile, decided: Decided, model: str, unknowns: float) -> S
     searched = perf_counter()
     operators = discrete.choice.operators
     diagram = plate.sweep(small, discrete)
-    reduced = plate.reduce(small, operators, diagram)
-    at_cavity = plate.cavity_modes(small, decided.effects, operators, diagram, reduced)
+    reduced = at_the_cavity.reduce(small, operators, diagram)
+    at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
     swept = perf_counter()
     points = plate_records.at_speeds(small, discrete, diagram, reduced, at_cavity)
     return Spent(operators.mass.shape[0], searched - began, swept - searched, points)

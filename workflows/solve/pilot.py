@@ -17,8 +17,8 @@ from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
 from workflows.errors import SpindampError
 from workflows.scene.file import SceneFile
+from workflows.solve import at_the_cavity, felt, likeness, needs, plate_records, reckoned
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, likeness, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
@@ -162,8 +162,8 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
-        reduced = plate.reduce(small, operators, diagram)
-        at_cavity = plate.cavity_modes(small, decided.effects, operators, diagram, reduced)
+        reduced = at_the_cavity.reduce(small, operators, diagram)
+        at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
         swept = perf_counter()
 
     large, model = operators.effects.large_deflection, operators.model.theory
@@ -181,7 +181,8 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
 
 def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
     """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
-    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, SURE, next_size
+    from fem.accuracy.budget import SURE
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
 
     choice = discrete.choice
     left = dict(choice.tried).get(choice.size, 0.0)  # without what no mesh takes away, which the search leaves out
