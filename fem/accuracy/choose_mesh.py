@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.accuracy.budget import EXACT, FIRST, SURE
 from fem.accuracy.estimates import Estimates
 from fem.accuracy.tried import Tried, enough_cells
 from fem.theory.kind import Kind, kind
@@ -41,12 +42,6 @@ cheaper than one beyond; and the least ratio of their sizes."""
 
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
-
-FIRST, SURE = 0.6, 0.75
-"""Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured, and after."""
-
-EXACT = 1e-3
-"""Part of the tolerance to which each mesh's own squared frequencies are solved for."""
 
 MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
 """Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""

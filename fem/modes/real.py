@@ -84,7 +84,6 @@ def solve_real(
     stiffness: csc_array,
     count: int,
     state: Array | None = None,
-    damping_ratio: float = 0.0,
     tolerance: float = CONVERGED,
 ) -> Modes:
     """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence and Unresolved."""
@@ -103,8 +102,7 @@ def solve_real(
     first = order[:1]
     if rounding(stiffness, vectors[:, first], values[first])[0] > LOST:
         check_rest(operators)
-    ratios = np.full(order.size, damping_ratio)
-    return Modes(omega, values[order], vectors[:, order], ratios, factor, state)
+    return Modes(omega, values[order], vectors[:, order], np.zeros(order.size), factor, state)
 
 
 def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:

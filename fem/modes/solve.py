@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,4 +46,5 @@ def solve_modes(
     stiffness, state = linearise(operators, omega, start, state)
     if operators.gyroscopic is not None and omega != 0.0:
         return solve_gyroscopic(operators, omega, stiffness, count, state, damping_ratio)
-    return solve_real(operators, omega, stiffness, count, state, damping_ratio)
+    found = solve_real(operators, omega, stiffness, count, state)
+    return replace(found, damping_ratios=np.full(found.eigenvalues.size, damping_ratio))

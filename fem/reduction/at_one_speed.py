@@ -66,12 +66,10 @@ def reduce_at(
     ball_mass: float | None = None,
     mass_ratio: float | None = None,
     modes: Modes | None = None,
-    start: Array | None = None,
 ) -> Reduced:
     """Reduced parameters at = (x, y) in m and a speed omega (rad/s), for a ball_mass in kg or as m_p / M2.
 
-    modes: the plate's modes at this speed when they are known already. start: otherwise, the state at this or a
-    neighbouring speed, where the deflection is large. phi is real: Coriolis forces are left out of the reduction.
+    modes: the plate's modes at this speed when they are known already. phi is real: Coriolis forces are left out.
     Raises ValueError unless exactly one of ball_mass and mass_ratio is given and not negative; NoFlapMode when none
     is among the modes; PlaceError when it does not move at the place, or off the plate; Divergence past the critical
     speed.
@@ -80,14 +78,19 @@ def reduce_at(
     if modes is not None and modes.omega != omega:
         raise ValueError(f"the modes belong to {modes.omega!r} rad/s, not to {omega!r}")
     if modes is None or np.iscomplexobj(modes.shapes):
-        still, state = linearise(operators, omega, start if modes is None else modes.state)
-        modes = solve_real(operators, omega, still, SEARCHED, state)
+        modes = searched(operators, omega, None if modes is None else modes.state)
     index = flap_index(families(operators, modes))
     (mode,) = flap_modes(operators, at, flap_rows(operators, at) @ modes.shapes[:, [index]])
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(operators, modes, index, at, mass) if mass > 0.0 else free
-    return reduced(operators, omega, at, index, mode, mass, free, stuck)
+    return reduced(omega**2 * operators.pull(at), index, mode, mass, free, stuck)
+
+
+def searched(operators: Operators, omega: float, start: Array | None = None) -> Modes:
+    """Real modes enough to find the flap mode among; start: the state at this or a neighbouring speed, if known."""
+    still, state = linearise(operators, omega, start)
+    return solve_real(operators, omega, still, SEARCHED, state)
 
 
 def check_mass(ball_mass: float | None, mass_ratio: float | None) -> None:
@@ -122,17 +125,11 @@ def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) ->
     return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
 
 
-def reduced(
-    operators: Operators,
-    omega: float,
-    at: tuple[float, float],
-    index: int,
-    mode: FlapMode,
-    ball_mass: float,
-    free: float,
-    stuck: float,
-) -> Reduced:
-    """Collect the parameters from the squared circular frequencies without the ball (free) and with it (stuck)."""
+def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float) -> Reduced:
+    """Collect the parameters from the squared circular frequencies without the ball (free) and with it (stuck).
+
+    load: acceleration along x at the place, in m/s².
+    """
     return Reduced(
         f1_hz=float(np.sqrt(stuck) / (2 * np.pi)),
         M1=mode.mass + ball_mass,
@@ -143,7 +140,7 @@ def reduced(
         ball_mass=ball_mass,
         mode_index=index,
         slope=mode.slope,
-        floor_tilt=omega**2 * operators.pull(at) * mode.slope / stuck,
+        floor_tilt=load * mode.slope / stuck,
     )
 
 
@@ -158,24 +155,24 @@ def _stuck(operators: Operators, modes: Modes, index: int, at: tuple[float, floa
     """Squared frequency of the mode that the flap mode becomes when a mass sticks to the plate."""
     heavy = with_point_mass(operators, at, mass)
     stiffness, _ = linearise(heavy, modes.omega, modes.state)
-    value, _ = become(operators, modes.omega, stiffness, heavy.mass, modes.shapes, index, at)
+    value, _ = become(operators, modes.omega, (stiffness, heavy.mass), modes.shapes, index, at)
     return value
 
 
 def become(
     operators: Operators,
     omega: float,
-    stiffness: csc_array,
-    mass: csc_array,
+    stuck: tuple[csc_array, csc_array],
     shapes: Array,
     index: int,
     at: tuple[float, float],
 ) -> tuple[float, Array]:
     """Follow one of a plate's shapes (n, k) when a mass sticks to it at a place: (eigenvalue, shape (n,)).
 
-    stiffness, mass: with the mass stuck. Of the modes then, it is the one whose plate moves most alike.
+    stuck: stiffness and mass then. Of the modes then, it is the one whose plate moves most alike.
     Raises Divergence when the stiffness is lost.
     """
+    stiffness, mass = stuck
     try:
         factor = factorise(stiffness)
     except SingularMatrix:

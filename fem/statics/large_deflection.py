@@ -145,7 +145,8 @@ def _newton(
         before = energy
         further, settled = state, False
         if energy <= CLOSE * work:
-            further, settled = _again(operators, load, state, factor, energy, work, converged)
+            enough = max(converged**2, ROUNDED) * work, ROUNDED * work
+            further, settled = _again(operators, load, state, factor, energy, enough)
         if settled:
             return further, factor
         ahead = [part.ahead(step) for part in stressed] if further is state else None
@@ -154,21 +155,22 @@ def _newton(
 
 
 def _again(
-    operators: Operators, load: float, state: Array, factor: Factor, energy: float, work: float, converged: float
+    operators: Operators, load: float, state: Array, factor: Factor, energy: float, enough: tuple[float, float]
 ) -> tuple[Array, bool]:
     """Steps with a factor that is known, while each has but a small part of the energy of the one before.
 
     What is left after one falls only by as much again: it ends at the square of what Newton's step ends at, or at
-    rounding. Returns the state and whether it has come so far.
+    rounding. energy: of the step before. enough: energies of a step that ends it, and of one that may end it without
+    having come down. Returns the state and whether it has come so far.
     """
     while True:
         residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
         if not following <= STILL_GOOD * energy:
-            return state, following <= ROUNDED * work
+            return state, following <= enough[1]
         state, energy = state + step, following
-        if energy <= max(converged**2, ROUNDED) * work:
+        if energy <= enough[0]:
             return state, True
 
 

@@ -168,7 +168,7 @@ def test_points_are_what_runs_give(document, here):
     found = spindamp.sweep("paper", {"damper.restitution": [0.5]}, executor=here).isel({"damper.restitution": 0})
     for k, speed in enumerate(document["speeds"]):
         point = found.isel({"rotor.speeds": k})
-        assert point.frequency == speed["reduced"]["f1_hz"]
+        assert point.f1_hz == speed["reduced"]["f1_hz"]
         assert point.peak_sdc == speed["damper"]["peak_sdc"]
         assert point.events == speed["damper"]["events"]
         assert point.cutoff_ratio == speed["damper"]["cutoff_ratio"]

@@ -7,18 +7,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.decisions.left_out import LeftOut
+from workflows.decisions import effects as rules
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
-from workflows.solve.felt import rpm
-from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.solve.records import (
+    SHAPES_AT_MOST,
+    CavityMode,
+    Diagram,
+    ErrorParts,
+    Floats,
+    Mode,
+    Reduced,
+    SpeedPoint,
+    Surface,
+    rpm,
+)
 
 if TYPE_CHECKING:
     import fem
 
-SHAPES_AT_MOST = 20
-"""Speeds whose mode shapes are kept for pictures and files."""
+_EFFECTS = tuple(name for name in rules.NAMES if name in ErrorParts.__annotations__)
+"""Parts of an error that are what an effect left out would move."""
 
 SMOOTH, _PARTS = 900, 4
 """Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
@@ -39,6 +50,18 @@ class Discrete:
     mesh: str
     layers: float
     left_out: dict[str, LeftOut] = field(default_factory=dict)
+
+
+def at_speeds(
+    source: SceneFile,
+    discrete: Discrete,
+    diagram: fem.Campbell,
+    reduced: list[Reduced | None],
+    at_cavity: list[tuple[CavityMode, ...]],
+) -> tuple[SpeedPoint, ...]:
+    """Modes and what the damper feels at the scene's own speeds, as far as the sweep has them."""
+    numbers = [int((diagram.omega == omega).argmax()) for omega in source.scene.rotor.speeds if omega in diagram.omega]
+    return points(source, discrete, diagram, numbers, reduced, at_cavity)
 
 
 def points(
@@ -100,7 +123,7 @@ def _errors(discrete: Discrete, omega: float, bounds: Floats, theory: Floats) ->
             layers=discrete.layers,
             basis=float(bounds[k]),
             theory=float(theory[k]),
-            **{name: _share(left_out.get(name), k) for name in ("large_deflection", "coriolis")},
+            **{name: _share(left_out.get(name), k) for name in _EFFECTS},
         )
         for k in range(bounds.size)
     ]
