@@ -46,6 +46,18 @@ class Discrete:
     left_out: dict[str, LeftOut] = field(default_factory=dict)
 
 
+def at_speeds(
+    source: SceneFile,
+    discrete: Discrete,
+    diagram: fem.Campbell,
+    reduced: list[Reduced | None],
+    at_cavity: list[tuple[CavityMode, ...]],
+) -> tuple[SpeedPoint, ...]:
+    """Modes and what the damper feels at the scene's own speeds, as far as the sweep has them."""
+    numbers = [int((diagram.omega == omega).argmax()) for omega in source.scene.rotor.speeds if omega in diagram.omega]
+    return points(source, discrete, diagram, numbers, reduced, at_cavity)
+
+
 def points(
     source: SceneFile,
     discrete: Discrete,
