@@ -18,7 +18,7 @@ from damper.batch import in_blocks
 from damper.motion import LEVEL, flights, kinds
 from damper.parameters import inertia_ratio, whole
 from damper.prepare import prepare
-from damper.records import EVENT
+from damper.tables import nothing_kept
 
 if TYPE_CHECKING:
     from damper.arrays import Floats
@@ -170,21 +170,22 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     cycles = SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
     many = np.repeat(damper.parameters, pace.sweeps)
     p = prepare(many, start, cycles, cycles)
-    tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
+    tables = nothing_kept()
     energy = np.full((pace.sweeps, cycles, 2), np.nan)
-    how = _EVENTS * cycles, 4 ** (-1 / pace.stay), 0.5 * damper.stiffness[0] * low**2, energy
-    rest = p.axes, p.balls, p.books, p.cycles
+    least = 0.5 * damper.stiffness[0] * low**2
+    descent = sweeping.Descent(_EVENTS * cycles, 4 ** (-1 / pace.stay), float(least), energy)
     closed = kinds(damper, damper.parameters)[0] == LEVEL
-    f = None if closed else flights(damper, many, p.axes, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
+    f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
-            sweeping.run_by_cycles(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, *how)
+            sweeping.run_level(block, p.runs, tables, descent)
         else:
-            states = np.zeros((0, 2, 0))
-            sweeping.run_linear_by_cycles(block, p.clocks, f.systems, f.motions, *rest, (*tables, states), *how)
+            sweeping.run_linear(block, f.runs, f.systems.flows, tables, descent)
 
     in_blocks(work, pace.sweeps, threads or os.cpu_count() or 1, block_size=1)
+    if f is not None:
+        f.give_back(p)
     with np.errstate(divide="ignore"):
         level = 0.5 * np.log(2 * energy[:, SETTLING:] / damper.stiffness[0])
     halves = np.repeat(np.column_stack([each % 2, each // (pace.sweeps // 2)]), level.shape[1], axis=0)
