@@ -97,7 +97,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     prestress = geometric = softening = gyroscopic = None
     if effects.stress_stiffening:
         load = forms.centrifugal_load(model, density, rotor)
-        prestress, geometric = _stiffening(model, stiffness, load)
+        prestress, geometric = stiffening(model, stiffness, load)
     if effects.spin_softening:
         softening = forms.inertia(model, density, rotor.projector)
     if effects.coriolis:
@@ -136,7 +136,7 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
     }
     if operators.prestress is not None and operators.geometric is not None:
-        prestress, geometric = _stiffening(model, operators.stiffness, load)
+        prestress, geometric = stiffening(model, operators.stiffness, load)
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
@@ -179,7 +179,7 @@ def _through(rows: csc_array, matrix: Array) -> csc_array:
     return sparse(rows.T @ sparse(matrix) @ rows)
 
 
-def _stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:
+def stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
     held = model.membrane
     displacement = np.zeros(model.dofs)

@@ -86,7 +86,7 @@ def settle(
     if start is not None and np.shape(start) != operators.load.shape:
         raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
     target = omega**2
-    if start is not None and (found := _newton(operators, target, start, converged=converged)) is not None:
+    if start is not None and (found := newton(operators, target, start, converged=converged)) is not None:
         return found
     state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
     while True:
@@ -94,7 +94,7 @@ def settle(
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
-        found = _newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
+        found = newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
         if found is not None and attempt == 1.0:
             return found
         if found is not None:
@@ -102,7 +102,7 @@ def settle(
             continue
         part *= 0.25
         if part < SMALLEST_PART:
-            found = _newton(operators, target, state, unstable=True)
+            found = newton(operators, target, state, unstable=True)
             if found is None:
                 check_rest(operators)
                 raise NoEquilibrium(omega)
@@ -114,7 +114,7 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
     return _stiffness(operators, omega**2, _stressed(operators.model, state))
 
 
-def _newton(
+def newton(
     operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
 ) -> tuple[Array, Factor] | None:
     """Equilibrium near a state with the last factor used, or None.

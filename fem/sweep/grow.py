@@ -98,7 +98,7 @@ def answer(
     """
     if omega.size > FEW:
         return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
-    basis, found, _ = _grow(operators, omega, count, tolerance, SPARES[0])
+    basis, found, _ = grow(operators, omega, count, tolerance, SPARES[0])
     return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
 
 
@@ -106,7 +106,7 @@ def _by_halves(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
 ) -> list[Swept]:
     for spare in SPARES:
-        basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
+        basis, found, gapless = grow(operators, omega, count, tolerance, spare)
         if found.within(tolerance).all() or omega.size == 1:
             return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
         if not gapless:
@@ -121,7 +121,7 @@ def _by_halves(
     ]
 
 
-def _grow(
+def grow(
     operators: Operators, omega: Array, count: int, tolerance: float, spare: int
 ) -> tuple[ReducedBasis, bounds.ReducedModes, bool]:
     """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""

@@ -115,20 +115,20 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.METHODS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plates, "METHODS", few)
-        patch.setattr(plates, "_SPEEDS", 20)
-        patch.setattr(plates, "_SOLID_AT_MOST", 12_000)
+        patch.setattr(plates, "SPEEDS", 20)
+        patch.setattr(plates, "SOLID_AT_MOST", 12_000)
         patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
-        patch.setattr(pipelines, "_FINEST", 1e-4)
+        patch.setattr(pipelines, "FINEST", 1e-4)
         patch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(timing, "_TOO_LONG", 0.0)
+        patch.setattr(timing, "TOO_LONG", 0.0)
         return study(source.changed(rotor=rotor), QUIET).document()
 
 
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shares the reference's mesh shares its error, and looks better than it is."""
-    monkeypatch.setattr(timing, "_TOO_LONG", 0.0)
+    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(pipelines, "ASKED", (0.5, 1e-4))
-    monkeypatch.setattr(pipelines, "_FINEST", 1e-4)
+    monkeypatch.setattr(pipelines, "FINEST", 1e-4)
     source = scene_file.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
@@ -194,7 +194,7 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     """The error of a step is that of the ball's energy, as rolling and impacts have it in the books."""
     damper, shown = system(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timing, "_TOO_LONG", 0.0)
+        patch.setattr(timing, "TOO_LONG", 0.0)
         patch.setattr(dampers, "METHODS", {})
         patch.setattr(dampers, "STEPS", (40,))
         ladder, _ = dampers.ladder(damper, RELEASE, shown, step)
@@ -232,7 +232,7 @@ def test_accuracy_of_a_known_structure(
     spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
-    monkeypatch.setattr(timing, "_TOO_LONG", 0.0)
+    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
@@ -296,9 +296,9 @@ def test_what_is_not_drawn_is_listed() -> None:
 
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
-    monkeypatch.setattr(timing, "_TOO_LONG", 0.0)
+    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
-    monkeypatch.setattr(plates, "_SPEEDS", 7)
+    monkeypatch.setattr(plates, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
@@ -430,7 +430,7 @@ def test_only_what_may_take_long_is_tried_beforehand(
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times that nobody reads."""
-    for name in ("_PAIRS", "_FEWER", "_FEWEST"):
+    for name in ("PAIRS", "FEWER", "FEWEST"):
         monkeypatch.setattr(timing, name, 1)
 
 

@@ -161,7 +161,7 @@ def test_what_a_ball_takes_is_counted_where_small_plates_stand_for_a_large_one(
     monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
 ) -> None:
     """A thousand cycles more at each speed are seen in the bytes."""
-    monkeypatch.setattr(pilot, "_PATIENCE", 0.0)
+    monkeypatch.setattr(pilot, "PATIENCE", 0.0)
     fine = fem.rectangle(0.2, 0.08, 60, 24)
     meshio.Mesh(np.column_stack([fine.p.T, 0 * fine.p[0]]), [("quad", fine.t.T)]).write(tmp_path / "plate.vtu")
     needed = []

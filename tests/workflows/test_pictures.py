@@ -316,14 +316,14 @@ def test_the_plate_at_rest_is_its_outline(holed: tuple[Results, list[Any]], monk
 
     command = "import sys; sys.stdout.buffer.write(sys.stdin.buffer.read())"
     monkeypatch.setattr(mode_shape, "COMMAND", ["-c", command])
-    monkeypatch.setattr(mode_shape, "_PNG", b"PK")  # an archive is handed back instead of a picture
+    monkeypatch.setattr(mode_shape, "PNG", b"PK")  # an archive is handed back instead of a picture
     with mode_shape.Artist() as artist:
         artist.draw(results.surface, 0)
         picture = artist.picture()
     assert picture is not None
     with np.load(io.BytesIO(picture.png)) as archive:
         assert {tuple(sorted(edge)) for edge in archive["outline"].tolist()} == expected
-        shape = mode_shape._Shape(**{name: archive[name] for name in archive.files})
+        shape = mode_shape.Drawn(**{name: archive[name] for name in archive.files})
     axes = mode_shape._plain(shape).axes[0]
     (lines,) = [found for found in axes.collections if type(found).__name__ == "Line3DCollection"]
     assert len(lines._segments3d) == len(expected)

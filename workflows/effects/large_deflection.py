@@ -146,5 +146,5 @@ EFFECT = Definition(
     refused=refused,
     part_of="stress_stiffening",
     assumed=assumed,
-    costs=("fem.statics.linearised.equilibrium", "fem.statics.large_deflection._newton"),
+    costs=("fem.statics.linearised.equilibrium", "fem.statics.large_deflection.newton"),
 )

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform
     from workflows.solve.plate_records import Discrete
 
-_UNKNOWNS, _PATIENCE = (4000, 16_000, 64_000), 5.0
+_UNKNOWNS, PATIENCE = (4000, 16_000, 64_000), 5.0
 """Up to which meshes are tried here, one after the other as long as the next should take no more seconds than that."""
 
 _GROWTH, _SLOWEST, _FASTEST = 1.2, 0.9, 1.6
@@ -128,10 +128,10 @@ def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple
         except (SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
             last = reckoned.searched(source, decided, model)[-1]
             return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
-        if first > _UNKNOWNS[-1] or alike.once > _PATIENCE:
+        if first > _UNKNOWNS[-1] or alike.once > PATIENCE:
             return alike.points, alike.memory, alike.seconds
     for most in (size for size in _UNKNOWNS if size >= first):
-        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= _PATIENCE:
+        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= PATIENCE:
             break
         found = _tried(source, small, decided, most, found)
         if found.last:
@@ -207,7 +207,7 @@ def _damper(
     scene = small.scene.model_copy(update={"release": few})
     began = perf_counter()
     ringdowns.simulate(scene, effects, points[:1], Stages(visible=False))  # loads and compiles
-    tried = points if perf_counter() - began <= _PATIENCE else points[-1:]
+    tried = points if perf_counter() - began <= PATIENCE else points[-1:]
     began = perf_counter()
     found = ringdowns.simulate(scene, effects, tried, Stages(visible=False))
     spent = (perf_counter() - began) / len(tried)

@@ -183,7 +183,7 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
     if not one_by_one(scene, operators):
-        speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
+        speeds = np.union1d(speeds, steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states)
 
@@ -193,7 +193,7 @@ def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
     return operators.effects.large_deflection or scene.rotor.modes > MODES_FOLLOWED
 
 
-def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
+def steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
     """Speeds between low and high in rad/s: evenly, or such that modes that are stiffened much grow by like factors.
 
     rates: (k, count), of the modes at the lowest speed and the highest, as far as they are known.
