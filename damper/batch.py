@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
-from damper.motion import LEVEL, flights, kinds
+from damper.flows import at_once
+from damper.motion import COUPLED, LEVEL, flights, kinds
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
 from damper.prepare import Prepared, prepare
 from damper.ringdown import outcome_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
@@ -30,7 +31,7 @@ _BLOCK = 64
 """Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
 
 _AT_ONCE = 64 * _BLOCK
-"""Linear flights prepared together: 20 kB each."""
+"""Runs prepared together: 12 kB each."""
 
 
 @dataclass(frozen=True)
@@ -174,8 +175,7 @@ class _Run:
     ) -> tuple[Prepared, Integers, Floats]:
         """Each kind of flight by itself, put together again."""
         status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
-        parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
-        for which in [part[k : k + _AT_ONCE] for part in parts for k in range(0, len(part), _AT_ONCE)]:
+        for which in self._parts(kind, rows):
             each = kind[which[0]]
             part = prepared.some(which)
             count = None if progress is None else functools.partial(_further, progress, done)
@@ -187,6 +187,14 @@ class _Run:
             prepared.take(which, part)
             done += len(which)
         return prepared, status, final
+
+    def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
+        """Which to prepare together: of one kind, and as many as there is room for."""
+        alike, modes = bool((rows == rows[0]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
+        for each in np.unique(kind):
+            which = np.flatnonzero(kind == each)
+            room = _AT_ONCE if alike or each == LEVEL else at_once(modes, coupled=each == COUPLED)
+            yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
 def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> Floats:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
 from damper.batch import in_blocks
+from damper.flows import at_once
 from damper.locked import Complex
 from damper.model import ParticleDamper
 from damper.modes import Harmonic
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _AT_ONCE = 2048
-"""Motions prepared together: 30 kB each."""
+"""Motions prepared together: 14 kB each."""
 
 _BLOCK = 4
 
@@ -134,7 +135,8 @@ def forced(
         raise ValueError("starts must be at least one")
     workers = (os.cpu_count() or 1) if threads is None else whole("threads", threads)
     how = _How(columns, probe, accuracy, whole("max_cycles", max_cycles), workers)
-    size, parts = max(1, _AT_ONCE // len(columns)), []
+    modes = max(2 if one.modes is None else len(one.modes) for one in dampers)
+    size, parts = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True))), []
     for begin in range(0, len(dampers), size):
         here = slice(begin, begin + size)
         done = begin * len(columns)
