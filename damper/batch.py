@@ -5,21 +5,21 @@ from __future__ import annotations
 import functools
 import os
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
-from damper.motion import LEVEL, flights, kinds, watch_harmonic
+from damper.flows import at_once
+from damper.motion import COUPLED, LEVEL, flights, kinds
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
-from damper.prepare import Prepared, prepare, some
-from damper.records import EVENT
+from damper.prepare import Prepared, prepare
 from damper.ringdown import outcome_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
@@ -31,7 +31,7 @@ _BLOCK = 64
 """Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
 
 _AT_ONCE = 64 * _BLOCK
-"""Linear flights prepared together: 20 kB each."""
+"""Runs prepared together: 12 kB each."""
 
 
 @dataclass(frozen=True)
@@ -142,12 +142,12 @@ class _Run:
     def closed(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
         """Have every ring-down run in closed form: why each ended, and the energies left."""
         from damper import engine
+        from damper.tables import nothing_kept
 
-        status = np.zeros(len(p.clocks), np.int64)
-        tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
+        status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
-            engine.run_block(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, self.most, status)
+            engine.run_block(block, p.runs, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
         return status, energy(rows, p.axes)
@@ -157,40 +157,44 @@ class _Run:
     ) -> tuple[Integers, Floats]:
         """The same in linear flights, all of one kind."""
         from damper import engine_linear
+        from damper.tables import nothing_kept
 
-        f = flights(self.damper, rows, p.axes, self.harmonic, amplitudes)
-        p.initial[:] = f.energy(rows, p.axes)
-        if self.harmonic is not None:
-            watch_harmonic(p.cycles, self.harmonic)
-        status = np.zeros(len(p.clocks), np.int64)
-        tables = (np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
-        where = p.clocks, f.systems, f.motions, p.axes, p.balls, p.books, p.cycles
+        f = flights(self.damper, rows, p, self.harmonic, amplitudes)
+        p.initial[:] = f.energy(rows)
+        status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
-            engine_linear.run_block(block, *where, tables, self.most, status)
+            engine_linear.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
-        return status, f.energy(rows, p.axes)
+        f.give_back(p)
+        return status, f.energy(rows)
 
     def by_kinds(
         self, kind: Integers, rows: Parameters, prepared: Prepared, progress: Progress | None
     ) -> tuple[Prepared, Integers, Floats]:
         """Each kind of flight by itself, put together again."""
         status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
-        parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
-        for which in [part[k : k + _AT_ONCE] for part in parts for k in range(0, len(part), _AT_ONCE)]:
+        for which in self._parts(kind, rows):
             each = kind[which[0]]
-            part = some(prepared, which)
+            part = prepared.some(which)
             count = None if progress is None else functools.partial(_further, progress, done)
             if each == LEVEL:
                 status[which], final[which] = self.closed(rows[which], part, count)
             else:
                 modal = None if self.amplitudes is None else self.amplitudes[which]
                 status[which], final[which] = self.linear(rows[which], part, count, modal)
-            for field in fields(Prepared):
-                getattr(prepared, field.name)[which] = getattr(part, field.name)
+            prepared.take(which, part)
             done += len(which)
         return prepared, status, final
+
+    def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
+        """Which to prepare together: of one kind, and as many as there is room for."""
+        alike, modes = bool((rows == rows[0]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
+        for each in np.unique(kind):
+            which = np.flatnonzero(kind == each)
+            room = _AT_ONCE if alike or each == LEVEL else at_once(modes, coupled=each == COUPLED)
+            yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
 def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> Floats:
@@ -247,7 +251,7 @@ def in_blocks(
 
 
 def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floats, *, asked: bool) -> Batch:
-    from damper import engine
+    from damper.ending import DONE
 
     clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
     omega, load = stuck_frequency(rows), rows["centrifugal_acceleration"]
@@ -255,7 +259,7 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floa
     rested &= np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
     demand = prepared.axes["demand"].max(axis=1)
     losses: dict[str, Any] = {name: books[name].copy() for name in ("structure", "rolling", "impact", "slip", "work")}
-    outcomes = [outcome_of(s == engine.DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]
+    outcomes = [outcome_of(s == DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]
     return Batch(
         outcome=np.array(outcomes, dtype=object),
         duration=clocks["time"].copy(),

@@ -53,8 +53,8 @@ def kernel(function: _F) -> _F:
 
 
 def fused(function: _F) -> _F:
-    """As `kernel`, with products and sums fused where the processor can, and sums in any order: for power series."""
-    return _compiled(function, fastmath={"contract", "reassoc"})
+    """As `kernel`, for power series: set into its callers, with products and sums fused, and sums in any order."""
+    return _compiled(function, fastmath={"contract", "reassoc"}, forceinline=True)
 
 
 def _compiled(function: _F, **more: object) -> _F:

@@ -9,142 +9,106 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.detect import look, schedule
+from damper.ending import DONE, FULL, PAUSED, fade, settle_down
 from damper.flight import begin, increments, structure, viscous_loss
-from damper.peaks import close, resume, watch
-from damper.records import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
-from damper.resolve import hit, roll, rub, settle, slip
-from damper.slip import sliding_distance, spin_after
+from damper.keeping import full, write_event, write_peak
+from damper.peaks import close, pass_time, resume, watch
+from damper.records import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, START, STUCK
+from damper.resolve import hit, roll, roll_on, rub, settle, slip
+from damper.slip import spend
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Integers, Record, Records
-
-DONE, PAUSED, FULL = 0, 1, 2
-"""Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
-
-DIED_OUT = 1e-6
-"""Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
-
-NEAR = 1.01
-"""Acceleration over the rolling threshold at which a ball that rolls next to nothing is taken to tremble there."""
-
-TREMOR = 1e-7
-"""Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
+    from damper.arrays import Integers, Record, Records
+    from damper.tables import Tables
 
 
 @kernel
-def release(clock: Record, axes: Records, laws: Records, ball: Record, rows: Records) -> None:
-    """Let go at time 0 from the state in `axes`."""
+def release(it: Record, tables: Tables) -> None:
+    """Let go at time 0 from the state in `it.axes`."""
     for i in range(2):
-        if ball.grip > 0.0 and axes[i].spin != axes[i].w:
-            slip(axes[i])
-        elif axes[i].w == 0.0:
-            settle(axes[i], laws[i], ball)
+        axis = it.axes[i]
+        if it.ball.grip > 0.0 and axis.spin != axis.w:
+            slip(axis)
+        elif axis.w == 0.0:
+            settle(axis, it.laws[i], it.ball)
         else:
-            roll(axes[i], 1 if axes[i].w > 0.0 else -1)
-        _restart(i, RELEASE, 0.0, clock, axes, laws, ball, rows)
-    _rest(clock, axes)
+            roll_on(axis)
+        _restart(i, RELEASE, 0.0, it, tables)
+    _rest(it)
 
 
 @kernel
-def run(
-    clock: Record,
-    axes: Records,
-    laws: Records,
-    ball: Record,
-    books: Record,
-    cycle: Record,
-    peaks: Floats,
-    rows: Records,
-    budget: int,
-) -> int:
+def run(it: Record, tables: Tables, budget: int) -> int:
     """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
+    clock, axes = it.clock, it.axes
     stop = clock.events + budget
     while True:
         i = 0 if axes[0].next <= axes[1].next else 1
         if axes[i].kind == NOTHING and axes[i].next < clock.end:
-            look(axes[i], laws[i], ball, clock.end)
+            look(axes[i], it.laws[i], it.ball, clock.end)
             continue
         time = min(axes[i].next, clock.end)
-        if not _observe(clock, axes, laws, ball, books, cycle, peaks, time):
+        if not _observe(it, tables, time):
             return FULL
         if time >= clock.end:
             for j in range(2):
-                _fly(axes[j], laws[j], ball, books, time - axes[j].start)
-            resume(cycle, clock.last_motion)
+                _fly(j, time - axes[j].start, it)
+            resume(it.cycle, clock.last_motion)
             clock.time = time
             return DONE
         if clock.events >= stop:
             return PAUSED
-        if len(rows) > 0 and clock.rows + 2 > len(rows):
+        if full(it, tables):
             return FULL
         clock.time = time
         clock.events += 1
-        _happen(i, clock, axes, laws, ball, books, rows)
-        _rest(clock, axes)
+        _happen(i, it, tables)
+        _rest(it)
 
 
 @kernel
-def run_block(
-    block: tuple[int, int],
-    clocks: Records,
-    axes: Records,
-    laws: Records,
-    balls: Records,
-    books: Records,
-    cycles: Records,
-    tables: tuple[Floats, Records],
-    budget: int,
-    status: Integers,
-) -> None:
+def run_block(block: tuple[int, int], runs: Records, tables: Tables, budget: int, status: Integers) -> None:
     """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
-    peaks, rows = tables
     for k in range(block[0], block[1]):
-        release(clocks[k], axes[k], laws[k], balls[k], rows)
-        status[k] = run(clocks[k], axes[k], laws[k], balls[k], books[k], cycles[k], peaks, rows, budget)
+        release(runs[k], tables)
+        status[k] = run(runs[k], tables, budget)
 
 
 @kernel
-def _happen(i: int, clock: Record, axes: Records, laws: Records, ball: Record, books: Record, rows: Records) -> None:
+def _happen(i: int, it: Record, tables: Tables) -> None:
     """The next event of axis i: fly to it, resolve it, start the flights that follow."""
-    axis, other = axes[i], axes[1 - i]
+    axis, other, laws, ball = it.axes[i], it.axes[1 - i], it.laws[i], it.ball
     kind = axis.kind
-    _fly(axis, laws[i], ball, books, axis.due)
+    _fly(i, axis.due, it)
     before = axis.w
     if kind == START and axis.spin != 0.0:
         slip(axis)
     elif kind == START:
         roll(axis, axis.heading)
     elif kind == REVERSAL:
-        settle(axis, laws[i], ball)
-    elif kind == GRIP:
-        _grip(axis, laws[i], ball)
-    elif kind == HIT:
-        clock.impacts += 1
-        impulse = hit(axis, ball, books)
-        if ball.friction > 0.0 and other.regime != STUCK:
-            _fly(other, laws[1 - i], ball, books, clock.time - other.start)
-            sliding = other.w
-            rub(other, impulse, laws[1 - i], ball, books)
-            _restart(1 - i, RUB, sliding, clock, axes, laws, ball, rows)
-    _restart(i, kind, before, clock, axes, laws, ball, rows)
-
-
-@kernel
-def _grip(axis: Record, laws: Records, ball: Record) -> None:
-    """Sliding ends: the ball rolls on, or its spin against a wall is spent."""
-    if axis.regime == STUCK:
-        axis.spin = 0.0
-    elif axis.w == 0.0:
         settle(axis, laws, ball)
-    else:
-        roll(axis, 1 if axis.w > 0.0 else -1)
+    elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
+        axis.spin = 0.0
+    elif kind == GRIP and axis.w == 0.0:
+        settle(axis, laws, ball)
+    elif kind == GRIP:
+        roll_on(axis)
+    elif kind == HIT:
+        it.clock.impacts += 1
+        impulse = hit(axis, ball, it.books)
+        if ball.friction > 0.0 and other.regime != STUCK:
+            _fly(1 - i, it.clock.time - other.start, it)
+            sliding = other.w
+            rub(other, impulse, it.laws[1 - i], ball, it.books)
+            _restart(1 - i, RUB, sliding, it, tables)
+    _restart(i, kind, before, it, tables)
 
 
 @kernel
-def _fly(axis: Record, laws: Records, ball: Record, books: Record, tau: float) -> None:
+def _fly(i: int, tau: float, it: Record) -> None:
     """Bring an axis to a flight time tau after its start: its state there, and the work done on the way."""
-    law = laws[axis.regime]
-    books.structure += viscous_loss(axis, law, tau)
+    axis, law = it.axes[i], it.laws[i, it.axes[i].regime]
+    it.books.structure += viscous_loss(axis, law, tau)
     du, dv, acceleration = increments(axis, law, tau)
     path = 0.0
     if axis.regime != STUCK:
@@ -153,15 +117,7 @@ def _fly(axis: Record, laws: Records, ball: Record, books: Record, tau: float) -
         axis.w += axis.f * tau - axis.beta * dv
     if axis.regime == ROLLING:
         _account(axis, law, tau, acceleration)
-        books.rolling += ball.mass * ball.threshold * abs(path)
-        axis.spin = axis.w
-    elif axis.spin != 0.0 or axis.regime == SLIPPING:
-        spin = spin_after(axis, ball, tau)
-        if axis.regime == SLIPPING:
-            books.slip += ball.mass * ball.grip * abs(sliding_distance(axis, path, tau))
-        else:
-            books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
-        axis.spin = spin
+    spend(axis, path, tau, it.ball, it.books)
     axis.u += axis.v * tau + du
     axis.v += dv
 
@@ -180,87 +136,40 @@ def _account(axis: Record, law: Record, tau: float, acceleration: float) -> None
 
 
 @kernel
-def _restart(
-    i: int, kind: int, before: float, clock: Record, axes: Records, laws: Records, ball: Record, rows: Records
-) -> None:
+def _restart(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
     """Begin the flight that follows an event of axis i, schedule its end, and write the event's row if asked."""
-    axis = axes[i]
-    begin(axis, laws[i], ball, clock.time)
-    schedule(axis, laws[i], ball, clock.end)
-    if len(rows) > 0:
-        row = rows[clock.rows]
-        row.time, row.axis, row.kind = clock.time, i, kind
-        row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
-        row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
-        clock.rows += 1
+    begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
+    schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
+    write_event(i, kind, before, it, tables)
 
 
 @kernel
-def _observe(
-    clock: Record,
-    axes: Records,
-    laws: Records,
-    ball: Record,
-    books: Record,
-    cycle: Record,
-    peaks: Floats,
-    time: float,
-) -> bool:
+def _observe(it: Record, tables: Tables, time: float) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(cycle, axes, laws, clock.watched, time):
-        if len(peaks) > 0:
-            if clock.peaks == len(peaks):
-                return False
-            peaks[clock.peaks, 0], peaks[clock.peaks, 1] = cycle.time, cycle.speed
-        clock.peaks += 1
-        clock.watched = cycle.closes
-        _tremor(clock, axes, laws, ball, books, cycle)
-        close(cycle, clock.last_motion)
-    clock.watched = time
-    if axes[0].regime != STUCK or axes[1].regime != STUCK:
-        clock.last_motion = time
+    while watch(it, it.clock.watched, time):
+        if not write_peak(it, tables):
+            return False
+        fade(it, _strongest_drive(it))
+        close(it.cycle, it.clock.last_motion)
+    pass_time(it, time)
     return True
 
 
 @kernel
-def _tremor(clock: Record, axes: Records, laws: Records, ball: Record, books: Record, cycle: Record) -> None:
-    """End a run soon in which nothing more will happen that counts.
-
-    Either the ball, a cycle long, hit no wall and rolled away next to nothing, on a structure whose acceleration is at
-    the threshold: without damping of its own it nears the threshold for ever. Or the vibration has died out.
-    """
-    energy = 0.5 * ball.host_mass * cycle.speed * cycle.speed
-    still = clock.impacts == clock.last_impacts and books.rolling - clock.last_rolling <= TREMOR * energy
-    if clock.peaks == 1:
-        clock.first_speed = cycle.speed
-    clock.last_impacts, clock.last_rolling = clock.impacts, books.rolling
-    if clock.rest < np.inf or clock.tail == np.inf:
-        return
-    if cycle.speed <= DIED_OUT * clock.first_speed:
-        clock.trembles = 2
-        settle_down(clock)
-    elif still and ball.threshold > 0.0:
-        for i in range(2):
-            law = laws[i, STUCK]
-            square = law.square
-            if math.sqrt((square * axes[i].u) ** 2 + square * axes[i].v ** 2) > NEAR * ball.threshold:
-                return
-        clock.trembles = 1
-        settle_down(clock)
+def _strongest_drive(it: Record) -> float:
+    """Largest acceleration of a structure whose ball is stuck, along either axis, from here on [m/s^2]."""
+    most = 0.0
+    for i in range(2):
+        square = it.laws[i, STUCK].square
+        most = max(most, math.sqrt((square * it.axes[i].u) ** 2 + square * it.axes[i].v ** 2))
+    return most
 
 
 @kernel
-def _rest(clock: Record, axes: Records) -> None:
+def _rest(it: Record) -> None:
     """Once both axes stick and nothing will ever happen again, the run ends a little later."""
     for i in range(2):
-        if axes[i].regime != STUCK or axes[i].next < np.inf:
+        if it.axes[i].regime != STUCK or it.axes[i].next < np.inf:
             return
-    if clock.rest == np.inf:
-        settle_down(clock)
-
-
-@kernel
-def settle_down(clock: Record) -> None:
-    """End the run a little after the last event."""
-    clock.rest = clock.time
-    clock.end = min(clock.end, clock.time + clock.tail)
+    if it.clock.rest == np.inf:
+        settle_down(it.clock)

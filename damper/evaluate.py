@@ -9,9 +9,11 @@ from damper.flight import begin, increments, relative
 from damper.records import ROLLING, SLIPPING, STUCK
 from damper.series import expand, increment
 from damper.slip import spin_after
+from damper.travel import travel
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Integers, Record, Records
+    from damper.tables import Tables
 
 
 @kernel
@@ -34,70 +36,52 @@ def evaluate(flights: Records, laws: Records, ball: Record, times: Floats, out: 
 
 
 @kernel
-def follow(
-    system: Record,
-    motion: Record,
-    axes: Records,
-    ball: Record,
-    rows: Records,
-    states: Floats,
-    times: Floats,
-    out: Floats,
-    regimes: Integers,
-) -> None:
+def follow(it: Record, flow: Floats, tables: Tables, times: Floats, out: Floats, regimes: Integers) -> None:
     """Fill `out`, shape (5, n, 2), with u, v, s, w and spin at n ascending times, and the regimes, shape (n, 2)."""
+    system, motion, rows = it.system, it.motion, tables.rows
     for g in range(system.groups):
         row = -1
         for k in range(len(times)):
             while row + 1 < len(rows) and rows[row + 1].time <= times[k]:
                 row += 1
                 if system.group[rows[row].axis] == g:
-                    _resume(g, row, system, motion, axes, ball, rows, states)
+                    _resume(g, row, it, flow, tables)
             while (times[k] - motion.start[g]) > system.span[g]:
-                _step(g, 1.0, system, motion)
+                travel(g, 1.0, it)
                 motion.start[g] += system.span[g]
-                expand(g, system, motion, axes, ball)
+                expand(g, it, flow)
             x = (times[k] - motion.start[g]) / system.span[g]
             for i in range(system.first[g], system.last[g]):
-                _read(i, k, x, system, motion, axes[i], out)
-                regimes[k, i] = axes[i].regime
-                _spin(times[k], axes[i], ball, out[:, k, i])
+                _read(i, x, it, out[:, k, i])
+                _spin(times[k], it.axes[i], it.ball, out[:, k, i])
+                regimes[k, i] = it.axes[i].regime
 
 
 @kernel
-def _resume(
-    g: int, row: int, system: Record, motion: Record, axes: Records, ball: Record, rows: Records, states: Floats
-) -> None:
+def _resume(g: int, row: int, it: Record, flow: Floats, tables: Tables) -> None:
     """Put a group into its state after an event."""
-    event = rows[row]
-    axis = axes[event.axis]
+    event = tables.rows[row]
+    axis = it.axes[event.axis]
     axis.regime, axis.direction, axis.spin, axis.start = event.regime, event.direction, event.spin, event.time
-    axis.f = -axis.direction * ball.grip if axis.regime == SLIPPING else 0.0
-    for m in range(system.low[g], system.high[g]):
-        motion.z[m], motion.rate[m] = states[row, 0, m], states[row, 1, m]
-    motion.start[g] = event.time
-    expand(g, system, motion, axes, ball)
+    axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
+    for m in range(it.system.low[g], it.system.high[g]):
+        it.motion.z[m], it.motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
+    it.motion.start[g] = event.time
+    expand(g, it, flow)
 
 
 @kernel
-def _step(g: int, x: float, system: Record, motion: Record) -> None:
-    """Fly x steps on."""
-    for m in range(system.low[g], system.high[g]):
-        gain, rate = increment(motion.series[m], x)
-        motion.z[m] += gain
-        motion.rate[m] = rate / system.span[g]
-
-
-@kernel
-def _read(i: int, k: int, x: float, system: Record, motion: Record, axis: Record, out: Floats) -> None:
+def _read(i: int, x: float, it: Record, out: Floats) -> None:
     """Displacement, velocity, relative position and velocity along an axis x steps on."""
-    span, s = system.span[system.group[i]], system.place[i]
-    gain, rate = increment(motion.cavity[i], x)
-    out[0, k, i], out[1, k, i] = motion.cavity[i, 0] + gain, rate / span
-    out[2, k, i], out[3, k, i] = motion.z[s], 0.0
-    if axis.regime != STUCK:
-        gain, rate = increment(motion.series[s], x)
-        out[2, k, i], out[3, k, i] = motion.z[s] + gain, rate / span
+    system, g = it.system, it.system.group[i]
+    c, span = it.motion.series[g], system.span[g]
+    cavity = c[system.high[g] - system.low[g] + i - system.first[g]]
+    gain, rate = increment(cavity, x)
+    out[0], out[1] = cavity[0] + gain, rate / span
+    out[2], out[3] = it.motion.z[system.place[i]], 0.0
+    if it.axes[i].regime != STUCK:
+        gain, rate = increment(c[system.lane[i]], x)
+        out[2], out[3] = out[2] + gain, rate / span
 
 
 @kernel

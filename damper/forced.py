@@ -7,7 +7,7 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,19 +16,20 @@ import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
 from damper.batch import in_blocks
+from damper.flows import at_once
 from damper.locked import Complex
 from damper.model import ParticleDamper
 from damper.modes import Harmonic
 from damper.parameters import number, whole
-from damper.records import EVENT
-from damper.starts import Motions, Start, motions_of
+from damper.starts import Motions, Start, motions_of, together
+from damper.tables import nothing_kept
 from damper.tallies import APERIODIC, LOCKED, PERIODIC, TIRED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 _AT_ONCE = 2048
-"""Motions prepared together: 30 kB each."""
+"""Motions prepared together: 14 kB each."""
 
 _BLOCK = 4
 
@@ -134,7 +135,8 @@ def forced(
         raise ValueError("starts must be at least one")
     workers = (os.cpu_count() or 1) if threads is None else whole("threads", threads)
     how = _How(columns, probe, accuracy, whole("max_cycles", max_cycles), workers)
-    size, parts = max(1, _AT_ONCE // len(columns)), []
+    modes = max(2 if one.modes is None else len(one.modes) for one in dampers)
+    size, parts = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True))), []
     for begin in range(0, len(dampers), size):
         here = slice(begin, begin + size)
         done = begin * len(columns)
@@ -173,14 +175,12 @@ def _part(
         here = harmonics[at : at + len(one)]
         groups.append(motions_of(one[0], here, how.starts, how.probe, first + at, how.most))
         at += len(one)
-    m = Motions(**{f.name: np.concatenate([getattr(g, f.name) for g in groups]) for f in fields(Motions)})
-    records = m.clocks, m.systems, m.motions, m.axes, m.balls, m.books
-    tables = np.zeros(0, EVENT), np.zeros((0, 2, 0))
+    m, tables = together(groups), nothing_kept()
 
     def work(block: tuple[int, int]) -> None:
-        steady.run_block(block, m.traces, m.tallies, *records, tables, how.accuracy, how.most)
+        steady.run_block(block, m.runs, m.flows, tables, how.accuracy, how.most)
 
-    in_blocks(work, len(m.traces), how.threads, progress, _BLOCK)
+    in_blocks(work, len(m.runs), how.threads, progress, _BLOCK)
     shape = len(dampers), len(how.starts)
     shaped = {name: value.reshape(shape) for name, value in _summary(m, _divergence(m, how.threads)).items()}
     return shaped | {name: getattr(m, name).reshape(shape)[:, 0] for name in ("linear", "without", "moves_from")}
@@ -190,18 +190,16 @@ def _divergence(m: Motions, threads: int) -> Floats:
     """Exponents of the motions that do not repeat themselves, nan of the others."""
     from damper import steady
 
-    exponents = np.full(len(m.traces), np.nan)
-    which = np.flatnonzero(m.traces["verdict"] == APERIODIC)
-    pairs = [np.stack([part[which]] * 2, axis=1) for part in (m.traces, m.clocks, m.motions, m.axes, m.books)]
-    traces, clocks, motions, axes, books = pairs
-    systems, balls, growth = m.systems[which], m.balls[which], np.full(len(which), np.nan)
-    structure = 1 - np.eye(motions["z"].shape[-1])[systems["place"]].sum(axis=1)
+    exponents = np.full(len(m.runs), np.nan)
+    which = np.flatnonzero(m.runs["envelope"]["verdict"] == APERIODIC)
+    pairs, growth, tables = np.stack([m.runs[which]] * 2, axis=1), np.full(len(which), np.nan), nothing_kept()
+    motions = pairs["run"]["motion"]
+    structure = 1 - np.eye(motions["z"].shape[-1])[pairs["run"]["system"]["place"][:, 0]].sum(axis=1)
     for name in ("z", "rate"):
         motions[name][:, 1] *= 1 + steady.NUDGE * structure
-    tables = np.zeros(0, EVENT), np.zeros((0, 2, 0))
 
     def work(block: tuple[int, int]) -> None:
-        steady.run_together(block, traces, clocks, systems, motions, axes, balls, books, tables, growth)
+        steady.run_together(block, pairs, m.flows, tables, growth)
 
     in_blocks(work, len(which), threads, None, _BLOCK)
     exponents[which] = growth
@@ -210,10 +208,11 @@ def _divergence(m: Motions, threads: int) -> Floats:
 
 def _summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
     """Figures of all motions, by name."""
-    verdict = m.traces["verdict"]
+    traces = m.runs["envelope"]
+    verdict = traces["verdict"]
     still, repeated = verdict == LOCKED, verdict == PERIODIC
-    part = np.where(repeated | (verdict == TIRED), m.tallies[:, 1], m.tallies[:, 0])
-    height, error, period = np.abs(m.linear), m.traces["error"], m.traces["period"]
+    part = np.where(repeated | (verdict == TIRED), m.runs["last"], m.runs["window"])
+    height, error, period = np.abs(m.linear), traces["error"], traces["period"]
 
     def figure(resting: Floats | float, moving: Floats) -> Floats:
         return np.where(still, resting, moving)
@@ -221,22 +220,22 @@ def _summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
     with np.errstate(divide="ignore", invalid="ignore"):
         time = np.where(verdict == TIRED, np.nan, part["cycles"] * period)  # its books are not closed
         mean = part["total"] / part["cycles"]
-        unsure = np.maximum(error[:, 0], 0.5 * np.abs(m.traces["drift"]))
+        unsure = np.maximum(error[:, 0], 0.5 * np.abs(traces["drift"]))
         return {
             "regime": _regimes(verdict, divergence),
-            "repeats": np.where(still, 1, np.where(repeated, m.traces["repeats"], 0)),
+            "repeats": np.where(still, 1, np.where(repeated, traces["repeats"], 0)),
             "hits_per_cycle": figure(0.0, part["impacts"] / part["cycles"]),
             "least": figure(height, part["least"]),
             "mean": figure(height, mean),
             "rms": figure(height, np.sqrt(part["squares"] / part["cycles"])),
             "greatest": figure(height, part["greatest"]),
-            "error": figure(0.0, np.where(repeated, m.traces["left"] * height, unsure)),
+            "error": figure(0.0, np.where(repeated, traces["left"] * height, unsure)),
             "power_in": figure(m.power[:, 0], part["work"] / time),
             "power_lost": figure(m.power[:, 1], part["lost"] / time),
             "stored": figure(0.0, part["stored"] / time),
             "power_error": figure(0.0, np.where(repeated, 0.0, error[:, 1])),
             "divergence": divergence,
-            "cycles": m.traces["cycles"].copy(),
+            "cycles": traces["cycles"].copy(),
         }
 
 

@@ -8,116 +8,155 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
-from damper.guards import departure
-from damper.records import STUCK
-from damper.resolve import roll, slip
+from damper.drive import departure
+from damper.records import GRIP, HIT, REVERSAL, START, STUCK
+from damper.resolve import roll, roll_on, slip
 from damper.slip import rubbed
 
 if TYPE_CHECKING:
-    from damper.arrays import Record, Records
+    from damper.arrays import Floats, Record
 
 _NOTHING = 1e-7
 """Share of the speed that always sticks to a wall: next to the structure's own speed it is rounding."""
 
 
 @kernel
-def read(i: int, system: Record, motion: Record, axes: Records) -> None:
+def let_go(it: Record, flow: Floats) -> None:
+    """The regimes in which the state in `it.motion` begins at time 0."""
+    for i in range(2):
+        read(i, it)
+    for i in range(2):
+        if it.ball.grip > 0.0 and it.axes[i].spin != it.axes[i].w:
+            slip(it.axes[i])
+        elif it.axes[i].w == 0.0:
+            settle(i, 0.0, it, flow)
+        else:
+            roll_on(it.axes[i])
+
+
+@kernel
+def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
+    """What an event along an axis does; whether the ball, hitting a wall, rubbed along it."""
+    axis, other, time = it.axes[i], it.axes[1 - i], it.clock.time
+    rubs = False
+    if kind == START and axis.spin != 0.0:
+        slip(axis)
+    elif kind == START:
+        roll(axis, axis.heading)
+    elif kind == REVERSAL:
+        settle(i, time, it, flow)
+    elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
+        axis.spin = 0.0
+    elif kind == GRIP and axis.w == 0.0:
+        settle(i, time, it, flow)
+    elif kind == GRIP:
+        roll_on(axis)
+    elif kind == HIT:
+        it.clock.impacts += 1
+        impulse = hit(i, it)
+        rubs = it.ball.friction > 0.0 and other.regime != STUCK
+        if rubs:
+            rub(1 - i, impulse, it, flow)
+        rebound(i, it)
+    return rubs
+
+
+@kernel
+def read(i: int, it: Record) -> None:
     """Copy position and velocity of an axis from z into its record."""
-    axis, s = axes[i], system.place[i]
-    axis.s, axis.w, axis.u, axis.v = motion.z[s], motion.rate[s], 0.0, 0.0
-    for m in range(system.coordinates):
-        axis.u += system.mode_shape[i, m] * motion.z[m]
-        axis.v += system.mode_shape[i, m] * motion.rate[m]
+    axis, z, rate, s = it.axes[i], it.motion.z, it.motion.rate, it.system.place[i]
+    axis.s, axis.w, axis.u, axis.v = z[s], rate[s], 0.0, 0.0
+    for m in range(it.system.coordinates):
+        axis.u += it.system.mode_shape[i, m] * z[m]
+        axis.v += it.system.mode_shape[i, m] * rate[m]
 
 
 @kernel
-def settle(i: int, system: Record, motion: Record, axes: Records, ball: Record, time: float) -> None:
+def settle(i: int, time: float, it: Record, flow: Floats) -> None:
     """At a zero of the relative velocity: the ball sticks, or rolls off the way it is driven."""
-    motion.rate[system.place[i]] = axes[i].w = 0.0
-    roll(axes[i], departure(i, system, motion, axes, ball, time))
+    it.motion.rate[it.system.place[i]] = it.axes[i].w = 0.0
+    roll(it.axes[i], departure(i, time, it, flow))
 
 
 @kernel
-def hit(i: int, system: Record, motion: Record, axes: Records, ball: Record, books: Record) -> float:
+def hit(i: int, it: Record) -> float:
     """Impact with the wall on the side `heading`; returns the normal impulse [N s]."""
-    axis = axes[i]
-    impulse = float(reduced(i, system, ball) * (1.0 + ball.restitution) * abs(axis.w))
-    motion.z[system.place[i]] = axis.heading * axis.half_gap
-    _exchange(i, -ball.restitution * axis.w, system, motion, axes, ball, books)
+    axis, ball = it.axes[i], it.ball
+    impulse = float(reduced(i, it) * (1.0 + ball.restitution) * abs(axis.w))
+    it.motion.z[it.system.place[i]] = axis.heading * axis.half_gap
+    _exchange(i, -ball.restitution * axis.w, it)
     if ball.grip > 0.0:
-        _follow(axis, rubbed(axis.spin, impulse, ball), ball, books)
+        _follow(axis, rubbed(axis.spin, impulse, ball), it)
     return impulse
 
 
 @kernel
-def rebound(i: int, system: Record, motion: Record, axes: Records, ball: Record, books: Record) -> None:
+def rebound(i: int, it: Record) -> None:
     """Sticking to the wall after an impact, or the flight from it."""
-    axis = axes[i]
+    axis, ball = it.axes[i], it.ball
     if abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor):
-        _exchange(i, 0.0, system, motion, axes, ball, books)
+        _exchange(i, 0.0, it)
         axis.regime, axis.direction = STUCK, 0
     elif ball.grip > 0.0:
         slip(axis)
     else:
-        roll(axis, 1 if axis.w > 0.0 else -1)
+        roll_on(axis)
 
 
 @kernel
-def rub(
-    i: int, normal: float, system: Record, motion: Record, axes: Records, ball: Record, books: Record, time: float
-) -> None:
+def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     """Friction at the wall of the other axis, at most what ends the sliding along it, eq. (11) of the paper."""
-    axis = axes[i]
-    change = ball.friction * normal / reduced(i, system, ball)
+    axis, ball = it.axes[i], it.ball
+    change = ball.friction * normal / reduced(i, it)
     way = 1 if axis.w > 0.0 else -1
     capped = change >= abs(axis.w)
-    _exchange(i, 0.0 if capped else axis.w - way * change, system, motion, axes, ball, books)
+    _exchange(i, 0.0 if capped else axis.w - way * change, it)
     if ball.grip > 0.0 and axis.w != axis.spin:
         slip(axis)
         if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:  # pressed against a wall, unless something pulls it off
             axis.regime, axis.direction = STUCK, 0
     elif capped:
-        settle(i, system, motion, axes, ball, time)
+        settle(i, it.clock.time, it, flow)
 
 
 @kernel
-def reduced(i: int, system: Record, ball: Record) -> float:
+def reduced(i: int, it: Record) -> float:
     """Mass that an impulse between ball and cavity along an axis moves [kg]."""
-    return float(1.0 / (1.0 / ball.mass - system.yielding[i, system.place[i]]))
+    return float(1.0 / (1.0 / it.ball.mass - it.system.yielding[i, it.system.place[i]]))
 
 
 @kernel
-def _exchange(i: int, w: float, system: Record, motion: Record, axes: Records, ball: Record, books: Record) -> None:
+def _exchange(i: int, w: float, it: Record) -> None:
     """Give the ball the relative velocity w by an impulse between it and the cavity; book the loss."""
-    axis, other = axes[i], axes[1 - i]
-    mass = reduced(i, system, ball)
+    axis, other, rate, ball = it.axes[i], it.axes[1 - i], it.motion.rate, it.ball
+    mass = reduced(i, it)
     impulse = mass * (axis.w - w)
-    for m in range(system.coordinates):
-        motion.rate[m] += impulse * system.yielding[i, m]
-    books.impact += 0.5 * mass * (axis.w - w) * (axis.w + w)
-    motion.rate[system.place[i]] = w
+    for m in range(it.system.coordinates):
+        rate[m] += impulse * it.system.yielding[i, m]
+    it.books.impact += 0.5 * mass * (axis.w - w) * (axis.w + w)
+    rate[it.system.place[i]] = w
     aside = other.w
-    read(i, system, motion, axes)
-    read(1 - i, system, motion, axes)
-    _follow(axis, axis.spin if ball.grip > 0.0 else w, ball, books)
+    read(i, it)
+    read(1 - i, it)
+    _follow(axis, axis.spin if ball.grip > 0.0 else w, it)
     if other.regime == STUCK and abs(other.w) <= _NOTHING * ball.sticking_floor:
-        motion.rate[system.place[1 - i]] = other.w = 0.0  # two walls that push each other in turn: the rest is rounding
+        rate[it.system.place[1 - i]] = other.w = 0.0  # two walls that push each other in turn: the rest is rounding
     elif other.w != aside:
-        _carry(other, ball, books)
+        _carry(other, it)
 
 
 @kernel
-def _follow(axis: Record, spin: float, ball: Record, books: Record) -> None:
+def _follow(axis: Record, spin: float, it: Record) -> None:
     """The spin follows a new rolling velocity at once; what that takes is booked with the impact."""
-    books.impact += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+    it.books.impact += 0.5 * it.ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
     axis.spin = spin
 
 
 @kernel
-def _carry(axis: Record, ball: Record, books: Record) -> None:
+def _carry(axis: Record, it: Record) -> None:
     """An impact along the other axis moved the cavity along this one, under the ball."""
-    if ball.grip > 0.0:
+    if it.ball.grip > 0.0:
         slip(axis)
     else:
-        _follow(axis, axis.w, ball, books)
-        roll(axis, 1 if axis.w > 0.0 else -1)
+        _follow(axis, axis.w, it)
+        roll_on(axis)

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from damper.linear import forces_on
 from damper.parameters import half_gap, rolling_threshold
+from damper.structures import forces_on
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.arrays import Floats, Records
-    from damper.linear import Structures
+    from damper.arrays import Floats
     from damper.modes import Harmonic
     from damper.parameters import Parameters
+    from damper.structures import Structures
+    from damper.systems import Systems
 
 Complex = npt.NDArray[np.complex128]
 
@@ -42,20 +43,20 @@ class Locked(NamedTuple):
     power_lost: Floats
 
 
-def locked(systems: Records) -> Locked:
-    """Solve for the structure's answers, the ball stuck."""
-    stiffness, damping, force = _stuck(systems)
-    nu, size = systems["frequency"], stiffness.shape[1]
-    turn = np.exp(1j * systems["phase"])[:, None]
-    loss = np.where(systems["damped"], 0.0, 1j * _LOSSLESS) * nu**2
+def locked(systems: Systems) -> Locked:
+    """Solve for the structure's answers, the ball stuck; their coordinates are in the systems' order."""
+    of, damped = systems.equations, systems.constants["damped"]
+    stiffness, damping, force = of.stiffness[:, 0], of.damping[:, 0], of.force[:, 0]
+    nu, size = of.frequency, stiffness.shape[1]
+    turn = np.exp(1j * of.phase)[:, None]
+    loss = np.where(damped, 0.0, 1j * _LOSSLESS) * nu**2
     matrix = stiffness + 1j * nu[:, None, None] * damping - (nu**2 - loss)[:, None, None] * np.eye(size)
     z = np.linalg.solve(matrix, (force * turn)[..., None])[..., 0]
-    rate = 1j * nu[:, None] * z
-    shape, pull = systems["mode_shape"][:, :, :size], systems["pull"][:, :, :size]
-    drive = np.abs((((nu**2)[:, None, None] * shape - pull) @ z[..., None])[..., 0] + systems["sway"] * turn)
-    power_in = 0.5 * np.real(systems["power"][:, :size] * turn * rate.conj()).sum(axis=1)
-    power_lost = 0.5 * (systems["dashpot"][:, :size] * np.abs(rate) ** 2).sum(axis=1)
-    return Locked(z, drive, power_in, power_lost)
+    rate = (1j * nu[:, None] * z)[:, systems.order]
+    drive = np.abs((((nu**2)[:, None, None] * of.shape - of.pull) @ z[..., None])[..., 0] + of.sway * turn)
+    power_in = 0.5 * np.real(of.power[:, systems.order] * turn * rate.conj()).sum(axis=1)
+    power_lost = 0.5 * (systems.constants["dashpot"][:, :size] * np.abs(rate) ** 2).sum(axis=1)
+    return Locked(z[:, systems.order], drive, power_in, power_lost)
 
 
 def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Complex:
@@ -80,25 +81,9 @@ def moves_from(rows: Parameters, drive: Floats) -> Floats:
     return least
 
 
-def forgets(systems: Records) -> float:
+def forgets(systems: Systems) -> float:
     """Decay rate of what the structure's own motion leaves longest, the ball stuck; 0 without damping [1/s]."""
-    stiffness, damping, _ = _stuck(systems[:1])
-    modes = np.setdiff1d(np.arange(stiffness.shape[1]), systems["place"][0])
-    k, d = stiffness[0][np.ix_(modes, modes)], damping[0][np.ix_(modes, modes)]
+    modes = systems.equations.stiffness.shape[-1] - 2
+    k, d = (each[0, 0, :modes, :modes] for each in (systems.equations.stiffness, systems.equations.damping))
     roots = np.linalg.eigvals(np.block([[np.zeros_like(k), np.eye(len(k))], [-k, -d]]))
-    return max(0.0, float(-roots.real.max())) if systems["damped"][0] else 0.0
-
-
-def _stuck(systems: Records) -> tuple[Floats, Floats, Floats]:
-    """Stiffness, damping and force of flights with the ball stuck, in SI."""
-    first = systems[0]
-    size = int(first["coordinates"])
-    step = np.empty((len(systems), size))
-    for g in range(int(first["groups"])):
-        step[:, first["low"][g] : first["high"][g]] = systems["span"][:, g, None]
-    stiffness, damping = systems["stiffness"][:, 0, :size, :size], systems["damping"][:, 0, :size, :size]
-    return (
-        stiffness / step[..., None] ** 2,
-        damping / step[..., None],
-        systems["force"][:, 0, :size] / step**2,
-    )
+    return max(0.0, float(-roots.real.max())) if systems.constants["damped"][0] else 0.0

@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.linear import couples, members_of, single_modes, structures_of, systems_of
+from damper.modes import Harmonic
 from damper.parameters import level, spin_mass
-from damper.system import MOTION
+from damper.records import SHARED
+from damper.structures import couples, structures_by
+from damper.system import LINEAR
+from damper.systems import systems_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from damper.arrays import Floats, Integers, Records
-    from damper.linear import Structures
     from damper.model import ParticleDamper
-    from damper.modes import Harmonic
     from damper.parameters import Parameters
+    from damper.prepare import Prepared
+    from damper.systems import Systems
 
 LEVEL, APART, COUPLED = 0, 1, 2
 """How a damper flies: as in the paper, in closed form; as linear flights of x and of y; of both together."""
@@ -27,27 +30,34 @@ LEVEL, APART, COUPLED = 0, 1, 2
 
 @dataclass(frozen=True)
 class Flights:
-    """Systems and motions of n ring-downs alike, with n rows of each."""
+    """Runs of n ring-downs alike, dtype `damper.system.LINEAR`, and the systems that they share.
 
-    systems: Records
-    motions: Records
+    The constants of a run name the terms of its flights, among `systems.flows`.
+    """
 
-    def energy(self, rows: Parameters, axes: Records) -> Floats:
+    runs: Records
+    systems: Systems
+
+    def energy(self, rows: Parameters) -> Floats:
         """Energy of structure and ball, shape (n,) [J]."""
-        z, rate = self.motions["z"], self.motions["rate"]
-        twice = np.einsum("ni,nij,nj->n", rate, self.systems["mass"], rate)
-        twice += np.einsum("ni,nij,nj->n", z, self.systems["spring"], z)
-        total: Floats = 0.5 * (twice + spin_mass(rows) * (axes["spin"] ** 2).sum(axis=1))
+        system, z, rate = self.runs["system"], self.runs["motion"]["z"], self.runs["motion"]["rate"]
+        twice = np.einsum("ni,nij,nj->n", rate, system["mass"], rate)
+        twice += np.einsum("ni,nij,nj->n", z, system["spring"], z)
+        total: Floats = 0.5 * (twice + spin_mass(rows) * (self.runs["axes"]["spin"] ** 2).sum(axis=1))
         return total
 
     def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
         """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
         structures = structures_by(damper, rows)
-        order = [m for group in members_of(rows, structures) for m in group]
-        back = np.argsort(order)[: structures.mass.shape[1]]
-        z, rate = self.motions["z"][:, back], self.motions["rate"][:, back]
+        back = np.argsort(self.systems.order)[: structures.mass.shape[1]]
+        z, rate = self.runs["motion"]["z"][:, back], self.runs["motion"]["rate"][:, back]
         energies: Floats = 0.5 * (structures.spring * z**2 + structures.mass * rate**2)
         return energies
+
+    def give_back(self, prepared: Prepared) -> None:
+        """Put where the runs are into what they were prepared from."""
+        for name, *_ in SHARED:
+            prepared.runs[name] = self.runs[name]
 
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
@@ -65,17 +75,23 @@ def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = 
 def flights(
     damper: ParticleDamper,
     rows: Parameters,
-    axes: Records,
+    prepared: Prepared,
     harmonic: Harmonic | Sequence[Harmonic] | None = None,
     amplitudes: tuple[float, ...] | Floats | None = None,
 ) -> Flights:
-    """Flights from the u, v, s and w in `axes`, shape (n, 2); all of one kind, driven alike or each by a harmonic.
+    """Flights of what is prepared, from its u, v, s and w; all of one kind, driven alike or each by a harmonic.
 
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
+    alike = harmonic is None or isinstance(harmonic, Harmonic)
+    first, which = _distinct(rows) if alike else (np.arange(len(rows)), np.arange(len(rows)))
+    systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
+    runs, axes = np.zeros(len(rows), LINEAR), prepared.axes
+    for name, *_ in SHARED:
+        runs[name] = prepared.runs[name]
+    runs["system"] = systems.constants[which]
     structures = structures_by(damper, rows)
-    systems = systems_of(rows, structures, harmonic)
     n, k = structures.mass.shape
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
     if damper.modes is None:
@@ -86,21 +102,23 @@ def flights(
     if amplitudes is not None:
         z[:, :k] = amplitudes
     z[:, k:], rate[:, k:] = axes["s"], axes["w"]
-    order = [m for group in members_of(rows, structures) for m in group]
-    motions = np.zeros(n, MOTION)
-    motions["z"][:, : k + 2], motions["rate"][:, : k + 2] = z[:, order], rate[:, order]
-    return Flights(systems, motions)
+    runs["motion"]["z"][:, : k + 2], runs["motion"]["rate"][:, : k + 2] = z[:, systems.order], rate[:, systems.order]
+    if isinstance(harmonic, Harmonic):
+        _watch(runs["cycle"], harmonic)
+    return Flights(runs, systems)
 
 
-def watch_harmonic(cycles: Records, harmonic: Harmonic) -> None:
+def _distinct(rows: Parameters) -> tuple[Integers, Integers]:
+    """Where each of the rows that differ stands first, and which of these every row is."""
+    numbers: dict[bytes, int] = {}
+    which = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in rows], np.int64)
+    return np.unique(which, return_index=True)[1], which
+
+
+def _watch(cycles: Records, harmonic: Harmonic) -> None:
     """Seek the velocity maxima of driven motion once per cycle of what drives it."""
     period = 2 * math.pi / harmonic.frequency
     cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
-
-
-def structures_by(damper: ParticleDamper, rows: Parameters) -> Structures:
-    """The structures that rows of a damper vibrate on."""
-    return single_modes(rows) if damper.modes is None else structures_of(rows, damper.modes)
 
 
 def _spread(shape: Floats, weight: Floats, moved: Floats) -> Floats:

@@ -17,32 +17,34 @@ from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
 from damper.flight import velocity
+from damper.records import STUCK
 
 if TYPE_CHECKING:
-    from damper.arrays import Record, Records
+    from damper.arrays import Record
 
 
 @kernel
-def watch(cycle: Record, axes: Records, laws: Records, begin: float, end: float) -> bool:
+def watch(it: Record, begin: float, end: float) -> bool:
     """Look for the window's largest speed while both axes fly from time `begin` to `end`.
 
     Returns True when the window closed, `cycle.time` and `cycle.speed` then hold the peak; call again with the time
     at which it closed until it returns False.
     """
+    cycle = it.cycle
     low, high = max(begin, cycle.opens), min(end, cycle.closes)
     if low <= high:
         pieces = 1 + int(8 * (high - low) / cycle.period)
-        t, (f, g) = low, _speed(axes, laws, low)
+        t, (f, g) = low, _speed(it, low)
         take(cycle, t, f)
         for i in range(pieces):
             t_next = low + (high - low) * (i + 1) / pieces
-            f_next, g_next = _speed(axes, laws, t_next)
+            f_next, g_next = _speed(it, t_next)
             take(cycle, t_next, f_next)
             if g > 0.0 > g_next:
-                top = _stationary(axes, laws, t, t_next, g, g_next, 1e-8 * cycle.period)
-                take(cycle, top, _speed(axes, laws, top)[0])
+                top = _stationary(it, (t, t_next), (g, g_next))
+                take(cycle, top, _speed(it, top)[0])
             t, g = t_next, g_next
-    return end >= cycle.closes
+    return bool(end >= cycle.closes)
 
 
 @kernel
@@ -79,6 +81,14 @@ def resume(cycle: Record, last_motion: float) -> None:
 
 
 @kernel
+def pass_time(it: Record, time: float) -> None:
+    """All is seen up to a time."""
+    it.clock.watched = time
+    if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
+        it.clock.last_motion = time
+
+
+@kernel
 def take(cycle: Record, time: float, square: float) -> None:
     """Take a time and the square of the speed then for the window's largest, if they are."""
     speed = math.sqrt(square)
@@ -88,12 +98,12 @@ def take(cycle: Record, time: float, square: float) -> None:
 
 
 @kernel
-def _speed(axes: Records, laws: Records, time: float) -> tuple[float, float]:
+def _speed(it: Record, time: float) -> tuple[float, float]:
     """Speed squared and half its rate."""
     square = rate = 0.0
     for i in range(2):
-        axis = axes[i]
-        law = laws[i, axis.regime]
+        axis = it.axes[i]
+        law = it.laws[i, axis.regime]
         v, acceleration = velocity(axis, law, time - axis.start)
         square += v * v
         rate += v * acceleration
@@ -101,15 +111,15 @@ def _speed(axes: Records, laws: Records, time: float) -> tuple[float, float]:
 
 
 @kernel
-def _stationary(
-    axes: Records, laws: Records, low: float, high: float, g_low: float, g_high: float, tolerance: float
-) -> float:
+def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, float]) -> float:
     """Zero of the rate between two times of opposite sign, by the Illinois rule."""
+    low, high = times
+    g_low, g_high = slopes
     t = low
     for _ in range(60):
         t = high - g_high * (high - low) / (g_high - g_low)
-        g = _speed(axes, laws, t)[1]
-        if g == 0.0 or abs(high - low) < tolerance:
+        g = _speed(it, t)[1]
+        if g == 0.0 or abs(high - low) < 1e-8 * it.cycle.period:
             break
         if (g > 0.0) == (g_high > 0.0):
             high, g_high = t, g

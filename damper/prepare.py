@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from damper.parameters import energy, half_gap, number, stuck_frequency
-from damper.records import AXIS, BOOKS, CLOCK, CYCLE, STUCK, balls_of, laws_of
+from damper.records import LEVEL, STUCK, balls_of, laws_of
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Integers, Records
@@ -29,20 +29,52 @@ _LARGEST = 1e150
 
 @dataclass(frozen=True)
 class Prepared:
-    """Everything the engine needs for n ring-downs: constants, states, clocks and books, each of length n."""
+    """Runs of n ring-downs, dtype `damper.records.LEVEL`, and the energy that they begin with; views of the former."""
 
-    laws: Records
-    balls: Records
-    axes: Records
-    clocks: Records
-    books: Records
-    cycles: Records
+    runs: Records
     initial: Floats
 
+    @property
+    def laws(self) -> Records:
+        """Shape (n, 2 axes, 3 regimes)."""
+        return self._views("laws")
 
-def some(prepared: Prepared, which: Integers) -> Prepared:
-    """Copies of some of the ring-downs."""
-    return Prepared(**{field.name: getattr(prepared, field.name)[which] for field in fields(Prepared)})
+    @property
+    def axes(self) -> Records:
+        """Shape (n, 2)."""
+        return self._views("axes")
+
+    @property
+    def balls(self) -> Records:
+        """Shape (n,)."""
+        return self._views("ball")
+
+    @property
+    def clocks(self) -> Records:
+        """Shape (n,)."""
+        return self._views("clock")
+
+    @property
+    def books(self) -> Records:
+        """Shape (n,)."""
+        return self._views("books")
+
+    @property
+    def cycles(self) -> Records:
+        """Shape (n,)."""
+        return self._views("cycle")
+
+    def _views(self, name: str) -> Records:
+        views: Records = self.runs[name]
+        return views
+
+    def some(self, which: Integers) -> Prepared:
+        """Copies of some of the ring-downs."""
+        return Prepared(self.runs[which], self.initial[which])
+
+    def take(self, which: Integers, part: Prepared) -> None:
+        """Put what `some` gave back in its place."""
+        self.runs[which], self.initial[which] = part.runs, part.initial
 
 
 def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:
@@ -59,7 +91,8 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     if not np.isfinite(start).all():
         raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
     _check_size(rows, start)
-    axes = np.zeros((len(rows), 2), AXIS)
+    runs = np.zeros(len(rows), LEVEL)
+    axes, clocks, windows = runs["axes"], runs["clock"], runs["cycle"]
     axes["half_gap"] = half_gap(rows)
     for i, name in enumerate(("u", "v", "s", "w", "spin")):
         axes[name] = start[:, i]
@@ -68,12 +101,11 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         raise ValueError(f"ball_position {axes['s'][outside][0]:g} m lies outside the cavity")
     axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
 
-    laws = laws_of(rows)
+    runs["laws"] = laws = laws_of(rows)
     omega = stuck_frequency(rows)
     period = 2 * np.pi / omega
     size = np.abs(start).max(axis=2)
     reach = np.maximum(size[:, 0], np.maximum(size[:, 1], size[:, 3]) / omega)
-    clocks, books, windows = np.zeros(len(rows), CLOCK), np.zeros(len(rows), BOOKS), np.zeros(len(rows), CYCLE)
     clocks["end"] = period * (max_cycles if cycles is None else cycles)
     clocks["rest"], clocks["last_motion"] = np.inf, -np.inf
     windows["period"], windows["wait"], windows["closes"] = period, _waits(laws[:, 0, STUCK], period), 0.5 * period
@@ -81,15 +113,8 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     windows["waiting_since"] = -np.inf
     for name in ("speed", "square", "last_speed", "moving_speed", "waiting_speed"):
         windows[name] = -1.0
-    return Prepared(
-        laws=laws,
-        balls=balls_of(rows, reach),
-        axes=axes,
-        clocks=clocks,
-        books=books,
-        cycles=windows,
-        initial=energy(rows, axes),
-    )
+    runs["ball"] = balls_of(rows, reach)
+    return Prepared(runs, energy(rows, axes))
 
 
 def _waits(laws: Records, period: Floats) -> Floats:

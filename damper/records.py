@@ -113,6 +113,12 @@ CLOCK = record(
 )
 """Where a run is, and how much it has put into its tables."""
 
+SHARED = (("clock", CLOCK), ("axes", AXIS, 2), ("ball", BALL), ("books", BOOKS), ("cycle", CYCLE))
+"""What every run has."""
+
+LEVEL = record(*SHARED, ("laws", LAW, (2, 3)))
+"""A run in closed form: on a level floor under one mode along x and one along y; laws by axis and regime."""
+
 EVENT = record(
     ("time", "f8"),
     ("axis", "i8"),

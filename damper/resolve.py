@@ -29,6 +29,12 @@ def roll(axis: Record, direction: int) -> None:
 
 
 @kernel
+def roll_on(axis: Record) -> None:
+    """Roll from now on as it moves."""
+    roll(axis, 1 if axis.w > 0.0 else -1)
+
+
+@kernel
 def slip(axis: Record) -> None:
     """Slide on the floor from now on, with the spin that the ball has."""
     axis.regime = SLIPPING

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from damper.course import course_of
 from damper.parameters import number, pair, whole
 from damper.prepare import prepare
 from damper.records import EVENT
+from damper.tables import Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from damper.course import Course
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
-    from damper.prepare import Prepared
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -172,43 +172,38 @@ def ringdown(
     parameters = damper.parameters
     one = prepare(parameters, start, cycles, max_cycles)
     course = course_of(damper, one, harmonic, amplitudes)
-    done, tables = _followed(course, one, most, keep_events, progress)
-    return _gathered(damper, course, one, outcome_of(done, cycles is not None, one.clocks[0]), tables, harmonic)
-
-
-class _Tables(NamedTuple):
-    """Peaks (n, 2), and where events are kept their rows and, of linear flights, the states at them."""
-
-    peaks: Floats
-    rows: Records | None
-    states: Floats | None
+    done, tables = _followed(course, most, keep_events, progress)
+    outcome = outcome_of(done, cycles is not None, course.run["clock"])
+    kept = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
+    if not keep_events:
+        return kept
+    return replace(kept, rows=tables.rows, states=tables.states if tables.states.size else None)
 
 
 def _followed(
-    course: Course, one: Prepared, most: int, keep_events: bool, progress: Callable[[float], None] | None
-) -> tuple[bool, _Tables]:
+    course: Course, most: int, keep_events: bool, progress: Callable[[float], None] | None
+) -> tuple[bool, Tables]:
     """Run to the end, or to so many events at most; whether it was done, and what was recorded."""
-    clock = one.clocks[0]
-    peaks, rows = np.zeros((1024, 2)), np.zeros(1024 if keep_events else 0, EVENT)
-    states = course.states(len(rows))
-    course.release(rows, states)
+    clock, size = course.run["clock"], 1024 if keep_events else 0
+    tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), course.states(size))
+    course.release(tables)
     while True:
-        done = course.run(peaks, rows, states, min(_BUDGET, most - int(clock["events"])))
+        done = course.go_on(tables, min(_BUDGET, most - int(clock["events"])))
         if done or clock["events"] >= most:
             break
-        peaks, used = _roomier(peaks, int(clock["peaks"])), int(clock["rows"]) + 2
-        rows, states = _roomier(rows, used), _roomier(states, used)
+        peaks, used = _roomier(tables.peaks, int(clock["peaks"])), int(clock["rows"]) + 2
+        tables = Tables(peaks, _roomier(tables.rows, used), _roomier(tables.states, used))
         if progress is not None:
             progress(float(clock["time"]))
-    kept = rows[: clock["rows"]].copy() if keep_events else None
-    at_them = states[: clock["rows"]].copy() if keep_events and states.size else None
-    return done, _Tables(peaks[: clock["peaks"]].copy(), kept, at_them)
+    count = clock["rows"]
+    return done, Tables(tables.peaks[: clock["peaks"]].copy(), tables.rows[:count].copy(), tables.states[:count].copy())
 
 
-def _gathered(
-    damper: ParticleDamper, course: Course, one: Prepared, outcome: Outcome, tables: _Tables, harmonic: Harmonic | None
-) -> RingDown:
-    clock, load = one.clocks[0], damper.centrifugal_acceleration
+def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: Tables) -> RingDown:
+    clock, books, axes, load = (
+        *(course.run[name] for name in ("clock", "books", "axes")),
+        damper.centrifugal_acceleration,
+    )
     moved = math.isfinite(clock["last_motion"])
     return RingDown(
         damper=damper,
@@ -223,12 +218,9 @@ def _gathered(
         energy=EnergyBooks(
             initial=course.initial,
             final=course.energy(),
-            **{name: float(one.books[name][0]) for name in ("structure", "rolling", "impact", "slip", "work")},
+            **{name: float(books[name]) for name in ("structure", "rolling", "impact", "slip", "work")},
         ),
-        largest_rolling_demand=float(one.axes[0]["demand"].max()) / load if load > 0 else None,
-        rows=tables.rows,
-        harmonic=harmonic,
-        states=tables.states,
+        largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         modal_energies=course.modal_energies(),
     )
 

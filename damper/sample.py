@@ -82,13 +82,15 @@ def _stepwise(ringdown: RingDown, rows: Records, states: Floats, time: Floats) -
     """From the states at the events, through the steps of the flights."""
     from damper.evaluate import follow
     from damper.motion import flights
+    from damper.prepare import prepare
+    from damper.tables import Tables
 
     damper = ringdown.damper
-    axes = np.zeros((1, 2), AXIS)
-    of = flights(damper, damper.parameters, axes, ringdown.harmonic)
+    one = prepare(damper.parameters, np.zeros((1, 5, 2)), 1.0, 1.0)
+    of = flights(damper, damper.parameters, one, ringdown.harmonic)
     order = np.argsort(time, kind="stable")
     out, regime = np.empty((5, time.size, 2)), np.empty((time.size, 2), np.int64)
-    follow(of.systems[0], of.motions[0], axes[0], _ball(ringdown), rows, states, time[order], out, regime)
+    follow(of.runs[0], of.systems.flows[0], Tables(np.zeros((0, 2)), rows, states), time[order], out, regime)
     back = np.argsort(order)
     out = out[:, back]
     return History(time, out[0], out[1], out[2], out[3], out[4], regime[back])

@@ -18,7 +18,7 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.flight import first_extremum, relative
-from damper.records import GRIP, HIT, NOTHING, PIECES, START
+from damper.records import GRIP, HIT, NOTHING, PIECES, ROLLING, SLIPPING, START
 from damper.threshold import drive, first_exceed
 
 if TYPE_CHECKING:
@@ -49,6 +49,21 @@ def rubbed(spin: float, normal_impulse: float, ball: Record) -> float:
 def sliding_distance(axis: Record, path: float, tau: float) -> float:
     """Distance that the contact slid while the ball's centre moved by `path`."""
     return float(path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau)
+
+
+@kernel
+def spend(axis: Record, path: float, tau: float, ball: Record, books: Record) -> None:
+    """Spin after a flight of length tau on which the ball went by `path`, and what the floor took on it."""
+    if axis.regime == ROLLING:
+        books.rolling += ball.mass * ball.threshold * abs(path)
+        axis.spin = axis.w
+    elif axis.spin != 0.0 or axis.regime == SLIPPING:
+        spin = spin_after(axis, ball, tau)
+        if axis.regime == SLIPPING:
+            books.slip += ball.mass * ball.grip * abs(sliding_distance(axis, path, tau))
+        else:
+            books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+        axis.spin = spin
 
 
 @kernel

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.linear import members_of
 from damper.locked import Complex, Locked, forgets, locked, moves_from, without_ball
-from damper.motion import flights, kinds, structures_by
+from damper.motion import flights, kinds
 from damper.parameters import half_gap, number
 from damper.prepare import prepare
-from damper.tallies import BATCHES, TALLY, TRACE
+from damper.structures import structures_by
+from damper.tallies import BATCHES, DRIVEN, TRACE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
     from damper.parameters import Parameters
+    from damper.systems import Systems
 
 _MEMORY = 8.0
 """Decay times of the structure's own motion in a window: exp(-16) of it is left at its end."""
@@ -48,16 +49,13 @@ class Start(StrEnum):
 
 @dataclass(frozen=True)
 class Motions:
-    """Records of n motions and what is known of their linear answers; every array is of length n."""
+    """Runs of n motions, dtype `damper.tallies.DRIVEN`, and what is known of their linear answers, of length n too.
 
-    traces: Records
-    tallies: Records
-    clocks: Records
-    systems: Records
-    motions: Records
-    axes: Records
-    balls: Records
-    books: Records
+    `flows`: the terms of their flights, of which their systems name theirs.
+    """
+
+    runs: Records
+    flows: Floats
     linear: Complex
     without: Complex
     moves_from: Floats
@@ -76,30 +74,39 @@ def motions_of(
     rows = np.repeat(damper.parameters, len(harmonics))
     kinds(damper, rows[:1], harmonics[0])
     p = prepare(rows, np.zeros((len(rows), 5, 2)), 1.0, 1.0)
-    f = flights(damper, rows, p.axes, tuple(harmonics))
-    answer, order = locked(f.systems), _order(damper, rows)
+    f = flights(damper, rows, p, tuple(harmonics))
+    answer, order = locked(f.systems), f.systems.order
     weights = _weights(damper, rows, probe)
-    traces, begun = _traces(f.systems, answer, rows, weights[order], longest)
-    p.balls["sticking_floor"] = 1e-9 * f.systems["frequency"] * begun.cavity.max(axis=1)
+    runs = np.zeros(len(rows), DRIVEN)
+    runs["run"] = f.runs
+    runs["envelope"], begun = _traces(f.systems, answer, rows, weights[order], longest)
+    runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * begun.cavity.max(axis=1)
     movable = moves_from(rows, answer.drive)
     parts = {
-        "traces": traces,
-        "tallies": np.zeros((len(rows), 2), TALLY),
-        "clocks": p.clocks,
-        "systems": f.systems,
-        "motions": f.motions,
-        "axes": p.axes,
-        "balls": p.balls,
-        "books": p.books,
-        "linear": (answer.z * traces["probe"][:, : len(order)]).sum(axis=1),
+        "runs": runs,
+        "linear": (answer.z * weights[order]).sum(axis=1),
         "without": without_ball(structures_by(damper, rows), harmonics) @ weights[:-2],
         "moves_from": movable,
         "power": np.stack([answer.power_in, answer.power_lost], axis=1),
     }
-    all_starts = Motions(**{name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()})
+    repeated = {name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()}
+    all_starts = Motions(flows=f.systems.flows, **repeated)
     for column, start in enumerate(starts):
         _begin(start, slice(column, None, len(starts)), all_starts, begun, half_gap(rows), first)
     return all_starts
+
+
+def together(groups: Sequence[Motions]) -> Motions:
+    """All motions of several dampers."""
+    room = np.max([group.flows.shape[1:] for group in groups], axis=0)
+    flows, first = np.zeros((sum(len(group.flows) for group in groups), *room)), 0
+    for group in groups:
+        here = (slice(first, first + len(group.flows)), *map(slice, group.flows.shape[1:]))
+        flows[here], group.runs["run"]["system"]["flow"] = group.flows, group.runs["run"]["system"]["flow"] + first
+        first += len(group.flows)
+    rest = {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[:1]}
+    rest |= {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[2:]}
+    return Motions(flows=flows, **rest)
 
 
 @dataclass(frozen=True)
@@ -109,10 +116,6 @@ class _Begun:
     z: Complex
     cavity: Floats
     frequency: Floats
-
-
-def _order(damper: ParticleDamper, rows: Parameters) -> list[int]:
-    return [m for group in members_of(rows, structures_by(damper, rows)) for m in group]
 
 
 def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
@@ -128,9 +131,9 @@ def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | 
     return np.concatenate([weights, [0.0, 0.0]])
 
 
-def _traces(systems: Records, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Begun]:
+def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Begun]:
     """Records of the motions to come, and what they begin with."""
-    n, size = answer.z.shape
+    systems, (n, size) = all_of.constants, answer.z.shape
     nu, spring = systems["frequency"], np.einsum("nii->ni", systems["spring"][:, :size, :size]).copy()
     np.put_along_axis(spring, systems["place"], 0.0, axis=1)
     energy = (spring * np.abs(answer.z) ** 2).sum(axis=1)
@@ -148,7 +151,7 @@ def _traces(systems: Records, answer: Locked, rows: Parameters, probe: Floats, l
     traces["probe"][:, :size], traces["scale"][:, :size] = probe, scale
     traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
     traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
-    traces["patience"] = _patience(forgets(systems), traces["period"], longest)
+    traces["patience"] = _patience(forgets(all_of), traces["period"], longest)
     return traces, _Begun(z, cavity, nu)
 
 
@@ -162,11 +165,12 @@ def _patience(rate: float, period: Floats, longest: int) -> Floats:
 
 def _begin(start: Start, here: slice, m: Motions, begun: _Begun, gap: Floats, first: int) -> None:
     """Put motions into the states of a start."""
-    systems, motions, axes = m.systems[here], m.motions[here], m.axes[here]
+    runs = m.runs[here]
+    systems, motions = runs["run"]["system"], runs["run"]["motion"]
     n, size = begun.z.shape
     z, s, w = np.zeros((n, size), complex), np.zeros((n, 2)), np.zeros((n, 2))
     if start is Start.UP:
-        m.traces["verdict"][here] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
+        runs["envelope"]["verdict"] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
     elif start is Start.DOWN:
         z, w = begun.z, begun.frequency[:, None] * begun.cavity
     else:
@@ -176,4 +180,4 @@ def _begin(start: Start, here: slice, m: Motions, begun: _Begun, gap: Floats, fi
     motions["z"][:, :size], motions["rate"][:, :size] = z.real, -begun.frequency[:, None] * z.imag
     np.put_along_axis(motions["z"], systems["place"], s, axis=1)
     np.put_along_axis(motions["rate"], systems["place"], w, axis=1)
-    axes["spin"] = w
+    runs["run"]["axes"]["spin"] = w

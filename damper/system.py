@@ -5,23 +5,21 @@ They have room for so many modes, whatever a damper has: one size is compiled on
 
 from __future__ import annotations
 
-from damper.records import record
+from damper.records import SHARED, record
 
-TERMS = 21
-"""Of a series over a step of a radian: 1/21! is below rounding, and so is 1/19! for its second derivative."""
+TERMS = 24
+"""Of a series, in rows of eight."""
+
+STEP = 1.25
+"""Radians of the fastest motion in a step: 1.25**24 / 24! is below rounding, and so it is for second derivatives."""
 
 MODES = 8
 """Most modes of a structure."""
 
-
 _N = MODES + 2
 
 SYSTEM = record(
-    ("stiffness", "f8", (9, _N, _N)),  # for every pair of regimes, 3 (x) + (y)
-    ("damping", "f8", (9, _N, _N)),
-    ("resistance", "f8", (9, 2, _N)),  # what a unit of resisting acceleration does along each axis
-    ("force", "f8", (9, _N)),  # what the harmonic force does at its height
-    ("power", "f8", _N),  # that it then puts in per velocity [N]
+    ("power", "f8", _N),  # what the harmonic force at its height puts in per velocity [N]
     ("sway", "f8", 2),  # its acceleration of a stuck ball against the cavity [m/s^2]
     ("frequency", "f8"),  # its own, 0 where there is none [rad/s]
     ("phase", "f8"),
@@ -47,29 +45,31 @@ SYSTEM = record(
     ("last", "i8", 2),
     ("group", "i8", 2),  # of each axis
     ("place", "i8", 2),  # which coordinate is s along each axis
+    ("lane", "i8", 2),  # and which series of its group
+    ("flow", "i8"),  # which terms its flights have
     ("damped", "i8"),
     ("inertia", "f8", _N),  # of the modes [kg]
     ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
 )
-"""Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups.
-
-Accelerations are per step: those of a group are multiplied by the square of its `span`, as velocities by its span.
-"""
-
+"""Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
 
 MOTION = record(
     ("z", "f8", _N),
     ("rate", "f8", _N),
-    ("series", "f8", (_N, TERMS)),
-    ("cavity", "f8", (2, TERMS)),  # series of u
-    ("wave", "f8", (2, TERMS)),  # of the harmonic, for each group
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flows` says in which order
     ("start", "f8", 2),  # of each group's flight
     ("at", "f8", 2),  # when its next event happens, in steps from there
     ("next", "f8", 2),  # the time then
     ("kind", "i8", 2),  # and what it is; NOTHING: the step ends
     ("axis", "i8", 2),
     ("settled", "i8", 2),  # 1: nothing will ever happen of itself
-    ("guard", "f8", TERMS),  # to work on: a guard's series
+    ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
+    ("guard", "f8", TERMS),  # a guard's series
+    ("power", "f8", 8),  # of a place in a step
+    ("scaled", "f8", TERMS),  # a series times these
     ("gain", "f8", _N),  # what z gained on the last flight
 )
 """What moves: z and its rate at each group's start, their series, and when each group's next event is."""
+
+LINEAR = record(*SHARED, ("system", SYSTEM), ("motion", MOTION))
+"""A run in linear flights."""

@@ -6,7 +6,7 @@ A cycle is one of the force. Its amplitude is half of what a displacement, the p
 from __future__ import annotations
 
 from damper.records import record
-from damper.system import MODES
+from damper.system import LINEAR, MODES
 
 BATCHES = 32
 """Parts of a window whose means tell the statistical error."""
@@ -51,3 +51,6 @@ TRACE = record(
     ("verdict", "i8"),
 )
 """A driven motion on its way to its steady state."""
+
+DRIVEN = record(("run", LINEAR), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
+"""A run under a harmonic force: tallies of the window, and of its last batch."""

@@ -18,7 +18,7 @@ from damper.batch import in_blocks
 from damper.motion import LEVEL, flights, kinds
 from damper.parameters import inertia_ratio, whole
 from damper.prepare import prepare
-from damper.records import EVENT
+from damper.tables import nothing_kept
 
 if TYPE_CHECKING:
     from damper.arrays import Floats
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave where the ball takes nothing."""
 
-_SETTLING = 12
+SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
 
 _EVENTS = 2000
@@ -167,26 +167,27 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     start = np.zeros((pace.sweeps, 5, 2))
     start[:, 0, 0] = high * 2 ** ((each + 1) / pace.sweeps)  # at least one octave's share above, to settle on the way
     start[:, 2, 0] = damper.half_gap[0] * (1 - each / pace.sweeps)
-    cycles = _SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
+    cycles = SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
     many = np.repeat(damper.parameters, pace.sweeps)
     p = prepare(many, start, cycles, cycles)
-    tables = (np.zeros((0, 2)), np.zeros(0, EVENT))
+    tables = nothing_kept()
     energy = np.full((pace.sweeps, cycles, 2), np.nan)
-    how = _EVENTS * cycles, 4 ** (-1 / pace.stay), 0.5 * damper.stiffness[0] * low**2, energy
-    rest = p.axes, p.balls, p.books, p.cycles
+    least = 0.5 * damper.stiffness[0] * low**2
+    descent = sweeping.Descent(_EVENTS * cycles, 4 ** (-1 / pace.stay), float(least), energy)
     closed = kinds(damper, damper.parameters)[0] == LEVEL
-    f = None if closed else flights(damper, many, p.axes, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
+    f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
-            sweeping.run_by_cycles(block, p.clocks, p.axes, p.laws, p.balls, p.books, p.cycles, tables, *how)
+            sweeping.run_level(block, p.runs, tables, descent)
         else:
-            states = np.zeros((0, 2, 0))
-            sweeping.run_linear_by_cycles(block, p.clocks, f.systems, f.motions, *rest, (*tables, states), *how)
+            sweeping.run_linear(block, f.runs, f.systems.flows, tables, descent)
 
     in_blocks(work, pace.sweeps, threads or os.cpu_count() or 1, block_size=1)
+    if f is not None:
+        f.give_back(p)
     with np.errstate(divide="ignore"):
-        level = 0.5 * np.log(2 * energy[:, _SETTLING:] / damper.stiffness[0])
+        level = 0.5 * np.log(2 * energy[:, SETTLING:] / damper.stiffness[0])
     halves = np.repeat(np.column_stack([each % 2, each // (pace.sweeps // 2)]), level.shape[1], axis=0)
     rows = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]

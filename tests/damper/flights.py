@@ -31,24 +31,26 @@ def horner(series, x):
 
 
 @nb.njit
-def drive(i, g, system, motion, x):
+def drive(i, g, it, x):
     """What accelerates a stuck ball against the cavity, from the series of its place."""
+    system, c = it.system, it.motion.series[g]
     low, high, span = system.low[g], system.high[g], system.span[g]
-    second = 0.0
-    for k in range(motion.cavity.shape[1] - 1, 1, -1):
-        second = second * x + k * (k - 1) * motion.cavity[i, k]
+    cavity, second = c[high - low + i - system.first[g]], 0.0
+    for k in range(len(cavity) - 1, 1, -1):
+        second = second * x + k * (k - 1) * cavity[k]
     total = -second / (span * span)
     for m in range(low, high):
-        total -= system.pull[i, m] * horner(motion.series[m], x)
+        total -= system.pull[i, m] * horner(c[m - low], x)
     return total
 
 
 @nb.njit
-def missed(g, system, motion, axes, ball):
+def missed(g, it):
     """Samples before the next event at which one has already happened."""
-    count, end = 0, motion.at[g]
+    system, motion, ball, count, end = it.system, it.motion, it.ball, 0, it.motion.at[g]
     for i in range(system.first[g], system.last[g]):
-        axis, s = axes[i], motion.series[system.place[i]]
+        axis, s = it.axes[i], motion.series[g, system.place[i] - system.low[g]]
+        cavity = motion.series[g, system.high[g] - system.low[g] + i - system.first[g]]
         rate = np.abs(s[1:]).sum()
         for n in range(1, SAMPLES):
             x = end * n / SAMPLES
@@ -58,21 +60,21 @@ def missed(g, system, motion, axes, ball):
                     speed = speed * x + axis.direction * k * s[k]
                 count += position > axis.half_gap * (1 + SLACK) or speed < -SLACK * rate
             elif axis.regime == STUCK:
-                pull = drive(i, g, system, motion, x)
-                size = ball.threshold + np.abs(motion.cavity[i]).sum() / system.span[g] ** 2
+                pull = drive(i, g, it, x)
+                size = ball.threshold + np.abs(cavity).sum() / system.span[g] ** 2
                 outwards = motion.z[system.place[i]] * pull > 0 and abs(motion.z[system.place[i]]) >= axis.half_gap
                 count += abs(pull) > ball.threshold * (1 + SLACK) + SLACK * size and not outwards
     return count
 
 
 @nb.njit
-def check(systems, motions, axes, balls, found):
+def check(runs, flows, found):
     """Begin every flight, and look through it up to its next event."""
-    for k in range(len(systems)):
-        for g in range(systems[k].groups):
-            restart(g, 0.0, systems[k], motions[k], axes[k], balls[k])
-            if motions[k].at[g] > 0.0:
-                found[k] += missed(g, systems[k], motions[k], axes[k], balls[k])
+    for k in range(len(runs)):
+        for g in range(runs[k].system.groups):
+            restart(g, 0.0, runs[k], flows[runs[k].system.flow])
+            if runs[k].motion.at[g] > 0.0:
+                found[k] += missed(g, runs[k])
 
 
 def soak(flights_asked: int, seed: int = 0) -> tuple[int, int]:
@@ -91,16 +93,16 @@ def look(damper: ParticleDamper, each: int, rng: np.random.Generator) -> np.ndar
     start = np.zeros((each, 5, 2))
     start[:, :2] = rng.normal(size=(each, 2, 2)) * 10 ** rng.uniform(-2, 1, (each, 1, 1))
     start[:, 2] = rng.uniform(-1, 1, (each, 2)) * np.array(damper.half_gap)
-    p = prepare(rows, start, 1.0, 1.0)
-    f = flights(damper, rows, p.axes)
+    f = flights(damper, rows, prepare(rows, start, 1.0, 1.0))
+    axes, motions = f.runs["axes"], f.runs["motion"]
     speed = rng.normal(size=(each, 2)) * 10 ** rng.uniform(-3, 1, (each, 2)) * rng.integers(0, 2, (each, 2))
-    p.axes["w"] = p.axes["spin"] = speed
-    p.axes["regime"] = np.where(speed != 0, ROLLING, STUCK)
-    p.axes["direction"] = np.sign(speed)
+    axes["w"] = axes["spin"] = speed
+    axes["regime"] = np.where(speed != 0, ROLLING, STUCK)
+    axes["direction"] = np.sign(speed)
     for i in range(2):
-        f.motions["rate"][np.arange(each), f.systems["place"][:, i]] = speed[:, i]
+        motions["rate"][np.arange(each), f.systems.constants["place"][:1, i]] = speed[:, i]
     found = np.zeros(each, np.int64)
-    check(f.systems, f.motions, p.axes, p.balls, found)
+    check(f.runs, f.systems.flows, found)
     return found
 
 

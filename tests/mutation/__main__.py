@@ -28,7 +28,7 @@ TESTS = (
     "tests/damper/test_batch.py",
 )
 """Those that are quick without the compiler, the sharpest first."""
-ASIDE = ("compiled.py", "arrays.py", "__init__.py")
+ASIDE = ("compiled.py", "vectors.py", "arrays.py", "__init__.py")
 """Files without physics."""
 PATIENCE = 90
 """Seconds of processor time after which a mutant counts as hanging, and so as noticed."""

@@ -13,7 +13,8 @@ import pytest
 
 import spindamp
 from damper import Working, work_bound, working
-from tests.workflows.conftest import changed
+from tests.workflows.browser import AXE, findings
+from tests.workflows.conftest import CHROMIUM, changed
 from workflows.errors import BadInput
 from workflows.scene.file import load, opened, parse
 from workflows.studies.design import amplitude, balance, crossed, damping, objective, page, search, study, verdict
@@ -207,6 +208,8 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert found == json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    if CHROMIUM is not None and AXE is not None:
+        assert findings(tmp_path / "out" / "report.html", tmp_path) == []
     assert spindamp("check", tmp_path / "out" / "best.toml").status == 0
     wrong = spindamp("design", "structure")
     assert wrong.status == 2
@@ -332,7 +335,11 @@ def test_the_tuned_absorber(shaken, here):
     assert all(not each.works or each.value > 0.1 * each.without for k, each in enumerate(full) if k != 2)
     found = spindamp.design(scene, executor=here)
     assert found.found.scored.value == full[2].value
-    assert found.confirmed < 1e-4 * full[2].without
+    (through,) = found.response.passed
+    settled = through.states.regime != "not settled"  # undamped bowls forget a start slowly
+    assert settled.mean() > 0.9
+    assert through.states.mean[settled].max() < 1e-4 * full[2].without
+    assert found.confirmed < 0.01 * full[2].without
 
 
 def test_the_bound_of_an_amplitude(shaken):

@@ -8,10 +8,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from workflows.results import curves
+from workflows.scene.scene import Scene
 from workflows.solve.records import Mode, Results, SpeedPoint
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
-"""Multiples of the rotation's frequency that are looked at in a run."""
+"""Multiples of the rotation's frequency that are looked at in any scene."""
+
+
+def orders(scene: Scene) -> tuple[int, ...]:
+    """Those, and the ones that the scene's [excitation] names."""
+    asked = () if scene.excitation is None else scene.excitation.orders
+    return tuple(sorted({*ENGINE_ORDERS, *asked}))
 
 
 @dataclass(frozen=True)
@@ -44,10 +51,11 @@ class Crossing:
 
 def crossings(results: Results) -> list[Crossing]:
     """Those of a run with the usual orders; a structure that is given has no modes, and none of them."""
-    return [] if not any(point.modes for point in results.speeds) else of_points(results.speeds, ENGINE_ORDERS)
+    known = any(point.modes for point in results.speeds)
+    return of_points(results.speeds, orders(results.scene)) if known else []
 
 
-def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Crossing]:
+def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossing]:
     """Crossings between the speeds of some points, ascending in order, mode and speed.
 
     Between two speeds f² goes with Ω² along a straight line, as it does for a mode that keeps its shape (Southwell);
@@ -59,7 +67,7 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     tracks = {branch: _track(by_speed, branch) for branch in sorted(labels)}
     return [
         met
-        for order in sorted(orders)
+        for order in sorted(asked)
         for branch, track in tracks.items()
         for low, high in pairwise(track)
         if (met := _between(order, labels[branch], low, high)) is not None

@@ -14,7 +14,7 @@ from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
 from workflows.scene.file import SceneFile
 from workflows.solve import damper_stage, felt, needs
-from workflows.solve.records import Floats, Results, SpeedPoint
+from workflows.solve.records import Floats, Results, SpeedPoint, rpm
 from workflows.stages import Stages
 from workflows.studies.response import band, driven
 from workflows.studies.response.records import Path, Response, Through
@@ -210,4 +210,4 @@ def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float
     run = ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
     times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
     history = sample(run, times)
-    return Path(felt.rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
+    return Path(rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
