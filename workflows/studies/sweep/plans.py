@@ -12,7 +12,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene.design import FLAT
-from workflows.studies.sweep import keys
+from workflows.studies.sweep import key_data, keys
 from workflows.studies.sweep.axes import MOST, SPEEDS, Axis
 from workflows.studies.sweep.keys import Value
 
@@ -198,7 +198,7 @@ def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]
     def rank(axis: Axis) -> int:
         if axis.name == SPEEDS:
             return 3
-        return 0 if keys.of_the_plate(axis.key) else 1 if keys.of_the_mass(axis.key) else 2
+        return 0 if key_data.of_the_plate(axis.key) else 1 if key_data.of_the_mass(axis.key) else 2
 
     given = list(axes)
     if not any(axis.name == SPEEDS for axis in given):
