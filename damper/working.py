@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave where the ball takes nothing."""
 
-_SETTLING = 12
+SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
 
 _EVENTS = 2000
@@ -129,7 +129,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     start = np.zeros((pace.sweeps, 5, 2))
     start[:, 0, 0] = high * 2 ** ((each + 1) / pace.sweeps)  # at least one octave's share above, to settle on the way
     start[:, 2, 0] = damper.half_gap[0] * (1 - each / pace.sweeps)
-    cycles = _SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
+    cycles = SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
     many = np.repeat(damper.parameters, pace.sweeps)
     p = prepare(many, start, cycles, cycles)
     tables = nothing_kept()
@@ -149,7 +149,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     if f is not None:
         f.give_back(p)
     with np.errstate(divide="ignore"):
-        level = 0.5 * np.log(2 * energy[:, _SETTLING:] / damper.stiffness[0])
+        level = 0.5 * np.log(2 * energy[:, SETTLING:] / damper.stiffness[0])
     halves = np.repeat(np.column_stack([each % 2, each // (pace.sweeps // 2)]), level.shape[1], axis=0)
     rows = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]

@@ -69,3 +69,66 @@ def test_links_inside_the_documentation_resolve():
             name = target.replace("questions/index", "examples/README.txt").replace("questions/", "examples/")
             found = [page.parent / name, page.parent / f"{name}.md", page.parent / f"{name}.py"]
             assert any(path.exists() for path in found), (page.name, target)
+
+
+ANSWERS = {
+    "Where is friction at the wall?": [("damper/resolve.py", "friction"), ("damper/jumps.py", "friction")],
+    "Where does a frequency get its error?": [
+        ("fem/accuracy/estimates.py", "class Estimates"),
+        ("workflows/solve/plate_records.py", "ErrorParts("),
+    ],
+    "Where does a sentence of the report come from?": [("workflows/findings/answer.py", 'f"At its best')],
+    "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
+    "What do I write for a new effect?": [
+        ("workflows/scene/rotor.py", "class Effects"),
+        ("CONTRIBUTING.md", "workflows/effects/<key>.py"),
+    ],
+    "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
+    "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
+    "What does a number of the results mean, and what is its unit?": [
+        ("workflows/solve/damper_records.py", 'Quantity("J", "lost to rolling'),
+    ],
+    "Who decides the mesh, and how exact each part has to be?": [
+        ("fem/accuracy/choose_mesh.py", "def choose_mesh"),
+        ("fem/accuracy/budget.py", "class Budget"),
+    ],
+}
+"""What a newcomer asks, and what stands in the files that the page sends him to."""
+
+
+def rows_of_architecture():
+    lines = (DOCS / "architecture.md").read_text(encoding="utf-8").splitlines()
+    return dict(line.strip("| ").split(" | ", 1) for line in lines if line.startswith("| ") and "?" in line)
+
+
+@pytest.mark.parametrize("question", ANSWERS)
+def test_a_newcomer_finds_it_in_one_try(question):
+    named = {path.relative_to(ROOT).as_posix() for path in _named(rows_of_architecture()[question])}
+    for path, text in ANSWERS[question]:
+        assert path in named
+        assert text in (ROOT / path).read_text(encoding="utf-8"), path
+
+
+def test_every_path_that_the_architecture_names_exists():
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    for path in re.findall(r"`((?:fem|damper|workflows|tests)/[\w/.]+)`", text):
+        assert _there(path) is not None, path
+    for question, places in rows_of_architecture().items():
+        assert list(_named(places)), question
+
+
+def _named(places):
+    """Files that an answer names; a name without a folder is in the one named last before it, if it is a file."""
+    folder = None
+    for name in re.findall(r"[`(]([\w/.]+)[`)]", places):
+        path = _there(name.removeprefix("../")) if "/" in name else _there(f"{folder}/{name}")
+        if path is None:
+            assert "/" not in name or name.endswith(".json"), name
+            assert not name.endswith(".py"), name
+            continue
+        folder = (path if path.is_dir() else path.parent).relative_to(ROOT)
+        yield path
+
+
+def _there(name):
+    return next((path for path in (ROOT / name, ROOT / f"{name}.py") if path.exists()), None)

@@ -5,7 +5,7 @@ import pytest
 
 ROOMS = {
     "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "meshes"),
-    "workflows": ("cli", "studies", "report", "results", "findings", "solve", "decisions", "scene"),
+    "workflows": ("cli", "studies", "report", "results", "findings", "solve", "decisions", "effects", "scene"),
 }
 """From the top down: a room may import those after it."""
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.accuracy.budget import EXACT, FIRST, SURE
 from fem.accuracy.estimates import Estimates
 from fem.accuracy.tried import Tried, enough_cells
 from fem.theory.kind import Kind, kind
@@ -42,12 +43,6 @@ cheaper than one beyond; and the least ratio of their sizes."""
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
 
-FIRST, SURE = 0.6, 0.75
-"""Part of the tolerance that an estimate must meet while it rests on two meshes, its order not measured, and after."""
-
-EXACT = 1e-3
-"""Part of the tolerance to which each mesh's own squared frequencies are solved for."""
-
 MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
 """Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
 
@@ -59,10 +54,14 @@ PAIR, LARGE = 1.5, 500
 class Choice:
     """A plate on the mesh chosen, and what is known of its errors.
 
-    size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
-    errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
-    size with its largest error. rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
-    states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
+    Attributes:
+        size: in the planform's ladder.
+        probes: (k,) speeds in rad/s at which errors were estimated, ascending.
+        errors: (k, count) relative, of the frequencies, NaN where no other mesh has any.
+        tolerance: asked for.
+        tried: each size with its largest error.
+        rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
+        states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
     """
 
     operators: Operators
@@ -94,11 +93,14 @@ def choose_mesh(
 ) -> Choice:
     """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
 
-    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
-    at the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of
-    which one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
-    MOST_UNKNOWNS. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
-    ValueError for a tolerance of 0 or less.
+    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and at
+    the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of which
+    one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
+    MOST_UNKNOWNS.
+
+    Raises:
+        Divergence, NoEquilibrium: when there is no mode at the lowest speed.
+        ValueError: for a tolerance of 0 or less.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")

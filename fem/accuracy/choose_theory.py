@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.accuracy.budget import Budget
 from fem.accuracy.theory_error import theory_errors, thin_errors
 from fem.modes.real import Divergence, solve_real
 from fem.operators.assembly import assemble
@@ -16,10 +17,6 @@ from fem.theory.kirchhoff import is_rectangles
 
 if TYPE_CHECKING:
     from fem.plate.given import Plate
-
-SHARE, MOST = 0.5, 0.75
-"""Part of the accuracy that a theory may take, and Mindlin's, the last that is cheap; the rest is the mesh's and that
-of effects left out."""
 
 STOUT = 0.3
 """Thickness over the smaller side beyond which a plate is a block."""
@@ -51,12 +48,15 @@ def choose_theory(
     """Choose the cheapest theory for the count lowest modes at speeds in rad/s and a relative accuracy in frequency.
 
     The plate's mesh may be coarse: what each theory has wrong is found from the modes on it. Thin-plate theory knows no
-    large deflection: it is off by about 0.4 theta² at a rotation theta. Raises ValueError for an accuracy that is not
-    positive, Unresolved for a plate too thin for Mindlin's theory.
+    large deflection: it is off by about 0.4 theta² at a rotation theta.
+
+    Raises:
+        ValueError: for an accuracy that is not positive.
+        Unresolved: for a plate too thin for Mindlin's theory.
     """
     if not 0.0 < accuracy < inf:
         raise ValueError(f"accuracy must be positive and finite, got {accuracy!r}")
-    effects = effects or Effects()
+    effects, budget = effects or Effects(), Budget(accuracy)
     ratio = plate.thickest / min(plate.sides)
     if ratio > STOUT:
         return Chosen("solid", f"the plate is a block: its thickness is {ratio:.2g} of its smaller side", 0.0)
@@ -64,11 +64,11 @@ def choose_theory(
     thin, thick = errors["kirchhoff"], errors["mindlin"]
     if effects.large_deflection:
         why = "the load deflects the plate: only Mindlin's theory and the solid know finite rotations"
-    elif thin <= SHARE * accuracy:
+    elif thin <= budget.thin:
         return Chosen("kirchhoff", f"thin: shear and the clamp change frequencies by {_percent(thin)} at most", thin)
     else:
         why = f"thin-plate theory would be off by about {_percent(thin)}"
-    if thick <= MOST * accuracy:
+    if thick <= budget.sheared:
         return Chosen("mindlin", why, thick)
     left = f"Mindlin's theory would be off by about {_percent(thick)}"
     if accuracy >= DEAR and is_rectangles(plate.mesh) and not effects.large_deflection:

@@ -27,6 +27,7 @@ from fem.reduction.at_one_speed import (
     flap_rows,
     reduce_at,
     reduced,
+    searched,
 )
 from fem.sweep.diagram import campbell
 
@@ -81,15 +82,15 @@ class Reduction:
         if self._bent:
             pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
             return [
-                reduce_at(operators, omega, at, ball_mass=ball_mass, mass_ratio=mass_ratio, start=state)
-                for omega, state in pairs
+                reduce_at(operators, modes.omega, at, ball_mass=ball_mass, mass_ratio=mass_ratio, modes=modes)
+                for modes in (searched(operators, omega, state) for omega, state in pairs)
             ]
         ratio = mass_ratio or 0.0
         masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
         stuck = self._family.follow(masses)[0] if masses.any() else self._free
         every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
-            reduced(operators, omega, at, index, mode, float(mass), float(free), float(held))
+            reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(held))
             for omega, index, mode, mass, free, held in every
         ]
 
@@ -117,7 +118,11 @@ class _Family:
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
-        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; w and w_x (2, k). Raises Divergence."""
+        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; w and w_x (2, k).
+
+        Raises:
+            Divergence: past the critical speed.
+        """
         omega = self._diagram.omega
         fresh = {k: self._solve(k, masses[k]) for k in {0, omega.size - 1}}
         known: dict[int, tuple[float, Array]] = {}
@@ -143,8 +148,8 @@ class _Family:
         omega = float(self._diagram.omega[k])
         stiffness = self._operators.at(omega) + omega**2 * mass * self._spinning
         heavy = self._operators.mass + mass * self._mass
-        own = self._operators, omega, stiffness.tocsc(), heavy.tocsc()
-        return become(*own, self._diagram.shapes(k), self._indices[k], self._at)
+        stuck = stiffness.tocsc(), heavy.tocsc()
+        return become(self._operators, omega, stuck, self._diagram.shapes(k), self._indices[k], self._at)
 
     def _ritz(self, span: Array, masses: Array) -> tuple[Array, Array]:
         """Squared frequencies (k,) at all speeds, and w and w_x (2, k), within a span (n, r)."""

@@ -69,8 +69,12 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
-    otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a plate too thin for
-    its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
+    otherwise it may be unstable, which its modes then tell.
+
+    Raises:
+        NoEquilibrium: none was found, even in small steps.
+        Unresolved: for a plate too thin for its theory.
+        ValueError: for a speed that is not one finite number or a start that is not (n,).
     """
     return settle(operators, omega, start)[0]
 
@@ -86,7 +90,7 @@ def settle(
     if start is not None and np.shape(start) != operators.load.shape:
         raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
     target = omega**2
-    if start is not None and (found := _newton(operators, target, start, converged=converged)) is not None:
+    if start is not None and (found := newton(operators, target, start, converged=converged)) is not None:
         return found
     state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
     while True:
@@ -94,7 +98,7 @@ def settle(
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
-        found = _newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
+        found = newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
         if found is not None and attempt == 1.0:
             return found
         if found is not None:
@@ -102,7 +106,7 @@ def settle(
             continue
         part *= 0.25
         if part < SMALLEST_PART:
-            found = _newton(operators, target, state, unstable=True)
+            found = newton(operators, target, state, unstable=True)
             if found is None:
                 check_rest(operators)
                 raise NoEquilibrium(omega)
@@ -114,7 +118,7 @@ def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
     return _stiffness(operators, omega**2, _stressed(operators.model, state))
 
 
-def _newton(
+def newton(
     operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
 ) -> tuple[Array, Factor] | None:
     """Equilibrium near a state with the last factor used, or None.
@@ -145,7 +149,8 @@ def _newton(
         before = energy
         further, settled = state, False
         if energy <= CLOSE * work:
-            further, settled = _again(operators, load, state, factor, energy, work, converged)
+            enough = max(converged**2, ROUNDED) * work, ROUNDED * work
+            further, settled = _again(operators, load, state, factor, energy, enough)
         if settled:
             return further, factor
         ahead = [part.ahead(step) for part in stressed] if further is state else None
@@ -154,21 +159,22 @@ def _newton(
 
 
 def _again(
-    operators: Operators, load: float, state: Array, factor: Factor, energy: float, work: float, converged: float
+    operators: Operators, load: float, state: Array, factor: Factor, energy: float, enough: tuple[float, float]
 ) -> tuple[Array, bool]:
     """Steps with a factor that is known, while each has but a small part of the energy of the one before.
 
     What is left after one falls only by as much again: it ends at the square of what Newton's step ends at, or at
-    rounding. Returns the state and whether it has come so far.
+    rounding. energy: of the step before. enough: energies of a step that ends it, and of one that may end it without
+    having come down. Returns the state and whether it has come so far.
     """
     while True:
         residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
         if not following <= STILL_GOOD * energy:
-            return state, following <= ROUNDED * work
+            return state, following <= enough[1]
         state, energy = state + step, following
-        if energy <= max(converged**2, ROUNDED) * work:
+        if energy <= enough[0]:
             return state, True
 
 

@@ -60,11 +60,15 @@ FEW = 16
 class Swept:
     """Modes at k speeds.
 
-    omega: the speeds (k,) in rad/s. rates: circular frequencies (k, count) in rad/s. bounds: on their relative error.
-    damping: ratios (k, count).
-    shares: (k, 5, count), see `fem.modes.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
-    reduced: whether from a reduced basis. met: speeds (k,) whose bounds are within the tolerance, or as good as
-    rounding allows. state: the displacement (n,) vibrated about, where the deflection is large.
+    Attributes:
+        omega: the speeds (k,) in rad/s.
+        rates: circular frequencies (k, count) in rad/s.
+        bounds: on their relative error.
+        damping: ratios (k, count).
+        shares: (k, 5, count), see `fem.modes.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
+        reduced: whether from a reduced basis.
+        met: speeds (k,) whose bounds are within the tolerance, or as good as rounding allows.
+        state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
     omega: Array
@@ -94,11 +98,14 @@ def answer(
 ) -> list[Swept]:
     """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
 
-    FEW speeds have one basis alone. Raises Divergence when a speed is found to be beyond the critical one.
+    FEW speeds have one basis alone.
+
+    Raises:
+        Divergence: when a speed is found to be beyond the critical one.
     """
     if omega.size > FEW:
         return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
-    basis, found, _ = _grow(operators, omega, count, tolerance, SPARES[0])
+    basis, found, _ = grow(operators, omega, count, tolerance, SPARES[0])
     return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
 
 
@@ -106,7 +113,7 @@ def _by_halves(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
 ) -> list[Swept]:
     for spare in SPARES:
-        basis, found, gapless = _grow(operators, omega, count, tolerance, spare)
+        basis, found, gapless = grow(operators, omega, count, tolerance, spare)
         if found.within(tolerance).all() or omega.size == 1:
             return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
         if not gapless:
@@ -121,7 +128,7 @@ def _by_halves(
     ]
 
 
-def _grow(
+def grow(
     operators: Operators, omega: Array, count: int, tolerance: float, spare: int
 ) -> tuple[ReducedBasis, bounds.ReducedModes, bool]:
     """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""

@@ -23,7 +23,9 @@ LAYERED = {2: 0.012, 4: 0.002, 6: 0.0005}
 def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discretisation:
     """Make the model of a plate in the named theory.
 
-    Raises ValueError for an unknown name or one that the mesh does not allow, TypeError for what is no name.
+    Raises:
+        ValueError: for an unknown name or one that the mesh does not allow.
+        TypeError: for what is no name.
     """
     from fem.theory import clamp, kirchhoff, mindlin, solid
 
@@ -45,9 +47,9 @@ def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discre
     raise ValueError(f"theory must be one of {', '.join([*THEORIES, *elements])}, got {theory!r}")
 
 
-def solid_theory(length: float, thickness: float, accuracy: float) -> tuple[str, float]:
-    """The solid with enough layers for half an accuracy, or with the most: (name, error left by the layers)."""
+def solid_theory(length: float, thickness: float, tolerance: float) -> tuple[str, float]:
+    """The solid with enough layers for a tolerance, or with the most: (name, error left by the layers)."""
     left = {layers: factor * thickness / length for layers, factor in LAYERED.items()}
-    enough = [layers for layers, error in left.items() if error <= 0.5 * accuracy]
+    enough = [layers for layers, error in left.items() if error <= tolerance]
     layers = min(enough, default=max(left))
     return f"solid/{layers}", left[layers]

@@ -10,21 +10,36 @@ results or the other's, whole, to the last byte; after all, one run that is let 
 from __future__ import annotations
 
 import json
+import multiprocessing
+import os
 import random
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tests.limits import HANG
 from workflows.output.store import MANIFEST
 from workflows.scene.file import SHIPPED
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkServerProcess
+
+LOADED = (
+    "workflows.cli.app",
+    "workflows.report.publish",
+    "damper.batch",
+    "damper.working",
+    "matplotlib.figure",
+    "xarray",
+)
+"""What each run would load anew, which is none of what is tried here; they start from a process that has it."""
+
 MOMENTS = ("anywhere", "while writing", "at the exchange")
 
 
@@ -50,7 +65,7 @@ class Trial:
             scene.write_text(text.replace("cycles = 20", f"cycles = {cycles}"), encoding="utf-8")
             self.scenes.append(scene)
             began = time.perf_counter()
-            self.start(scene, folder / name).wait(HANG)
+            ended(self.start(scene, folder / name))
             self.whole_run = time.perf_counter() - began
             self.right.append(contents(folder / name))
 
@@ -72,31 +87,50 @@ class Trial:
             held = held_now
         left = sum(path != self.out for path in self.folder.iterdir())
         found["scratch folders left by the dead"] = left
-        self.start(self.scenes[0], self.out).wait(HANG)
+        ended(self.start(self.scenes[0], self.out))
         if [path.name for path in self.folder.iterdir()] != ["out"] or contents(self.out) != self.right[0]:
             raise AssertionError(f"the next run left {sorted(path.name for path in self.folder.iterdir())}")
         return found
 
-    def _killed(self, scene: Path, when: str) -> int:
+    def _killed(self, scene: Path, when: str) -> int | None:
         before = {path for sign in ("*", f"*/{MANIFEST}") for path in self.folder.glob(f".out.{sign}")}
-        with self.start(scene, self.out) as process:
-            if when == "anywhere":
-                time.sleep(self.draw.uniform(0.0, self.whole_run))
-            else:
-                sign = "*" if when == "while writing" else f"*/{MANIFEST}"
-                began = time.perf_counter()
-                while process.poll() is None and set(self.folder.glob(f".out.{sign}")) <= before:
-                    if time.perf_counter() - began > HANG:
-                        raise AssertionError("no scratch folder appeared")
-                time.sleep(self.draw.uniform(0.0, 0.8 * self.whole_run if when == "while writing" else 0.08))
-            process.kill()
-        return process.returncode
+        process = self.start(scene, self.out)
+        if when == "anywhere":
+            time.sleep(self.draw.uniform(0.0, self.whole_run))
+        else:
+            sign = "*" if when == "while writing" else f"*/{MANIFEST}"
+            began = time.perf_counter()
+            while process.is_alive() and set(self.folder.glob(f".out.{sign}")) <= before:
+                if time.perf_counter() - began > HANG:
+                    raise AssertionError("no scratch folder appeared")
+            time.sleep(self.draw.uniform(0.0, 0.8 * self.whole_run if when == "while writing" else 0.08))
+        process.kill()
+        return ended(process)
 
     @staticmethod
-    def start(scene: Path, out: Path) -> subprocess.Popen[bytes]:
+    def start(scene: Path, out: Path) -> ForkServerProcess:
         """Start a run in a process of its own."""
-        command = [sys.executable, "-m", "workflows.cli", "run", str(scene), "--out", str(out)]
-        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(list(LOADED))
+        process = context.Process(target=_run, args=("run", str(scene), "--out", str(out)))
+        process.start()
+        return process
+
+
+def _run(*arguments: str) -> None:
+    """The command in a process that says nothing."""
+    from workflows.cli import entry
+
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+    sys.exit(entry.main(list(arguments)))
+
+
+def ended(process: ForkServerProcess) -> int | None:
+    """Its status, once it has ended."""
+    process.join(HANG)
+    return process.exitcode
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -173,7 +173,7 @@ def test_the_error_is_what_another_ladder_differs_by(
     damper = paper(mass_ratio=mass_ratio, rolling_friction=rolling_friction)
     found = working(damper)
     module = sys.modules["damper.working"]
-    monkeypatch.setattr(module, "_SETTLING", 20)
+    monkeypatch.setattr(module, "SETTLING", 20)
     again = working(damper, sweeps=24, stay=170)
     assert found.peak == pytest.approx(again.peak, rel=0.02 + 2 * max(found.error, again.error))
     assert found.error < 0.3

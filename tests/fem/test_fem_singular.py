@@ -36,25 +36,22 @@ def drawn_to_mass(size, at, effects=Effects()):  # noqa: B008
     return assemble(plate, Rotor(), effects, "mindlin")
 
 
-def falls_for_ever(found, predicted):
+def test_inside_a_plate_there_is_half_the_drift():
     """Of what falls as the logarithm, all but a few percent has order 2 or more: what is left of it between meshes."""
-    for_ever = predicted > 2e-5
+    coarse, fine = (solve_modes(drawn_to_mass(size, INSIDE), 0.0, COUNT) for size in (12, 18))
+    predicted = drift(drawn_to_mass(18, INSIDE), fine.eigenvalues, fine.shapes)
+    found = (coarse.frequencies_hz / fine.frequencies_hz - 1.0) / np.log(1.5)
+    for_ever = predicted > 5e-5
     assert for_ever.any()
     assert found[for_ever] == pytest.approx(predicted[for_ever], rel=0.25)
-
-
-def test_inside_a_plate_there_is_half_the_drift():
-    coarse, fine = (solve_modes(drawn_to_mass(size, INSIDE), 0.0, COUNT) for size in (16, 24))
-    predicted = drift(drawn_to_mass(24, INSIDE), fine.eigenvalues, fine.shapes)
-    falls_for_ever((coarse.frequencies_hz / fine.frequencies_hz - 1.0) / np.log(1.5), predicted)
 
 
 def test_a_spinning_mass_hardly_presses_across():
     """What pulls a mass back across is the tension, which goes with the slope: at a tip the first mode presses not."""
     at, top = (0.4, 0.0), rpm(6800)
-    operators = drawn_to_mass(16, at)
+    operators = drawn_to_mass(10, at)
     modes = solve_modes(operators, top, 1)
-    rate = modes.frequencies_hz / solve_modes(drawn_to_mass(24, at), top, 1).frequencies_hz - 1.0
+    rate = modes.frequencies_hz / solve_modes(drawn_to_mass(15, at), top, 1).frequencies_hz - 1.0
     found = drift(operators, modes.eigenvalues, modes.shapes, top)
     assert max(rate[0], found[0]) < 0.1 * drift(operators, modes.eigenvalues, modes.shapes)[0]
 
@@ -68,11 +65,11 @@ def test_a_mass_gives_way_to_its_own_pull():
         return assemble(plate, Rotor(), Effects(large_deflection=bent), "mindlin")
 
     moved = []
-    for size in (8, 16):
+    for size in (6, 12):
         flat, bent = (solve_modes(build(size, large), top, COUNT) for large in (False, True))
         moved.append(bent.frequencies_hz / flat.frequencies_hz)
     found = np.abs(moved[1] - moved[0]) / np.log(2.0)
-    predicted = drift(build(16, True), flat.eigenvalues, flat.shapes, top)
+    predicted = drift(build(12, True), flat.eigenvalues, flat.shapes, top)
     for mode in (2, 5):  # bent across their length, which hangs on where it ends
         assert predicted[mode] == pytest.approx(found[mode], rel=0.35)
     assert max(found[0], predicted[0]) < 2e-6

@@ -20,6 +20,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
+from fem.accuracy.budget import Budget
 from fem.accuracy.theory_error import theory_errors
 from fem.theory.by_name import solid_theory
 from tests.benchmarks import calculix_theories
@@ -243,12 +244,12 @@ def test_poissons_ratio_tells():
 
 def test_layers_of_a_solid():
     """More of them where more is asked for; what the last leave is as estimated within a factor of three."""
-    names = [solid_theory(0.2, 0.01, accuracy)[0] for accuracy in (1e-2, 1e-3, 1e-4)]
+    names = [solid_theory(0.2, 0.01, Budget(asked).layers)[0] for asked in (1e-2, 1e-3, 1e-4)]
     assert names == ["solid/2", "solid/4", "solid/6"]
     plate = Plate(Rectangle(0.2, 0.08).mesh(3), 0.01, STEEL)
     two, six = (solve_modes(assemble(plate, Rotor(), Effects(), t), 0.0, 4).frequencies_hz for t in ("solid", names[2]))
     true = float((two / six - 1.0).max())
-    assert true / 3.0 < solid_theory(0.2, 0.01, 1e-2)[1] < 3.0 * true
+    assert true / 3.0 < solid_theory(0.2, 0.01, Budget(1e-2).layers)[1] < 3.0 * true
 
 
 def test_refusals():

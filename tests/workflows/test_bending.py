@@ -10,7 +10,8 @@ import pytest
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.deflection import bent
 from tests.workflows.conftest import Scene, changed
-from workflows.decisions import bending, effects
+from workflows.decisions import effects
+from workflows.effects import large_deflection as bending
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile, load, parse
 
@@ -81,9 +82,9 @@ def test_the_strain_alone_tells_enough(paper: Scene, nu: float, width: float, th
             rotor__speeds=speeds,
         )
     )
-    strain = bending._of_a_flat_blade(given)
+    strain = bending.strain_of_a_flat_blade(given)
     assert strain == pytest.approx(2e-3)
     material = Material(2e11, nu, 7850.0)
     found = bent(Plate(Rectangle(0.2, width).mesh(1), thickness, material), Rotor(hub), Effects(), tuple(speeds), 6)
     assert found is not None
-    assert 0.25 < found.shift / bending._by_strain(given, 2e-3) < 1.0
+    assert 0.25 < found.shift / bending.moved_by_strain(given, 2e-3) < 1.0

@@ -9,18 +9,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 
+import fem
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.decisions.decided import decide
+from workflows.errors import BadInput
 from workflows.scene.file import load, shipped
 from workflows.solve import likeness, needs, pilot, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
 GB = 1e9
+PLAIN = {"coriolis": False, "large_deflection": False, "structural_modes": False, "floor_tilt": False}
+BARE: dict[str, Any] = {"plate__theory": "mindlin", "effects": PLAIN}
 
 
 @pytest.fixture
@@ -135,6 +140,40 @@ def test_a_limit_of_address_space(modes: int, limit: float, status: int, paper: 
     assert ("[rotor] modes = 100: this needs about" in done.stderr) == (status == 2)
 
 
+def test_first_meshes_too_large_are_refused_before_any_is_solved(
+    monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    many = changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=100, effects=PLAIN, plate__theory="mindlin")
+    source = load(write(many, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+
+    def begun(*_: object, **__: object) -> None:
+        raise AssertionError("work has begun")
+
+    for work in ("likeness.known", "reckoned.pace", "plate_stage.discretise"):
+        monkeypatch.setattr(f"workflows.solve.{work}", begun)
+    monkeypatch.setattr(needs, "available", lambda: 3.5e8)
+    with pytest.raises(BadInput, match=r"\[rotor\] modes = 100: this needs about .* ask for fewer modes"):
+        pilot.need(source, decided)
+
+
+def test_what_a_ball_takes_is_counted_where_small_plates_stand_for_a_large_one(
+    monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    """A thousand cycles more at each speed are seen in the bytes."""
+    monkeypatch.setattr(pilot, "PATIENCE", 0.0)
+    fine = fem.rectangle(0.2, 0.08, 60, 24)
+    meshio.Mesh(np.column_stack([fine.p.T, 0 * fine.p[0]]), [("quad", fine.t.T)]).write(tmp_path / "plate.vtu")
+    needed = []
+    for cycles in (20, 1020):
+        scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="plate.vtu", damper__at=None)
+        scene = changed(scene, effects=PLAIN, plate__theory="mindlin", rotor__speeds=["3500 rpm", "7500 rpm"])
+        scene = changed(scene, release__cycles=cycles, damper__damping_ratio=1e-3)
+        source = load(write(scene, tmp_path / "scene.toml"))
+        needed.append(pilot.need(source, decide(source, Stages(visible=False))).memory)
+    assert needed[1] - needed[0] == pytest.approx(2 * 1000 * needs.CYCLE, rel=0.05)
+
+
 def test_the_same_scene_passes_where_there_is_room(
     monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
@@ -169,9 +208,7 @@ def test_a_plate_grows_no_further_than_the_memory(
 def test_unknowns_are_counted_before_there_are_any(model: str, kind: str) -> None:
     import skfem
 
-    import fem
-
-    mesh = fem.rectangle(0.2, 0.08, 6, 5)
+    mesh = fem.rectangle(0.2, 0.08, 6, 2 if model == "solid/4" else 5)
     if kind == "skew":
         mesh = skfem.MeshQuad(mesh.p + np.array([[0.0], [0.3]]) * mesh.p[0], mesh.t)
     if kind == "triangles":
@@ -215,8 +252,8 @@ sys.exit(status)
     "changes",
     [
         {"rotor__speeds": ["3500 rpm", "17500 rpm"]},
-        {"plate__theory": "mindlin", "rotor__speeds": ["5000 rpm"], "effects": {"large_deflection": True}},
-        {"damper__rolling_friction": 0, "release__cycles": 100_000, "rotor__speeds": ["5000 rpm"]},
+        {"rotor__speeds": ["5000 rpm"]} | BARE | {"effects": PLAIN | {"large_deflection": True}},
+        {"damper__rolling_friction": 0, "release__cycles": 50_000, "rotor__speeds": ["5000 rpm"]} | BARE,
     ],
     ids=["paper", "deflected", "cycles"],
 )
@@ -265,9 +302,8 @@ def test_two_small_plates_tell_matrices_from_factors() -> None:
     sizes, at = (2000.0, 8000.0), 128_000.0
     for matrices, factor in ((3e-5, 2e-7), (3e-5, 0.0), (0.0, 2e-7)):
         seconds = [matrices * n + factor * n**1.5 for n in (*sizes, at)]
-        spent = [likeness.Spent(n, 0.0, 0.0) for n in sizes]
-        assert likeness._grown(spent, seconds[:2], at) == pytest.approx(seconds[2], rel=1e-6)
-    assert likeness._grown(spent, [1.0, 0.5], at) > 0.0
+        assert likeness.grown([*sizes], seconds[:2], at) == pytest.approx(seconds[2], rel=1e-6)
+    assert likeness.grown([*sizes], [1.0, 0.5], at) > 0.0
 
 
 @pytest.mark.parametrize("model", ["kirchhoff", "mindlin", "solid/2"])
@@ -285,7 +321,7 @@ def test_plates_alike_have_the_same_cells(model: str, kind: str) -> None:
         mesh = skfem.MeshQuad(mesh.p + np.array([[0.0], [0.3]]) * mesh.p[0], mesh.t)
     if kind == "triangles":
         mesh = mesh.to_meshtri()
-    alike = likeness._alike(fem.Given(mesh), model, 8000.0)
+    alike = likeness.alike(fem.Given(mesh), model, 8000.0)
     (small,) = (alike.mesh(size) for size in alike.sizes)
     assert needs.unknowns(model, small) == pytest.approx(8000.0, rel=0.25)
     assert small.t.shape[0] == mesh.t.shape[0]

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import workflows
+from tests.workflows.browser import findings, needs_axe
 from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
 from workflows.report import drawing, mode_picture, mode_shape
 from workflows.report import page as report
@@ -315,14 +316,14 @@ def test_the_plate_at_rest_is_its_outline(holed: tuple[Results, list[Any]], monk
 
     command = "import sys; sys.stdout.buffer.write(sys.stdin.buffer.read())"
     monkeypatch.setattr(mode_shape, "COMMAND", ["-c", command])
-    monkeypatch.setattr(mode_shape, "_PNG", b"PK")  # an archive is handed back instead of a picture
+    monkeypatch.setattr(mode_shape, "PNG", b"PK")  # an archive is handed back instead of a picture
     with mode_shape.Artist() as artist:
         artist.draw(results.surface, 0)
         picture = artist.picture()
     assert picture is not None
     with np.load(io.BytesIO(picture.png)) as archive:
         assert {tuple(sorted(edge)) for edge in archive["outline"].tolist()} == expected
-        shape = mode_shape._Shape(**{name: archive[name] for name in archive.files})
+        shape = mode_shape.Drawn(**{name: archive[name] for name in archive.files})
     axes = mode_shape._plain(shape).axes[0]
     (lines,) = [found for found in axes.collections if type(found).__name__ == "Line3DCollection"]
     assert len(lines._segments3d) == len(expected)
@@ -427,3 +428,29 @@ def test_pages_have_both_sheets_and_files_one(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
 def test_a_phone_shows_them_whole(name: str, tmp_path: Path) -> None:
     assert width_on_a_phone(pages(tmp_path)[name], tmp_path) <= PHONE
+
+
+@needs_chromium
+@needs_axe
+@pytest.mark.parametrize("name", ["accuracy", "effects"])
+def test_nothing_hinders_a_reader(name: str, tmp_path: Path) -> None:
+    assert findings(pages(tmp_path)[name], tmp_path) == []
+
+
+def test_a_map_says_each_cell_once() -> None:
+    """300 cells, each with a strength of its own, begin at the upper corner in the units of the page."""
+    k = np.arange(300)
+    x, y = k % 60, k // 60
+    with drawing.style():
+        figure, (axes,) = drawing.canvas(drawing.WIDE, 2.6)
+        for n in k:
+            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=drawing.CATEGORIES[0], alpha=n / 300, lw=0)
+        axes.set(xlim=(0, 60), ylim=(0, 5))
+        drawn = drawing.svg(figure, drawing.WIDE, "map", "a map", live=True)
+    moved, cells = re.findall(r'<g transform="translate\(0 ([\d.]+)\)">((?:\s*<path [^>]*/>)+)', drawn)[0]
+    at = np.array(re.findall(r'd="M([\d.]+) (-?[\d.]+)L', cells), float)
+    assert len(at) == len(k)
+    ((left, right, top, bottom),) = (each["box"] for each in json.loads(re.findall(r"data-axes='([^']*)'", drawn)[0]))
+    assert at[:, 0] == pytest.approx(left + x / 60 * (right - left), abs=0.02)
+    assert at[:, 1] + float(moved) == pytest.approx(bottom - (y + 1) / 5 * (bottom - top), abs=0.02)
+    assert len(drawn) < 45_000

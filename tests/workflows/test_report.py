@@ -6,9 +6,11 @@ import re
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tests.workflows.browser import findings, needs_axe
 from tests.workflows.conftest import (
     PHONE,
     Outcome,
@@ -19,8 +21,11 @@ from tests.workflows.conftest import (
     width_on_a_phone,
     write,
 )
-from workflows.report import mode_shape
+from workflows.report import mode_shape, templating
+from workflows.results import crossings
+from workflows.scene.file import parse
 
+TEMPLATES = Path(templating.__file__).parents[1] / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
@@ -142,3 +147,70 @@ def test_chromium_opens_it_without_a_word(finished: Path, tmp_path: Path, size: 
 @needs_chromium
 def test_a_phone_shows_it_whole(finished: Path, tmp_path: Path) -> None:
     assert width_on_a_phone(finished / "report.html", tmp_path) <= PHONE
+
+
+@needs_chromium
+@needs_axe
+@pytest.mark.parametrize("look", [(), ("--blink-settings=preferredColorScheme=0",)], ids=["light", "dark"])
+def test_nothing_hinders_a_reader(finished: Path, look: tuple[str, ...], tmp_path: Path) -> None:
+    assert findings(finished / "report.html", tmp_path, *look) == []
+
+
+@needs_chromium
+@needs_axe
+def test_what_hinders_a_reader_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(
+        '<!doctype html><html lang="en"><title>a</title><body><main><h1>a</h1><img src="data:,">'
+        '<p style="color: #ccc; background: #fff">pale</p></main></body></html>',
+        encoding="utf-8",
+    )
+    assert {found.split()[1] for found in findings(page, tmp_path)} >= {"image-alt", "color-contrast"}
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def test_words_in_figures_stand_out_of_the_page() -> None:
+    """WCAG 2.1 asks for a contrast of 4.5; what a browser cannot tell within a drawing is reckoned here."""
+    css = (TEMPLATES / "report.css").read_text(encoding="utf-8")
+    for look in (css[: css.index("@media")], css[css.index("@media") : css.index("* {")]):
+        paper, *_ = re.findall(r"--paper: (#\w+)", look)
+        words = re.findall(r"--(ink|muted|accent|text-\d): (#\w+)", look)
+        assert len(words) == 10
+        for name, colour in words:
+            low, high = sorted((luminance(paper), luminance(colour)))
+            assert (high + 0.05) / (low + 0.05) >= 4.5, name
+
+
+def test_no_word_of_a_figure_has_the_colour_of_a_line(finished: Path) -> None:
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    pale = re.findall(r"(\.[\w-]+)\{[^}]*fill:var\(--line-", page)
+    texts = re.findall(r'<text[^>]*(?:class="([\w-]+)"|style="([^"]*)")', page)
+    assert len(texts) > 100
+    assert not {f".{name}" for name, _ in texts} & set(pale)
+    assert not [style for _, style in texts if "var(--line-" in style]
+
+
+def test_forces_that_a_run_leaves_out_are_said(finished: Path, document: dict[str, Any], paper: Scene) -> None:
+    """The table [excitation] is that of another command; its orders are in the diagram all the same."""
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    text = re.sub(r"(<[^>]+>|[ \n])+", " ", page[page.index("Under engine orders") :])
+    assert "spindamp response" in text
+    found = re.findall(r"(\d)× meets (\w+ \d) at ([\d\u2009]+) rpm \(([\d.\u2009]+) Hz\)", text[:600])
+    assert {int(order) for order, *_ in found} <= set(paper["excitation"]["orders"])
+    assert found
+    first = [speed["modes"][0]["frequency_hz"] for speed in document["speeds"]]
+    for order, label, rpm, hertz in found:
+        turns = float(rpm.replace("\u2009", "")) / 60
+        assert float(hertz.replace("\u2009", "")) == pytest.approx(int(order) * turns, rel=5e-3)
+        assert label != "flap 1" or min(first) < int(order) * turns < max(first)
+
+
+def test_a_diagram_has_the_orders_of_its_scene(paper: Scene) -> None:
+    scene = parse(changed(paper, excitation__orders=[5, 2]))
+    assert crossings.orders(scene) == (1, 2, 3, 4, 5, 6, 8, 12, 16)
+    assert crossings.orders(scene.model_copy(update={"excitation": None})) == crossings.ENGINE_ORDERS

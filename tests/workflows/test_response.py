@@ -12,6 +12,8 @@ import xarray as xr
 
 import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
+from tests.workflows.browser import findings, needs_axe
+from tests.workflows.conftest import needs_chromium
 from workflows.errors import BadInput
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
@@ -284,3 +286,10 @@ def test_without_damping_there_is_no_verdict():
     said = told.sentences(found)
     assert said[0].startswith("No verdict: without damping of its own")
     assert not any("takes up to" in sentence or "helps" in sentence for sentence in said)
+
+
+@needs_chromium
+@needs_axe
+def test_nothing_hinders_a_reader(known, tmp_path):
+    page.write(known, tmp_path / "out")
+    assert findings(tmp_path / "out" / "report.html", tmp_path) == []

@@ -62,9 +62,9 @@ BARE = [
 
 @pytest.mark.parametrize(("speeds", "remark"), BARE)
 def test_speeds_without_a_unit_are_remarked_on(
-    speeds: object, remark: str | None, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+    speeds: object, remark: str | None, structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
 ) -> None:
-    scene = write(changed(paper, rotor__speeds=speeds), tmp_path / "scene.toml")
+    scene = write(changed(structure, rotor__speeds=speeds), tmp_path / "scene.toml")
     said = spindamp("check", scene).out
     assert ("Speeds without a unit are in rad/s" in said) == (remark is not None)
     assert remark is None or remark in said.splitlines()[1]

@@ -17,13 +17,13 @@ def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     from fem.sweep import grow as adaptive
 
     speeds: list[int] = []
-    plain = adaptive._grow
+    plain = adaptive.grow
 
     def counted(operators: Any, omega: np.ndarray, *arguments: Any) -> Any:
         speeds.append(omega.size)
         return plain(operators, omega, *arguments)
 
-    monkeypatch.setattr(adaptive, "_grow", counted)
+    monkeypatch.setattr(adaptive, "grow", counted)
     return speeds
 
 
@@ -45,11 +45,11 @@ def test_two_speeds_far_apart_take_no_hundred(paper: Scene, bases: list[int]) ->
 
 def test_steps_between_speeds_grow_with_the_stiffness() -> None:
     """Where modes are stiffened much, their squared frequencies grow by like factors from step to step."""
-    from workflows.solve.plate_stage import _steps
+    from workflows.solve.plate_stage import steps
 
-    assert len(_steps(0.0, 100.0, np.array([[100.0], [300.0]]))) == 100
-    assert len(_steps(0.0, 100.0, np.full((1, 1), np.nan))) == 100
-    steps = _steps(10.0, 100.0, np.array([[1.0, 2.0], [40.0, 3.0]]))
-    assert len(steps) == 12
-    squares = 1.0 + (1600.0 - 1.0) * (steps**2 - 10.0**2) / (100.0**2 - 10.0**2)
+    assert len(steps(0.0, 100.0, np.array([[100.0], [300.0]]))) == 100
+    assert len(steps(0.0, 100.0, np.full((1, 1), np.nan))) == 100
+    found = steps(10.0, 100.0, np.array([[1.0, 2.0], [40.0, 3.0]]))
+    assert len(found) == 12
+    squares = 1.0 + (1600.0 - 1.0) * (found**2 - 10.0**2) / (100.0**2 - 10.0**2)
     np.testing.assert_allclose(squares[1:] / squares[:-1], 1600.0 ** (1 / 13), rtol=1e-9)

@@ -104,7 +104,7 @@ def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
 
 
 def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(folders, "_exchange", lambda one, other: False)
+    monkeypatch.setattr(folders, "exchange", lambda one, other: False)
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     _publish(out, "new", "results.json")

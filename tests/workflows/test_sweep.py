@@ -12,6 +12,8 @@ import pytest
 from scipy.stats import qmc
 
 import spindamp
+from tests.workflows.browser import AXE, findings
+from tests.workflows.conftest import CHROMIUM
 from workflows.errors import BadInput
 from workflows.scene.file import SHIPPED, load
 from workflows.studies.sweep import axes, keys, plans, scenes, study
@@ -166,7 +168,7 @@ def test_points_are_what_runs_give(document, here):
     found = spindamp.sweep("paper", {"damper.restitution": [0.5]}, executor=here).isel({"damper.restitution": 0})
     for k, speed in enumerate(document["speeds"]):
         point = found.isel({"rotor.speeds": k})
-        assert point.frequency == speed["reduced"]["f1_hz"]
+        assert point.f1_hz == speed["reduced"]["f1_hz"]
         assert point.peak_sdc == speed["damper"]["peak_sdc"]
         assert point.events == speed["damper"]["events"]
         assert point.cutoff_ratio == speed["damper"]["cutoff_ratio"]
@@ -223,6 +225,8 @@ def test_from_the_command_line(spindamp, tmp_path):
     assert done.status == 0, done.err
     assert json.loads(done.out) == json.loads((tmp_path / "out" / "sweep.json").read_text(encoding="utf-8"))
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").count("<svg") >= 2
+    if CHROMIUM is not None and AXE is not None:
+        assert findings(tmp_path / "out" / "report.html", tmp_path) == []
     again = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
     assert (again.status, again.out) == (0, done.out)
     wrong = spindamp("sweep", "structure", "--vary", "damper.frictoin=1,2")

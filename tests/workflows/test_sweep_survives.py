@@ -44,7 +44,7 @@ def crew_of(executor, size=2):
 
 @pytest.fixture(autouse=True)
 def _small_shards(monkeypatch):
-    monkeypatch.setattr(study, "_LEAST", 3)
+    monkeypatch.setattr(study, "LEAST", 3)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def contents(out):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "_LEAST", 3)
+        patch.setattr(study, "LEAST", 3)
         return complete(study.asked("structure", VARY, quick=True), tmp_path_factory.mktemp("study") / "out")
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,9 +17,12 @@ import numpy as np
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.browser import driven
+from tests.workflows.browser import driven, findings, needs_axe
 from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
-from workflows.looking import page, screen, target
+from workflows.cli.entry import main
+from workflows.looking import page, screen, target, window
+from workflows.report.publish import load_results
+from workflows.scene.file import SHIPPED
 
 MESHES = Path(__file__).parents[2] / "meshes"
 SIDE = 0.1
@@ -171,6 +176,92 @@ def test_a_window_draws_frames_and_closes(finished: Path) -> None:
     assert done.returncode == 0, done.stderr.decode()
 
 
+def test_a_window_goes_through_modes_and_speeds(finished: Path, document: dict[str, Any]) -> None:
+    found = target.of(str(finished))
+    with np.load(io.BytesIO(screen.archive(found, 2, 1, "a plate"))) as archive:
+        shown = window.Shown(dict(archive))
+    speeds = document["speeds"]
+    assert shown.counts == (len(speeds), len(speeds[0]["modes"]))
+
+    def said() -> str:
+        mode = speeds[shown.speed]["modes"][shown.mode]
+        rpm = f"{speeds[shown.speed]['rpm']:,.0f}".replace(",", "\u2009")
+        return f"mode {shown.mode + 1}, {mode['family']}, {mode['frequency_hz']:.2f} Hz at {rpm} rpm"
+
+    assert (shown.speed, shown.mode) == (2, 1)
+    assert shown.said == said()
+    shown.go(modes=1)
+    shown.go(speeds=-1)
+    assert (shown.speed, shown.mode) == (1, 2)
+    assert shown.said == said()
+    shown.go(speeds=-9, modes=99)
+    assert (shown.speed, shown.mode) == (0, shown.counts[1] - 1), "as far as there are any"
+    shown.pick(3.4, 0.6)
+    assert (shown.speed, shown.mode) == (3, 1)
+    shape = found.surface.shapes[3, 1]
+    length = np.ptp(found.surface.points[:, 0])
+    moved = shown.places(0.0) - shown.given["points"]
+    largest = np.linalg.norm(shape, axis=1).max()
+    assert moved == pytest.approx(shape * float(shown.given["largest"]) / largest, abs=1e-6)
+    at = np.array([*document["scene"]["damper"]["at"], 0.0])
+    tip = np.linalg.norm(found.surface.points - at, axis=1).argmin()
+    assert shown.marked(shown.places(0.0))[0] == pytest.approx(at / length + moved[tip], abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run whose modes are complex: a plate whose bending is in the plane of rotation."""
+    paper = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene = changed(
+        paper,
+        rotor={"speeds": ["9000 rpm"], "modes": 3, "stagger": "45 deg"},
+        effects={"coriolis": True},
+        accuracy={"frequency": 0.05},
+        damper=None,
+        release=None,
+    )
+    folder = tmp_path_factory.mktemp("turning")
+    assert main(["run", str(write(scene, folder / "scene.toml")), "--out", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
+    """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
+    sight = target.of(str(turning))
+    kept = load_results(turning).surface
+    assert kept is not None
+    assert kept.behind is not None
+    assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
+    data = json.loads(page.view(sight).data)
+    assert data["behind"]
+    with np.load(io.BytesIO(screen.archive(sight, 0, 0, "a plate"))) as archive:
+        shown = window.Shown(dict(archive))
+    for number in range(3):
+        shown.pick(0, number)
+        in_phase, late = (shown.places(angle) - shown.given["points"] for angle in (0.0, np.pi / 2))
+        scale = np.linalg.norm(in_phase) / np.linalg.norm(kept.shapes[0, number])
+        assert late == pytest.approx(scale * kept.behind[0, number], abs=1e-6)
+        swing = np.sqrt((in_phase**2 + late**2).sum(axis=1)).max()
+        assert swing == pytest.approx(float(shown.given["largest"]), rel=1e-6)
+
+
+def test_without_the_run_only_what_is_in_phase_is_shown_and_said(turning: Path, tmp_path: Path) -> None:
+    for name in ("results.json", "modes.vtu"):
+        (tmp_path / name).write_bytes((turning / name).read_bytes())
+    sight = target.of(str(tmp_path))
+    assert sight.surface.behind is None
+    assert dict(sight.facts)["shapes"] == "without run.npz only what swings in phase: the modes are complex"
+    assert "shapes" not in dict(target.of(str(turning)).facts)
+
+
+def test_a_damaged_run_is_named(finished: Path, spindamp: View, tmp_path: Path) -> None:
+    (tmp_path / "run.npz").write_bytes((finished / "run.npz").read_bytes()[:2000])
+    outcome = spindamp("view", tmp_path)
+    assert outcome.status == 2
+    assert "run.npz" in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
 def test_where_the_window_fails_there_is_the_page(
     monkeypatch: pytest.MonkeyPatch, spindamp: View, tmp_path: Path
 ) -> None:
@@ -208,3 +299,12 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
     assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
     assert width_on_a_phone(path, tmp_path) <= PHONE
+
+
+@needs_chromium
+@needs_axe
+def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
+    for number, sight in enumerate((target.of(str(turning)), target.of(str(MESHES / "plate_with_hole.msh")))):
+        path = tmp_path / f"{number}.html"
+        page.write(sight, path)
+        assert findings(path, tmp_path) == []

@@ -15,6 +15,8 @@ import pytest
 from tests.workflows.browser import driven
 from tests.workflows.conftest import NO_GL, chromium, needs_chromium
 from workflows.report import packing, thinning, viewer
+from workflows.report.publish import load_results
+from workflows.solve.plate_records import SMOOTH
 from workflows.solve.records import Mode, SpeedPoint, Surface
 
 LENGTH, WIDTH, HOLE = 0.2, 0.08, 0.02
@@ -171,6 +173,24 @@ def test_the_script_is_small_and_fetches_nothing() -> None:
 
 def test_a_report_stays_small(finished: Path) -> None:
     assert (finished / "report.html").stat().st_size < 500_000
+
+
+def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
+    surface = load_results(finished).surface
+    assert surface is not None
+    fine = surface.finer
+    assert fine is not None
+    assert fine.lines is not None
+    assert len(surface.points) < 0.5 * len(fine.points) <= 0.75 * SMOOTH
+    data = json.loads((viewer.view(load_results(finished)) or pytest.fail("a plate")).data)
+    assert len(base64.b64decode(data["points"])) == 4 * len(fine.points)
+    assert len(base64.b64decode(data["edges"])) == 4 * len(fine.lines), "the cells are the mesh's, not their parts"
+    there = {tuple(place) for place in np.round(fine.points[:, :2], 9).tolist()}
+    assert {tuple(place) for place in np.round(surface.points[:, :2], 9).tolist()} <= there
+    assert fine.shapes.shape[:2] == surface.shapes.shape[:2]
+    place = {tuple(place): k for k, place in enumerate(np.round(fine.points[:, :2], 9).tolist())}
+    at = [place[tuple(each)] for each in np.round(surface.points[:, :2], 9).tolist()]
+    assert fine.shapes[:, :, at] == pytest.approx(surface.shapes, abs=1e-6 * np.abs(surface.shapes).max())
 
 
 @needs_chromium

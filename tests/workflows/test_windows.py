@@ -45,7 +45,7 @@ def _found(folder: Path) -> str:
 def windows(monkeypatch: pytest.MonkeyPatch) -> None:
     """The system calls as they are there."""
     monkeypatch.setattr(folders, "WINDOWS", True)
-    monkeypatch.setattr(folders, "_exchange", lambda one, other: False)
+    monkeypatch.setattr(folders, "exchange", lambda one, other: False)
     monkeypatch.setitem(sys.modules, "fcntl", None)  # filelock has seen it already
     monkeypatch.delattr(os, "chown")
     monkeypatch.setattr(shutil, "_use_fd_functions", False)
@@ -190,7 +190,7 @@ from pathlib import Path
 sys.modules["fcntl"] = None
 from workflows.output import swap as folders
 from workflows.output import store
-folders._exchange = lambda one, other: False
+folders.exchange = lambda one, other: False
 me = sys.argv[2]
 for turn in range(25):
     with store.replacing(Path(sys.argv[1])) as scratch:

@@ -1,4 +1,4 @@
 """What a scene calls for: its effects, its theory, a rule each.
 
-May import scene, and `fem` to look at coarse meshes.
+May import effects and scene, and `fem` to look at coarse meshes.
 """

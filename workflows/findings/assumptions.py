@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from fem.theory.kind import Kind, kind
+from fem.theory.kind import kind
+from workflows.effects.table import EFFECTS
 from workflows.scene import paper
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
 from workflows.solve.records import Results
-
-_FLAT = "The centrifugal stress is that of the flat plate; vibrations are small about it."
-_BENT = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
-_MODERATE = (
-    "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections, which"
-    " is off by about 0.4 θ² in frequency where the plate turns by θ."
-)
 
 
 def _held(scene: Scene) -> str:
@@ -30,15 +24,13 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         found += [
             (f"The plate is linear elastic and {_held(scene)} at the root.", "ours"),
             *_known(scene),
-            (_prestress(results), "ours"),
+            *_of_effects(results, "plate"),
         ]
     if scene.damper is not None:
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         found += [
-            _structure(results),
-            _floor(results),
-            ("The ball rolls on the cavity's floor, never lifts off and never slides except at walls.", "paper, II.A"),
+            *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
             ("Several balls move in step, each in a cavity of its own.", "ours"),
@@ -65,40 +57,21 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     return found
 
 
-def _structure(results: Results) -> tuple[str, str]:
-    if results.effects["structural_modes"].on:
-        text = (
-            "The structure vibrates in the modes of the plate that the cavity feels, without Coriolis forces; the"
-            " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
-        )
-        return text, "ours"
-    if results.scene.structure is not None:
-        return "The structure vibrates in one mode along each axis.", "paper, II.A"
-    return (
-        "The structure vibrates in its first bending mode alone, with the same frequency on both axes.",
-        "paper, II.A",
-    )
-
-
-def _floor(results: Results) -> tuple[str, str]:
-    if results.effects["floor_tilt"].on:
-        return (
-            "The cavity's floor tilts with the structure's slope, by small angles; the load is normal to it at rest.",
-            "ours",
-        )
-    return "The cavity's floor stays perpendicular to the load.", "paper, II.A"
+def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
+    """What effects of the plate, or of the damper, take for granted, on or off."""
+    theory = "" if results.theory is None else kind(results.theory.name).value
+    found = [
+        effect.assumed(results.scene, results.effects[name].on, theory)
+        for name, effect in EFFECTS.items()
+        if effect.of == of
+    ]
+    return [(each.text, each.source) for each in found if each is not None]
 
 
 def _known(scene: Scene) -> list[tuple[str, str]]:
     """A material that the scene names."""
     name = None if scene.material is None else scene.material.name
     return [] if name is None else [(f"E, ν and ρ of {name}.", KNOWN[name].source)]
-
-
-def _prestress(results: Results) -> str:
-    if not results.effects["large_deflection"].on:
-        return _FLAT
-    return _MODERATE if results.theory is not None and kind(results.theory.name) is Kind.KIRCHHOFF else _BENT
 
 
 def _thin(results: Results) -> list[tuple[str, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from workflows.effects.table import EFFECTS
 from workflows.solve.records import ErrorParts, Results
 from workflows.wording import significant
 
@@ -12,8 +13,7 @@ PARTS = {
     "layers": "layers of the solid",
     "basis": "reduced basis",
     "theory": "theory",
-    "large_deflection": "large deflection left out",
-    "coriolis": "Coriolis forces left out",
+    **{name: f"{kind.word} left out" for name, kind in EFFECTS.items() if name in ErrorParts.__annotations__},
 }
 """Parts of an error, as people call them."""
 

@@ -1,4 +1,4 @@
-"""A folder of results to look at: the surface and shapes of `modes.vtu`, the names of `results.json`."""
+"""A folder of results to look at: the run that it keeps, or else the files that other programs read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.looking.mesh_facts import facts
-from workflows.looking.sight import Sight
+from workflows.looking.sight import Sight, of_plate
+from workflows.results import kept
 from workflows.scene import plate_mesh
 from workflows.solve.plate_records import bare
 from workflows.solve.records import Mode, SpeedPoint, Surface
@@ -25,6 +26,28 @@ def sight(folder: Path) -> Sight:
     Raises:
         BadInput: the folder holds no results of a plate.
     """
+    return _of_run(folder) if (folder / kept.NAME).is_file() else _of_files(folder)
+
+
+def _of_run(folder: Path) -> Sight:
+    """Of the run as it was, complex modes with their phases."""
+    path = folder / kept.NAME
+    try:
+        found = kept.read(path)
+    except BadInput as error:
+        raise BadInput(error.problem, file=str(path)) from error
+    if found.surface is None or found.diagram is None or found.theory is None:
+        raise _no_plate(folder)
+    known = (("mesh", found.diagram.mesh), ("theory", found.theory.name))
+    return of_plate(found.scene, found.surface, found.speeds, known)
+
+
+def _no_plate(folder: Path) -> BadInput:
+    return BadInput("holds results without a plate: there is no shape to show", file=str(folder))
+
+
+def _of_files(folder: Path) -> Sight:
+    """Of the files that other programs read; `modes.vtu` has the part of complex modes that is in phase."""
     found = _document(folder)
     points = _points(found["speeds"])
     surface = _surface(folder, points)
@@ -36,6 +59,8 @@ def sight(folder: Path) -> Sight:
         mark = (float(x), float(y))
     thickness = plate["thickness"]
     words, numbers = facts(surface)
+    if any("damping_ratio" in mode for speed in found["speeds"] for mode in speed["modes"]):
+        words = (*words, ("shapes", f"without {kept.NAME} only what swings in phase: the modes are complex"))
     return Sight(
         title=str(found["title"]),
         surface=surface,
@@ -60,7 +85,7 @@ def _document(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         raise BadInput("is no results.json of spindamp, or is damaged", file=str(path)) from error
     if "plate" not in found["scene"] or not (folder / "modes.vtu").is_file():
-        raise BadInput("holds results without a plate: there is no shape to show", file=str(folder))
+        raise _no_plate(folder)
     return found
 
 

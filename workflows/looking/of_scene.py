@@ -6,11 +6,8 @@ import math
 
 from workflows import pipeline
 from workflows.errors import BadInput
-from workflows.looking.mesh_facts import facts
-from workflows.looking.sight import Sight
-from workflows.report import mesh_figure
+from workflows.looking.sight import Sight, of_plate
 from workflows.scene import file as scene_file
-from workflows.scene import plate_mesh
 from workflows.scene.fields import FASTEST
 from workflows.scene.file import SceneFile
 from workflows.solve import needs
@@ -25,8 +22,7 @@ def sight(scene: str, rpm: float | None) -> Sight:
         BadInput, NoAnswer: as a run of it would; also where it has no plate.
     """
     source = scene_file.load(scene)
-    plate = source.scene.plate
-    if plate is None:
+    if source.scene.plate is None:
         raise BadInput("the table is missing: view needs a plate", file=source.name, key="[plate]")
     if rpm is not None:
         source = _at(source, rpm)
@@ -35,19 +31,8 @@ def sight(scene: str, rpm: float | None) -> Sight:
         found = pipeline.structure(source, stages)
     if found.plate is None or found.plate.surface is None:
         raise ValueError("a plate was solved without its surface")
-    surface, given = found.plate.surface, source.scene
-    mark = None if given.damper is None else plate_mesh.damper_at(given, surface.points.T[:2])
-    words, numbers = facts(surface)
-    return Sight(
-        title=given.title,
-        surface=surface,
-        speeds=found.points,
-        mark=mark,
-        thickness=plate.thickness if isinstance(plate.thickness, float) else None,
-        root=mesh_figure.held(given),
-        facts=(("mesh", found.plate.diagram.mesh), ("theory", found.plate.theory.name), *words),
-        numbers=numbers,
-    )
+    known = (("mesh", found.plate.diagram.mesh), ("theory", found.plate.theory.name))
+    return of_plate(source.scene, found.plate.surface, found.points, known)
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:

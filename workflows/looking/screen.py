@@ -7,10 +7,14 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from workflows.looking.sight import Sight
+from workflows.solve.records import Mode, Surface
+from workflows.wording import amount
 
 COMMAND = ["-P", str(Path(__file__).with_name("window.py"))]
 """What shows the window, as arguments to Python."""
@@ -38,27 +42,48 @@ def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
 
 
 def archive(sight: Sight, first: int, mode: int, title: str) -> bytes:
-    """What the window's program reads."""
+    """What the window's program reads: every mode at every speed kept, one of them first."""
     surface = sight.surface
     length = float(np.ptp(surface.points[:, :2], axis=0).max())
-    shape, behind = np.zeros((2, *surface.points.shape))
-    if surface.at:
-        row = surface.at.index(first)
-        shape = surface.shapes[row, mode]
-        behind = behind if surface.behind is None else surface.behind[row, mode]
-        largest = float(np.sqrt((shape**2 + behind**2).sum(axis=1).max())) or 1.0
-        shape, behind = _SCALE * shape / largest, _SCALE * behind / largest
     mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0]]).reshape(-1, 3) / length
+    given: dict[str, Any] = {
+        "points": surface.points / length,
+        "cells": surface.cells[1],
+        "outline": surface.outline,
+        "root": surface.root,
+        "mark": mark,
+        "first": (surface.at.index(first), mode) if surface.at else (0, 0),
+        "largest": _SCALE,
+        "title": np.array(title),
+    }
     out = io.BytesIO()
-    np.savez(
-        out,
-        points=surface.points / length,
-        cells=surface.cells[1],
-        outline=surface.outline,
-        root=surface.root,
-        mark=mark,
-        shape=shape,
-        behind=behind,
-        title=np.array(title),
-    )
+    np.savez(out, **given, **_shapes(surface), said=_said(sight))
     return out.getvalue()
+
+
+def _shapes(surface: Surface) -> dict[str, Any]:
+    """Displacements to be drawn, (speeds, modes, n, 3), and behind them; none of the latter where all is in phase."""
+    behind = surface.behind if surface.behind is not None else np.zeros((0, *surface.shapes.shape[1:]))
+    squares = (surface.shapes**2).sum(axis=-1)
+    if len(behind):
+        squares += (behind**2).sum(axis=-1)
+    largest = np.sqrt(squares.max(axis=-1, initial=0.0))
+    scale = (_SCALE / np.where(largest > 0, largest, 1.0))[..., None, None]
+    return {
+        "shapes": (surface.shapes * scale).astype(np.float32),
+        "behind": (behind * scale[: len(behind)]).astype(np.float32),
+    }
+
+
+def _said(sight: Sight) -> npt.NDArray[np.str_]:
+    """Each mode in words, (speeds, modes)."""
+    count = sight.surface.shapes.shape[1]
+    rows = [
+        [_mode(number, mode, point.rpm) for number, mode in enumerate(point.modes[:count], 1)]
+        for point in (sight.speeds[at] for at in sight.surface.at)
+    ]
+    return np.array(rows, dtype=np.str_)
+
+
+def _mode(number: int, mode: Mode, rpm: float) -> str:
+    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(rpm)} rpm"

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from workflows.errors import BadInput
+from workflows.looking.mesh_facts import facts
+from workflows.report import mesh_figure
+from workflows.scene import plate_mesh
+from workflows.scene.scene import Scene
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.wording import amount
 
@@ -34,6 +38,24 @@ class Sight:
     root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
+
+
+def of_plate(
+    scene: Scene, surface: Surface, speeds: tuple[SpeedPoint, ...], known: tuple[tuple[str, str], ...]
+) -> Sight:
+    """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
+    thickness = None if scene.plate is None else scene.plate.thickness
+    words, numbers = facts(surface)
+    return Sight(
+        title=scene.title,
+        surface=surface,
+        speeds=speeds,
+        mark=None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2]),
+        thickness=thickness if isinstance(thickness, float) else None,
+        root=mesh_figure.held(scene),
+        facts=(*known, *words),
+        numbers=numbers,
+    )
 
 
 def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:

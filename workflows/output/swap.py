@@ -117,7 +117,7 @@ def swap(scratch: Path, target: Path) -> None:
         else:
             sync_folder(target.parent)
             return
-    if not _exchange(scratch, target):
+    if not exchange(scratch, target):
         aside = scratch.with_name(scratch.name + ASIDE)
         rename(target, aside)
         try:
@@ -141,14 +141,14 @@ def rename(old: Path, new: Path) -> None:
     os.rename(old, new)
 
 
-def _exchange(one: Path, other: Path) -> bool:
+def exchange(one: Path, other: Path) -> bool:
     """Exchange two folders in one step (Linux); False where the system cannot."""
-    at_cwd, exchange = -100, 2
+    at_cwd, both = -100, 2
     try:
         renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
     except (OSError, AttributeError, TypeError):
         return False
-    return bool(renameat2(at_cwd, os.fsencode(one), at_cwd, os.fsencode(other), exchange) == 0)
+    return bool(renameat2(at_cwd, os.fsencode(one), at_cwd, os.fsencode(other), both) == 0)
 
 
 def _umask() -> int:

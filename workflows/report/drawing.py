@@ -11,6 +11,7 @@ import io
 import json
 import logging
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -27,6 +28,9 @@ INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
 
 CATEGORIES = ("#0072b2", "#d55e00", "#009e73", "#a0568c", "#c48a00", "#3f9bd1", "#7f7f7f")
 """After Okabe and Ito (2008): told apart with any kind of colour vision."""
+
+_WRITTEN = ("#0072b2", "#b34f00", "#00795a", "#a0568c", "#8a6000", "#2474a6", "#6b6b6b")
+"""The same in a light page where words have them: with a contrast of 4.5 and more."""
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
@@ -92,6 +96,7 @@ _STYLE: dict[Any, Any] = {
     "legend.fontsize": 7.5,
     "legend.title_fontsize": 7.5,
     "lines.linewidth": 1.3,
+    "path.simplify_threshold": 0.25,
     "lines.markersize": 3.2,
 }
 
@@ -119,6 +124,24 @@ def canvas(sheet: Sheet, height: float, panels: int = 1) -> tuple[Figure, list[A
     return figure, [figure.add_subplot(rows, columns, i + 1) for i in range(panels)]
 
 
+def beside(sheet: Sheet, side: float, panels: int) -> tuple[Figure, list[Axes]]:
+    """A figure with a square `side` inches wide, and beside it, on a narrow sheet below it, panels upon each other."""
+    from matplotlib.figure import Figure
+
+    wide = sheet is WIDE
+    shape = (sheet.width, 1.15 * side) if wide else (sheet.width, side + 1.5 * panels)
+    figure = Figure(figsize=shape)
+    figure.set_layout_engine("constrained", hspace=0.08, wspace=0.06)
+    if wide:
+        grid = figure.add_gridspec(panels, 2, width_ratios=(side, sheet.width - side))
+        square, places = grid[:, 0], [grid[k, 1] for k in range(panels)]
+    else:
+        grid = figure.add_gridspec(panels + 1, 1, height_ratios=(side, *([1.25] * panels)))
+        square, places = grid[0], [grid[k + 1] for k in range(panels)]
+    first = figure.add_subplot(square)
+    return figure, [first, *(figure.add_subplot(place) for place in places)]
+
+
 def key(figure: Figure, axes: Axes, sheet: Sheet, **how: Any) -> None:
     """A legend of the curves of `axes` beside the figure, or below it on a narrow sheet."""
     curves = axes.get_legend_handles_labels()
@@ -144,7 +167,7 @@ def svg(figure: Figure, sheet: Sheet, name: str, description: str, *, live: bool
     out = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name}", description)
+    drawn = _for_a_page(out.getvalue(), f"{name}-{sheet.name[0]}", description)
     axes = f" data-axes='{json.dumps(_frames(figure))}'" if live else ""
     return drawn.replace("<svg", f'<svg class="{sheet.name}"{axes}', 1)
 
@@ -170,6 +193,7 @@ def _frames(figure: Figure) -> list[dict[str, Any]]:
 def standalone(drawn: str) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page."""
     light = _LIGHT | {"--sans": "sans-serif"} | {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    light |= {f"--text-{i}": colour for i, colour in enumerate(_WRITTEN)}
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)
     width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
@@ -219,31 +243,75 @@ def _for_a_page(text: str, name: str, description: str) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
     text = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", text)
-    text = re.sub(r'\bid="', f'id="{name}-', text)
-    text = text.replace('xlink:href="#', f'href="#{name}-').replace("url(#", f"url(#{name}-")
+    text = text.replace("xlink:href", "href")
     text = re.sub(r"(font(?:-family)?:[^;\"]*?)'DejaVu Sans'(?:, sans-serif)?", r"\1var(--sans)", text)
     text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: _HUNDREDTHS.sub(r"\1", path[0]), text)
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var({variable})")
+    text = re.sub(r'(<text style="[^"]*)var\(--line-', r"\1var(--text-", text)
     text = re.sub(r"#0203([0-9a-f]{2})", lambda found: f"var(--shade-{int(found[1], 16)})", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
-    return _compact(text).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+    return _styled(_compact(_named(text, name)), name).replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
 
 
 def _compact(text: str) -> str:
-    """The same drawing without remarks, blanks and names that nothing refers to, the style of markers said once."""
+    """The same drawing without remarks and blanks, the style of markers said once."""
     text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
-    named = set(re.findall(r"[(\"]#([^)\"]+)", text))
-    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in named else "", text)
     text = re.sub(r' transform="rotate\(-0 [^"]*"', "", text)
     text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)
     text = re.sub(r' style="[^"]*"', lambda style: re.sub(r"([:;]) ", r"\1", style[0]), text)
-    text = re.sub(r">\s+<", "><", text)
+    text = re.sub(r"(opacity:0\.\d\d)\d+", r"\1", text)
+    text = _drawn_once(re.sub(r">\s+<", "><", text))
     text = re.sub(r'(?:<use [^>]*? style="[^"]*"/>){2,}', _markers, text)
     while (plain := re.sub(r"<g>(<(?:path|use|text)\b[^>]*(?:/>|>[^<]*</\w+>))</g>", r"\1", text)) != text:
         text = plain
     return text.replace("><", ">\n<")
+
+
+def _drawn_once(text: str) -> str:
+    """Shapes that are defined and then used once, as those of a map are, drawn where they stand."""
+    times = Counter(re.findall(r'href="#([^"]+)"', text))
+
+    def plain(found: re.Match[str]) -> str:
+        name, path, clip, x, y, style = found.groups()
+        if times[name] > 1:
+            return str(found[0])
+        return f'<g clip-path="{clip}"><g transform="translate({x} {y})"><path {path}{style}/></g></g>'
+
+    text = re.sub(
+        r'<g><defs><path id="([^"]+)" (d="[^"]*")/></defs><g clip-path="([^"]+)">'
+        r'<use href="#\1" x="([^"]*)" y="([^"]*)"( style="[^"]*")/></g></g>',
+        plain,
+        text,
+    )
+    return re.sub(r'(?:<g clip-path="[^"]+"><g transform="[^"]+"><path [^>]*/></g></g>){2,}', _together, text)
+
+
+def _together(run: re.Match[str]) -> str:
+    """Shapes one after another; where they are cut and moved alike, in one group."""
+    heads = set(re.findall(r"<g clip-path[^>]*><g transform[^>]*>", run[0]))
+    if len(heads) > 1:
+        return str(run[0])
+    head = str(heads.pop())
+    return head + str(run[0]).replace(head, "").replace("</g></g>", "") + "</g></g>"
+
+
+def _named(text: str, name: str) -> str:
+    """Ids that something refers to as `name` and a number; the others are left out."""
+    found = dict.fromkeys(re.findall(r"[(\"]#([^)\"]+)", text))
+    short = {old: f"{name}{number}" for number, old in enumerate(found)}
+    text = re.sub(r' id="([^"]*)"', lambda old: f' id="{short[old[1]]}"' if old[1] in short else "", text)
+    return re.sub(r'([("])#([^)"]+)', lambda old: f"{old[1]}#{short[old[2]]}", text)
+
+
+def _styled(text: str, name: str) -> str:
+    """Styles that occur again and again as classes, `name` and a number, said once in the drawing."""
+    often = [style for style, times in Counter(re.findall(r' style="([^"]*)"', text)).items() if times > 2]
+    classes = {style: f"{name}-{number}" for number, style in enumerate(often)}
+    text = re.sub(r' style="([^"]*)"', lambda old: f' class="{classes[old[1]]}"' if old[1] in classes else old[0], text)
+    rules = "".join(f".{each}{{{style}}}\n" for style, each in classes.items())
+    return text.replace("</style>", f"\n{rules}</style>", 1)
 
 
 def _markers(run: re.Match[str]) -> str:

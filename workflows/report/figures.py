@@ -10,7 +10,7 @@ from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.report.envelope import envelope, oscillations
 from workflows.results import curves
-from workflows.results.crossings import ENGINE_ORDERS, crossings
+from workflows.results.crossings import crossings, orders
 from workflows.results.curves import Curve
 from workflows.scene import paper
 from workflows.solve.records import Floats, Results
@@ -46,7 +46,7 @@ def campbell_drawn(results: Results, sheet: Sheet) -> Figure | None:
     figure, (axes,) = drawing.canvas(sheet, 3.5)
     highest = 1.06 * max(float(track.y.max()) for track in tracks)
     axes.set(xlim=(0, fastest), ylim=(0, highest), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
-    _engine_orders(axes, fastest, highest)
+    _engine_orders(axes, orders(results.scene), fastest, highest)
     colours = [_branch(axes, track, kind) for track, kind in zip(tracks, _families(tracks), strict=True)]
     heights = _apart([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
@@ -206,10 +206,10 @@ def _title(whole: Axes, part: Axes, lines: list[Curve], results: Results) -> Non
         part.set(title="Beyond the structure’s own damping")
 
 
-def _engine_orders(axes: Axes, fastest: float, highest: float) -> None:
+def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest: float) -> None:
     """Multiples of the rotation speed, with their names at the edge that they leave the picture by."""
     aside: list[tuple[int, float]] = []
-    for order in ENGINE_ORDERS:
+    for order in orders:
         end = order * fastest / 60
         if end < 0.04 * highest:
             continue

@@ -24,7 +24,7 @@ PATIENCE = 20.0
 COMMAND = ["-P", str(Path(__file__).with_name("mode_picture.py"))]
 """What draws, as arguments to Python; -P: modules in the user's folder are not taken for the ones meant."""
 
-_PNG = b"\x89PNG"
+PNG = b"\x89PNG"
 
 _SCALE = 0.25
 """Largest displacement drawn, in lengths of the plate."""
@@ -39,7 +39,7 @@ class Picture:
 
 
 @dataclass(frozen=True, eq=False)
-class _Shape:
+class Drawn:
     """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3)."""
 
     points: Floats
@@ -53,7 +53,7 @@ class Artist:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._shape: _Shape | None = None
+        self._shape: Drawn | None = None
         self._failure = ""
 
     def __enter__(self) -> Self:
@@ -84,7 +84,7 @@ class Artist:
         sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
         length = float(np.ptp(surface.points[:, 0]))
         moved = sign * _SCALE * shape / largest
-        self._shape = _Shape(surface.points / length, surface.cells[1], surface.outline, moved)
+        self._shape = Drawn(surface.points / length, surface.cells[1], surface.outline, moved)
         archive = io.BytesIO()
         np.savez(archive, **vars(self._shape))
         if self._process is not None and self._process.stdin is not None:
@@ -119,12 +119,12 @@ class Artist:
             return png
         if self._process.returncode != 0:
             self._failure, png = f"exit status {self._process.returncode}", b""
-        elif not png.startswith(_PNG):
+        elif not png.startswith(PNG):
             self._failure, png = "no picture", b""
         return png
 
 
-def _plain(drawn: _Shape) -> Figure:
+def _plain(drawn: Drawn) -> Figure:
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 

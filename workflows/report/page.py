@@ -11,10 +11,22 @@ from typing import Any
 from workflows import wording
 from workflows.findings import answer, trust, worth
 from workflows.findings.assumptions import assumptions
-from workflows.report import drawing, figure_books, figure_working, figures, hover, mesh_figure, templating, viewer
+from workflows.report import (
+    drawing,
+    figure_books,
+    figure_path,
+    figure_working,
+    figures,
+    hover,
+    mesh_figure,
+    player,
+    templating,
+    viewer,
+)
 from workflows.report.mode_shape import Picture
 from workflows.report.viewer import View
 from workflows.results import curves, resolved
+from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
@@ -33,6 +45,7 @@ class Drawings:
     capacity: str
     working: str
     books: str
+    path: str
     css: str
     shape: Picture | None = None
     view: View | None = None
@@ -48,6 +61,7 @@ def draw(results: Results) -> Drawings:
             capacity=drawing.both(partial(figures.capacity, results)),
             working=drawing.both(partial(figure_working.working, results)),
             books=drawing.both(partial(figure_books.books, results)),
+            path=drawing.both(partial(figure_path.cavity_path, results)),
             css=drawing.shades_css(len(results.speeds)),
             view=viewer.view(results),
         )
@@ -70,6 +84,7 @@ def render(results: Results, drawings: Drawings) -> str:
         errors=trust.worst(results),
         error_parts=trust.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        driven=_driven(results),
         tilts=any(p.tilted for p in results.speeds),
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         campbell=Markup(drawings.campbell),
@@ -82,6 +97,10 @@ def render(results: Results, drawings: Drawings) -> str:
         capacity=Markup(drawings.capacity),
         working=Markup(drawings.working),
         books=Markup(drawings.books),
+        path=Markup(drawings.path),
+        playing=player.data(results) if drawings.path else "",
+        playing_script=templating.script("player.js"),
+        stretch=_stretch(results),
         points={
             "campbell": hover.campbell(results) if drawings.campbell else "",
             "working": hover.working(results) if drawings.working else "",
@@ -116,6 +135,29 @@ def _thick(results: Results) -> str:
         return "its thickness varies"
     low, high = (wording.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
     return f"{low} to {high} mm thick"
+
+
+def _driven(results: Results) -> list[Crossing] | None:
+    """Where the orders of the scene's [excitation] meet modes; None without that table."""
+    asked = results.scene.excitation
+    if asked is None:
+        return None
+    return [meeting for meeting in crossings(results) if meeting.order in asked.orders]
+
+
+def _stretch(results: Results) -> dict[str, Any] | None:
+    """What the figure of the ball's path says of the stretch that it shows; None without one."""
+    found = figure_path.of(results)
+    if found is None:
+        return None
+    path, point = found
+    begin, end = (float(path.t[k]) for k in (0, -1))
+    return {
+        "point": point,
+        "cycles": (end - begin) * figure_path.frequency(point),
+        "begin": 1e3 * begin,
+        "hits": path.kind.count("hit"),
+    }
 
 
 def _beyond(results: Results, point: SpeedPoint) -> bool:

@@ -46,9 +46,14 @@ def shown(surface: Surface, most: int) -> Shown:
     if len(surface.points) > most:
         return _thinned(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges = np.unique(np.sort(sides, axis=1), axis=0)
+    edges = surface.lines if surface.lines is not None else _sides(cells)
     return Shown(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
+
+
+def _sides(cells: Indices) -> Indices:
+    """The edges of cells (m, 3 or 4), each once, (k, 2)."""
+    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    return np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
 
 
 def _thinned(surface: Surface, most: int) -> Shown:

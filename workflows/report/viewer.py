@@ -78,6 +78,7 @@ def of_surface(
         most: points to be drawn.
         room: bytes that the vectors of the shapes may take.
     """
+    surface = surface.finer or surface
     drawn = thinning.shown(surface, most)
     shapes, behind = _shapes(surface, drawn.kept)
     found = packing.packed(np.concatenate([shapes, behind])) if len(shapes) else None

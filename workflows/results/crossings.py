@@ -7,10 +7,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from workflows.results import curves
+from workflows.scene.scene import Scene
 from workflows.solve.records import Results
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
-"""Multiples of the rotation's frequency that are looked at."""
+"""Multiples of the rotation's frequency that are looked at in any scene."""
+
+
+def orders(scene: Scene) -> tuple[int, ...]:
+    """Those, and the ones that the scene's [excitation] names."""
+    asked = () if scene.excitation is None else scene.excitation.orders
+    return tuple(sorted({*ENGINE_ORDERS, *asked}))
 
 
 @dataclass(frozen=True)
@@ -32,7 +39,7 @@ def crossings(results: Results) -> list[Crossing]:
     return [
         Crossing(order, track.label, rpm, order * rpm / 60)
         for track in curves.campbell(results)
-        for order in ENGINE_ORDERS
+        for order in orders(results.scene)
         for low, high in pairwise(zip(track.x.tolist(), track.y.tolist(), strict=True))
         if (rpm := _meeting(order, low, high)) is not None
     ]

@@ -12,8 +12,12 @@ from workflows.solve.records import Floats, Results, SpeedPoint
 ERRORS = "frequency_errors"
 """The file of all frequencies with their errors, beside the curves."""
 
-FILES = r"(frequency_errors|campbell_\w+_\d+|(velocity_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
+FILES = r"(frequency_errors|campbell_\w+_\d+|((velocity|ball|displacement)_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
+
+
+_STILL = 1e-9
+"""Part of the largest motion along either axis that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +83,28 @@ def velocity(point: SpeedPoint) -> list[Curve]:
     return found
 
 
+def ball_path(point: SpeedPoint) -> list[Curve]:
+    """The ball in its cavity, and the structure, over the stretch of time kept, along the axes that either moves on."""
+    path = None if point.damping is None else point.damping.path
+    if path is None:
+        return []
+    tag, found = speed_tag(point), []
+    for name, column, motion in (
+        ("ball", "position_m", path.ball),
+        ("displacement", "displacement_m", path.structure),
+    ):
+        for i in moving(motion):
+            label = f"axis {i + 1}"
+            found.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
+    return found
+
+
+def moving(motion: Floats) -> list[int]:
+    """The axes, from 0, along which something (n, 2) moves."""
+    reach = np.abs(motion).max(axis=0)
+    return [i for i in range(2) if reach[i] > _STILL * reach.max()]
+
+
 def capacity(results: Results) -> list[Curve]:
     """Specific damping capacity over the amplitude of the acceleration, a curve per load (Fig. 3)."""
     curves = []
@@ -105,7 +131,7 @@ def damping_ratio(results: Results) -> list[Curve]:
 
 def every(results: Results) -> list[Curve]:
     """All curves of a run."""
-    history = [curve for point in results.speeds for curve in velocity(point)]
+    history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
     return campbell(results) + history + capacity(results) + damping_ratio(results)
 
 

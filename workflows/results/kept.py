@@ -17,20 +17,21 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.decisions.effects import Effect
-from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
 from workflows.errors import BadInput
 from workflows.scene.file import parse
 from workflows.scene.scene import Scene
 from workflows.solve import records
 
 NAME = "run.npz"
-VERSION = 1
+VERSION = 2
 
 Arrays = list[npt.NDArray[Any]]
 
 _OURS = (Effect, LeftOut, Theory, *(kind for kind in vars(records).values() if is_dataclass(kind)))
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in _OURS if isinstance(kind, type)}
+"""Records that a file may hold, by name."""
 
 
 def write(results: records.Results, path: Path) -> None:
@@ -103,7 +104,7 @@ def _packed(value: Any, arrays: Arrays) -> Any:
         return {"dict": [[_packed(key, arrays), _packed(item, arrays)] for key, item in value.items()]}
     if isinstance(value, Scene):
         return {"scene": _scene(value)}
-    kind = next(known.__name__ for known in type(value).__mro__ if _kinds().get(known.__name__) is known)
+    kind = next(known.__name__ for known in type(value).__mro__ if _KINDS.get(known.__name__) is known)
     return {"record": kind, "fields": {f.name: _packed(getattr(value, f.name), arrays) for f in fields(value)}}
 
 
@@ -129,13 +130,7 @@ def _unpacked(tree: Any, arrays: Arrays) -> Any:
     if "dict" in tree:
         return {_unpacked(key, arrays): _unpacked(item, arrays) for key, item in tree["dict"]}
     if "record" in tree:
-        return _kinds()[tree["record"]](**{name: _unpacked(item, arrays) for name, item in tree["fields"].items()})
+        return _KINDS[tree["record"]](**{name: _unpacked(item, arrays) for name, item in tree["fields"].items()})
     ((name, items),) = tree.items()
     made = [_unpacked(item, arrays) for item in items]
     return tuple(made) if name == "tuple" else made
-
-
-def _kinds() -> dict[str, Any]:
-    from damper import Working
-
-    return _KINDS | {"Working": Working}

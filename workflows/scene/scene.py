@@ -10,6 +10,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from fem.accuracy.budget import Budget
 from workflows.scene import checks as scene_checks
 from workflows.scene.damper import Damper, Release
 from workflows.scene.design import Design
@@ -39,6 +40,11 @@ class Scene(Table):
     def _together(self) -> Self:
         scene_checks.together(self)
         return self
+
+    @property
+    def budget(self) -> Budget:
+        """What each cause may add to the errors allowed."""
+        return Budget(self.accuracy.frequency, self.accuracy.damping)
 
     @property
     def point_mass(self) -> float:

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.decisions.effects import Effect
+from workflows.effects.table import EFFECTS
 from workflows.errors import BadInput
+from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import felt
-from workflows.solve.records import CavityMode, CutOff, Damping, Energy, History, SpeedPoint
+from workflows.solve.ball_path import ball_path
+from workflows.solve.quantity import taken_over
+from workflows.solve.records import CavityMode, CutOff, Damping, Energy, Figures, History, OwnFigures, SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import whole
 
@@ -58,12 +62,12 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
     found = replace(point, damping=damping, pendulum=felt.pendulum(system, point.omega))
+    judged = system if tilting is None or system.formulation == "printed" else tilting
+    found = replace(found, working=taken_over(OwnFigures, figures(judged)))
     if tilting is None:
-        return replace(found, working=figures(system))
-    cutoff = _cutoff(tilting, point)
-    if system.formulation == "printed":
-        return replace(found, working=figures(system), tilted=cutoff)
-    return replace(found, working=figures(tilting), level=figures(system), tilted=cutoff)
+        return found
+    level = None if judged is system else taken_over(Figures, figures(system))
+    return replace(found, level=level, tilted=_cutoff(tilting, point))
 
 
 def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
@@ -136,15 +140,19 @@ def particle_damper(
             floor_radius=given.floor_radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
             restitution=given.restitution,
-            friction=given.friction if effects["impact_friction"].on else 0.0,
-            rolling_friction=given.rolling_friction if effects["rolling_resistance"].on else 0.0,
             damping_ratio=given.damping_ratio,
             sticking_ratio=given.sticking_ratio,
             formulation=Formulation(given.formulation),
-            floor_friction=given.friction if effects["ball_slip"].on and point.omega > 0 else None,
+            **_terms(given, effects, point.omega),
         )
     except ValueError as error:
         raise BadInput(str(error), key="[damper]") from error
+
+
+def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
+    """What effects on the ball have to say of a damper, at a speed in rad/s."""
+    said = (kind.arguments(given, omega, effects[name].on) for name, kind in EFFECTS.items())
+    return {argument: value for each in said for argument, value in each.items()}
 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
@@ -158,7 +166,6 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
-    books = motion.energy
     return Damping(
         outcome=str(motion.outcome),
         impacts=motion.impacts,
@@ -176,11 +183,10 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         amplitude_g=found.amplitude / gravity,
         sdc=found.sdc,
         peak_velocity=found.peak_velocity,
-        energy=Energy(
-            books.initial, books.final, books.structure, books.rolling, books.impact, books.slip, books.residual
-        ),
+        energy=taken_over(Energy, motion.energy),
         modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
+        path=ball_path(motion) if keep else None,
     )
 
 

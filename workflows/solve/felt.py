@@ -8,10 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workflows.decisions.effects import Effect
-from workflows.decisions.of_the_ball import SCATTERED
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
-from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint
+from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint, rpm
 
 if TYPE_CHECKING:
     import damper
@@ -29,11 +28,6 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     load = omega**2 * rotor.radius / rotor.gravity
     return SpeedPoint(omega, rpm(omega), rotor.radius, load, reduced=reduced)
-
-
-def rpm(omega: float) -> float:
-    """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{omega * 30 / math.pi:.13g}")
 
 
 def ball_mass(scene: Scene, m2: float) -> float:
@@ -110,8 +104,8 @@ _STILL = 1e-6
 def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
-    Those that yield most along either axis, and the others that a hit feeds enough: by `SCATTERED`, the heaviest first
-    as far as there is room.
+    Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
+    first as far as there is room.
     """
     from damper.system import MODES
 
@@ -119,9 +113,9 @@ def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     if point.reduced is None or not modes:
         return ()
     leaders = {found.number for axis in range(2) if (found := leading(modes, axis)) is not None}
-    ball, asked = ball_mass(scene, point.reduced.M2), scene.accuracy.damping
+    ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
-    needed = [m for m in others if SCATTERED * ball * math.hypot(*m.shape) ** 2 > asked]
+    needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
     kept = leaders | {m.number for m in needed[: MODES - len(leaders)]}
     return tuple(_on_axis(m) for m in modes if m.number in kept)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene.file import SceneFile
-from workflows.solve import needs, reckoned
+from workflows.solve import at_the_cavity, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
@@ -22,12 +22,18 @@ if TYPE_CHECKING:
     from fem import Given
     from workflows.decisions.decided import Decided
     from workflows.scene.plate_mesh import Planform
-    from workflows.solve.records import Floats
+    from workflows.solve.records import Floats, SpeedPoint
 
 _UNKNOWNS = 2000, 8000
-"""Of the plates that are solved for this; the larger takes a second or two."""
+"""Of the plates that are solved for this; the larger takes a second or two, and is left out where it would not."""
+
+_LONGEST = 1.5
+"""Seconds that the smaller takes at most where the larger is solved as well."""
 
 _POWERS = 1.0, 1.5
+_ALONE = 1.2
+"""Power that is taken where one plate alone was solved."""
+
 _SHEARED = 0.1
 """Slope of cells that stand for such as are no rectangles."""
 
@@ -39,15 +45,17 @@ class Spent:
     unknowns: float
     search: float
     sweep: float
+    points: tuple[SpeedPoint, ...]
 
 
 @dataclass(frozen=True)
 class Known:
-    """What a plate takes: bytes, seconds at all speeds, and at the few of a small scene."""
+    """What a plate takes: bytes, seconds at all speeds, and at the few of a small scene; what it is like at those."""
 
     memory: float
     seconds: float
     once: float
+    points: tuple[SpeedPoint, ...]
 
 
 def known(source: SceneFile, small: SceneFile, decided: Decided, model: str) -> Known:
@@ -58,21 +66,25 @@ def known(source: SceneFile, small: SceneFile, decided: Decided, model: str) -> 
     """
     large, modes = decided.effects["large_deflection"].on, source.scene.rotor.modes
     meshes = reckoned.searched(source, decided, model)
-    spent = [_spent(small, decided, model, unknowns) for unknowns in _UNKNOWNS]
+    spent = [_spent(small, decided, model, _UNKNOWNS[0])]
+    if spent[0].search + spent[0].sweep <= _LONGEST:
+        spent.append(_spent(small, decided, model, _UNKNOWNS[1]))
     alone = large or modes > plate.MODES_FOLLOWED
     each = len(source.scene.rotor.speeds) / len(small.scene.rotor.speeds) if alone else 1.0
-    search = sum(_grown(spent, [one.search for one in spent], unknowns) for unknowns in meshes)
-    sweep = _grown(spent, [one.sweep for one in spent], meshes[-1])
+    sizes = [one.unknowns for one in spent]
+    search = sum(grown(sizes, [one.search for one in spent], unknowns) for unknowns in meshes)
+    sweep = grown(sizes, [one.sweep for one in spent], meshes[-1])
     memory = needs.of_a_plate(model, max(meshes), modes, large)
-    return Known(memory, search + each * sweep, search + sweep)
+    return Known(memory, search + each * sweep, search + sweep, spent[-1].points)
 
 
-def _grown(spent: list[Spent], seconds: list[float], unknowns: float) -> float:
+def grown(sizes: list[float], seconds: list[float], unknowns: float) -> float:
     """Seconds on so many unknowns, by a sum of powers with no negative part that goes through what is known."""
     from scipy.optimize import nnls
 
-    sizes = np.array([known.unknowns for known in spent])
-    shares, _ = nnls(_powers(sizes) / np.array(seconds)[:, None], np.ones(len(spent)))
+    if len(sizes) == 1:
+        return float(seconds[0] * (unknowns / sizes[0]) ** _ALONE)
+    shares, _ = nnls(_powers(np.array(sizes)) / np.array(seconds)[:, None], np.ones(len(sizes)))
     return float(_powers(np.array([unknowns]))[0] @ shares)
 
 
@@ -82,16 +94,20 @@ def _powers(sizes: Floats) -> Floats:
 
 def _spent(small: SceneFile, decided: Decided, model: str, unknowns: float) -> Spent:
     form, theory = decided.plate
-    alike = replace(decided, form=_alike(form, model, unknowns), theory=theory)
+    like = replace(decided, form=alike(form, model, unknowns), theory=theory)
     began = perf_counter()
-    discrete = plate.discretise(small, alike, Stages(visible=False))
+    discrete = plate.discretise(small, like, Stages(visible=False))
     searched = perf_counter()
+    operators = discrete.choice.operators
     diagram = plate.sweep(small, discrete)
-    plate.reduce(small, discrete.choice.operators, diagram)
-    return Spent(discrete.choice.operators.mass.shape[0], searched - began, perf_counter() - searched)
+    reduced = at_the_cavity.reduce(small, operators, diagram)
+    at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
+    swept = perf_counter()
+    points = plate_records.at_speeds(small, discrete, diagram, reduced, at_cavity)
+    return Spent(operators.mass.shape[0], searched - began, swept - searched, points)
 
 
-def _alike(form: Planform, model: str, unknowns: float) -> Given:
+def alike(form: Planform, model: str, unknowns: float) -> Given:
     """One mesh of about so many unknowns in cells like those of a planform, over all that encloses it."""
     from fem import Given, rectangle
     from fem.theory.kirchhoff import is_rectangles

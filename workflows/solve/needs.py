@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.errors import BadInput
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.plate_records import SHAPES_AT_MOST
+from workflows.solve.records import SHAPES_AT_MOST
 
 if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform

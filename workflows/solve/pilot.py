@@ -17,8 +17,8 @@ from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
 from workflows.errors import SpindampError
 from workflows.scene.file import SceneFile
+from workflows.solve import at_the_cavity, felt, likeness, needs, plate_records, reckoned
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, likeness, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from workflows.scene.plate_mesh import Planform
     from workflows.solve.plate_records import Discrete
 
-_UNKNOWNS, _PATIENCE = (4000, 16_000, 64_000), 5.0
+_UNKNOWNS, PATIENCE = (4000, 16_000, 64_000), 5.0
 """Up to which meshes are tried here, one after the other as long as the next should take no more seconds than that."""
 
 _GROWTH, _SLOWEST, _FASTEST = 1.2, 0.9, 1.6
@@ -93,7 +93,7 @@ def need(source: SceneFile, decided: Decided) -> Need:
     """Reckon what a run of a scene takes.
 
     Raises:
-        BadInput, NoAnswer: what a run would raise.
+        BadInput, NoAnswer: what a run would raise, or its first meshes already ask for too much memory.
     """
     small = _small(source)
     if decided.form is None:
@@ -116,9 +116,11 @@ def _small(source: SceneFile) -> SceneFile:
 
 def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
-    slowness = reckoned.pace()  # also loads what solves plates
     (form, _), model = decided.plate, plate.model(source, decided)
     first = reckoned.first_unknowns(source, form, model)
+    memory, _ = reckoned.reckon(source, decided.effects, model, first, 1.0)
+    needs.refuse(source, needs.BASE + memory + needs.of_lines(source.scene), 0.0)
+    slowness = reckoned.pace()  # also loads what solves plates
     found: _Trial | None = None
     if first > _UNKNOWNS[0]:
         try:
@@ -126,10 +128,10 @@ def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple
         except (SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
             last = reckoned.searched(source, decided, model)[-1]
             return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
-        if first > _UNKNOWNS[-1] or alike.once > _PATIENCE:
-            return (), alike.memory, alike.seconds
+        if first > _UNKNOWNS[-1] or alike.once > PATIENCE:
+            return alike.points, alike.memory, alike.seconds
     for most in (size for size in _UNKNOWNS if size >= first):
-        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= _PATIENCE:
+        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= PATIENCE:
             break
         found = _tried(source, small, decided, most, found)
         if found.last:
@@ -160,8 +162,8 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
-        reduced = plate.reduce(small, operators, diagram)
-        at_cavity = plate.cavity_modes(small, decided.effects, operators, diagram, reduced)
+        reduced = at_the_cavity.reduce(small, operators, diagram)
+        at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
         swept = perf_counter()
 
     large, model = operators.effects.large_deflection, operators.model.theory
@@ -173,14 +175,14 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
         power = min(max(log(spent / before.spent) / log(here / before.unknowns), _SLOWEST), _FASTEST)
     search = (searched - began) * (1.0 if there == here else _SEARCH)
     seconds = (search + (swept - searched) * each) * (there / here) ** power
-    numbers = [int((diagram.omega == omega).argmax()) for omega in small.scene.rotor.speeds if omega in diagram.omega]
-    points = plate_records.points(small, discrete, diagram, numbers, reduced, at_cavity)
+    points = plate_records.at_speeds(small, discrete, diagram, reduced, at_cavity)
     return _Trial(here, spent, points, needs.of_a_plate(model, there, scene.rotor.modes, large), seconds, there == here)
 
 
 def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
     """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
-    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, SURE, next_size
+    from fem.accuracy.budget import SURE
+    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
 
     choice = discrete.choice
     left = dict(choice.tried).get(choice.size, 0.0)  # without what no mesh takes away, which the search leaves out
@@ -203,11 +205,13 @@ def _damper(
     asked = None if isinstance(release.cycles, str) else release.cycles
     few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
     scene = small.scene.model_copy(update={"release": few})
-    ringdowns.simulate(scene, effects, points[:1], Stages(visible=False))  # loads and compiles
     began = perf_counter()
-    found = ringdowns.simulate(scene, effects, points, Stages(visible=False))
-    spent = (perf_counter() - began) / len(points)
-    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(points)
+    ringdowns.simulate(scene, effects, points[:1], Stages(visible=False))  # loads and compiles
+    tried = points if perf_counter() - began <= PATIENCE else points[-1:]
+    began = perf_counter()
+    found = ringdowns.simulate(scene, effects, tried, Stages(visible=False))
+    spent = (perf_counter() - began) / len(tried)
+    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(tried)
     speeds = len(source.scene.rotor.speeds)
     more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
     return speeds * cycles * more, speeds * spent * more

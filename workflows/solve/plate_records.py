@@ -7,18 +7,35 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.decisions.left_out import LeftOut
+from workflows.decisions import effects as rules
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile
-from workflows.solve.felt import rpm
-from workflows.solve.records import CavityMode, Diagram, ErrorParts, Floats, Mode, Reduced, SpeedPoint, Surface
+from workflows.solve.records import (
+    SHAPES_AT_MOST,
+    CavityMode,
+    Diagram,
+    ErrorParts,
+    Floats,
+    Mode,
+    Reduced,
+    SpeedPoint,
+    Surface,
+    rpm,
+)
 
 if TYPE_CHECKING:
     import fem
 
-SHAPES_AT_MOST = 20
-"""Speeds whose mode shapes are kept for pictures and files."""
+_EFFECTS = tuple(name for name in rules.NAMES if name in ErrorParts.__annotations__)
+"""Parts of an error that are what an effect left out would move."""
+
+SMOOTH, _PARTS = 900, 4
+"""Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
+
+_NOTHING = 1e-7
+"""Part of a shape's largest displacement that no picture shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +50,18 @@ class Discrete:
     mesh: str
     layers: float
     left_out: dict[str, LeftOut] = field(default_factory=dict)
+
+
+def at_speeds(
+    source: SceneFile,
+    discrete: Discrete,
+    diagram: fem.Campbell,
+    reduced: list[Reduced | None],
+    at_cavity: list[tuple[CavityMode, ...]],
+) -> tuple[SpeedPoint, ...]:
+    """Modes and what the damper feels at the scene's own speeds, as far as the sweep has them."""
+    numbers = [int((diagram.omega == omega).argmax()) for omega in source.scene.rotor.speeds if omega in diagram.omega]
+    return points(source, discrete, diagram, numbers, reduced, at_cavity)
 
 
 def points(
@@ -94,7 +123,7 @@ def _errors(discrete: Discrete, omega: float, bounds: Floats, theory: Floats) ->
             layers=discrete.layers,
             basis=float(bounds[k]),
             theory=float(theory[k]),
-            **{name: _share(left_out.get(name), k) for name in ("large_deflection", "coriolis")},
+            **{name: _share(left_out.get(name), k) for name in _EFFECTS},
         )
         for k in range(bounds.size)
     ]
@@ -109,11 +138,36 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int],
     from fem import displacement
 
     kept = _kept(len(numbers))
-    shapes = displacement(operators, np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept]))
+    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
+    found = _shaped(operators, operators.plate.mesh, displacement(operators, unknowns), kept)
+    return replace(found, finer=_finer(operators, unknowns, kept))
+
+
+def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, kept: tuple[int, ...]) -> Surface:
+    """A mesh with displacements (shapes, n, 3), as many at each of the speeds kept."""
     by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
-    found = bare(operators.plate.mesh)
-    return replace(found, shapes=by_speed.real, at=kept, thickness=_thickness(operators.plate), behind=behind)
+    thickness = _thickness(operators.plate, mesh)
+    return replace(bare(mesh), shapes=by_speed.real, at=kept, thickness=thickness, behind=behind)
+
+
+def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) -> Surface | None:
+    """The surface with each side of a cell in as many parts as `SMOOTH` points allow; None where that is one.
+
+    For pictures: in single precision, and without what rounding leaves.
+    """
+    from fem.operators.between_vertices import between
+
+    mesh = operators.model.mesh
+    points = mesh.t.shape[1] if mesh.t.shape[0] == 4 else mesh.t.shape[1] / 2
+    parts = min(int(np.sqrt(SMOOTH / points)), _PARTS)
+    if parts < 2:
+        return None
+    found = between(operators, unknowns, parts)
+    shapes = found.displacement
+    shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
+    small = shapes.astype(np.complex64 if np.iscomplexobj(shapes) else np.float32)
+    return replace(_shaped(operators, found.mesh, small, kept), lines=found.lines)
 
 
 def bare(mesh: Any) -> Surface:
@@ -126,11 +180,10 @@ def bare(mesh: Any) -> Surface:
     return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
-def _thickness(plate: fem.Plate) -> Floats | None:
-    """The thickness [m] at the mesh's points, (n,), where it varies."""
+def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
+    """The thickness [m] at a mesh's points, (n,), where it varies."""
     if isinstance(plate.thickness, float | int):
         return None
-    mesh = plate.mesh
     found = np.zeros(mesh.p.shape[1])
     found[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
     return found

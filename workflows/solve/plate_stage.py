@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,15 +11,16 @@ from workflows.decisions import theorising
 from workflows.decisions.answering import answering
 from workflows.decisions.decided import Decided
 from workflows.decisions.effects import Effect
-from workflows.decisions.left_out import LeftOut
 from workflows.decisions.theorising import Theory
+from workflows.effects.left_out import LeftOut
+from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import needs, plate_records
+from workflows.solve import at_the_cavity, needs, plate_records
 from workflows.solve.plate_records import Discrete
-from workflows.solve.records import CavityMode, Diagram, Reduced, SpeedPoint, Surface
+from workflows.solve.records import Diagram, SpeedPoint, Surface
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
@@ -40,16 +39,6 @@ all speeds between. Beyond, they take several, or are solved one by one."""
 
 _FEW_STEPS = 12
 """Speeds by which modes are followed there."""
-
-_BASIS, _LEAST_BASIS = 1e-3, 1e-7
-"""Error of a frequency that the reduced basis may add, as a part of what the mesh may leave, but not below the other:
-finer it would be lost in rounding."""
-
-_LEAST_OF_THE_MESH = 0.25
-"""Least part of the accuracy asked for that a mesh is chosen by."""
-
-_TAKEN = 0.65
-"""Part of its tolerance that the error of a chosen mesh takes (`fem.accuracy.choose_mesh`)."""
 
 _FOR_BENDING = 4
 """Modes that are looked through for the first bending mode."""
@@ -110,8 +99,8 @@ def points_on(
         with stages("modes"):
             diagram = sweep(source, discrete)
         with stages("reduction"):
-            reduced = reduce(source, discrete.choice.operators, diagram)
-            at_cavity = cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+            reduced = at_the_cavity.reduce(source, discrete.choice.operators, diagram)
+            at_cavity = at_the_cavity.cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
     numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
     with stages("modes"):
@@ -134,9 +123,7 @@ def discretise(
 
     scene, effects = source.scene, decided.effects
     form, theory = decided.plate
-    # The mesh's errors hardly depend on Coriolis forces, which make modes many times dearer.
-    names = ("stress_stiffening", "spin_softening", "large_deflection", "rotary_inertia")
-    plain = Effects(**{name: effects[name].on for name in names})
+    plain = Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
     rotor = plate_mesh.rotor(scene)
     model, layers = _with_layers(source, form, theory)
 
@@ -154,7 +141,8 @@ def discretise(
         choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
     try:
-        tolerance = _of_the_mesh(scene.accuracy.frequency, layers + (theory.model_error or 0.0), effects)
+        left_out = sum(found.largest for found in _left_out(effects).values())
+        tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
         fit = needs.most_unknowns(source, form, model, plain.large_deflection)
         speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
         choice = choose_mesh(form, build, speeds, modes, tolerance, limit)
@@ -169,12 +157,6 @@ def discretise(
     return Discrete(choice, theory, described, layers, _left_out(effects))
 
 
-def _of_the_mesh(asked: float, theory: float, effects: dict[str, Effect]) -> float:
-    """What of the accuracy is left to the mesh; where too little is, the mesh keeps to all of it by itself."""
-    left = asked - theory - sum(found.largest for found in _left_out(effects).values())
-    return min(left / _TAKEN, asked) if left >= _LEAST_OF_THE_MESH * asked else asked
-
-
 def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
     return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
@@ -186,7 +168,7 @@ def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:
         return theorising.model(theory.name, scene), 0.0
-    return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.accuracy.frequency)
+    return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.budget.layers)
 
 
 def model(source: SceneFile, decided: Decided) -> str:
@@ -201,10 +183,9 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
     if not one_by_one(scene, operators):
-        speeds = np.union1d(speeds, _steps(speeds.min(), speeds.max(), discrete.choice.rates))
+        speeds = np.union1d(speeds, steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    tolerance = max(_BASIS * scene.accuracy.frequency, _LEAST_BASIS)
-    return campbell(operators, speeds, count, tolerance=tolerance, states=discrete.choice.states)
+    return campbell(operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states)
 
 
 def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
@@ -212,7 +193,7 @@ def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
     return operators.effects.large_deflection or scene.rotor.modes > MODES_FOLLOWED
 
 
-def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
+def steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
     """Speeds between low and high in rad/s: evenly, or such that modes that are stiffened much grow by like factors.
 
     rates: (k, count), of the modes at the lowest speed and the highest, as far as they are known.
@@ -222,84 +203,3 @@ def _steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:
         return np.linspace(low, high, _STEPS)
     share = (growth ** np.linspace(0.0, 1.0, _FEW_STEPS + 2)[1:-1] - 1.0) / (growth - 1.0)
     return np.sqrt(low**2 + share * (high**2 - low**2))
-
-
-def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
-    """What the damper feels at each speed of the diagram; nothing without a damper.
-
-    Raises:
-        BadInput: the damper's place, or too few modes to find the bending mode among.
-    """
-    if source.scene.damper is None:
-        return [None] * diagram.omega.size
-    return with_ball(source, reduction(source, operators, diagram))
-
-
-def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
-    """What the damper of a scene feels on a plate that may carry others."""
-    damper = source.scene.damper
-    if damper is None:
-        raise ValueError("the scene has no [damper]")
-    with _placed(source):
-        found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
-
-
-def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
-    """The plate at the damper's place, for balls of any mass.
-
-    Raises:
-        BadInput: the damper's place, or too few modes to find the bending mode among.
-    """
-    from fem import Reduction
-
-    with _placed(source):
-        return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
-
-
-@contextmanager
-def _placed(source: SceneFile) -> Iterator[None]:
-    """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
-    from fem import NoFlapMode, PlaceError
-
-    try:
-        yield
-    except PlaceError as error:
-        raise plate_mesh.off_the_plate(source, error) from error
-    except NoFlapMode as error:
-        modes = source.scene.rotor.modes
-        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
-
-
-def cavity_modes(
-    source: SceneFile,
-    effects: dict[str, Effect],
-    operators: fem.Operators,
-    diagram: fem.Campbell,
-    reduced: list[Reduced | None],
-) -> list[tuple[CavityMode, ...]]:
-    """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
-    from fem import modes_at
-
-    balls = [0.0 if found is None else found.M1 - found.M2 for found in reduced]
-    if source.scene.damper is None or not effects["structural_modes"].on:
-        return [()] * len(balls)
-    found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
-    return [
-        tuple(
-            CavityMode(
-                number=k + 1,
-                stiffness=float(found.stiffness[n, k]),
-                shape=_both(found.shape[n, :, k]),
-                slope=_both(found.slope[n, :, k]),
-                drawn=_both(found.drawn[n, :, k]),
-                pressed=float(found.pressed[n, k]),
-            )
-            for k in range(found.stiffness.shape[1])
-        )
-        for n in range(found.stiffness.shape[0])
-    ]
-
-
-def _both(pair: np.ndarray) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])

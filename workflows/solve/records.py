@@ -1,10 +1,13 @@
-"""What a run hands on: frozen records, SI inside, from the stages to the writers."""
+"""What a run hands on: frozen records, SI inside, from the stages to the writers.
+
+Records of the structure and of the damper at one speed have modules of their own and are had from here.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -12,175 +15,48 @@ import numpy.typing as npt
 from workflows.decisions.effects import Effect
 from workflows.decisions.theorising import Theory
 from workflows.scene.scene import Scene
+from workflows.solve.damper_records import (
+    BallPath,
+    CutOff,
+    Damping,
+    Energy,
+    Figures,
+    Floats,
+    History,
+    OwnFigures,
+    Pendulum,
+)
+from workflows.solve.quantity import Part, Quantity
+from workflows.solve.structure_records import CavityMode, ErrorParts, Mode, Reduced
 
-if TYPE_CHECKING:
-    from damper import Working
+__all__ = [
+    "SHAPES_AT_MOST",
+    "BallPath",
+    "CavityMode",
+    "CutOff",
+    "Damping",
+    "Diagram",
+    "Energy",
+    "ErrorParts",
+    "Figures",
+    "Floats",
+    "History",
+    "Mode",
+    "OwnFigures",
+    "Pendulum",
+    "Reduced",
+    "Results",
+    "SpeedPoint",
+    "Surface",
+    "expect",
+    "rpm",
+    "shown",
+]
 
-Floats = npt.NDArray[np.float64]
+_OWN = "working"
 
-
-@dataclass(frozen=True)
-class ErrorParts:
-    """What the relative error of a frequency is estimated to consist of, each without sign.
-
-    Attributes:
-        mesh: left by the mesh; None where unknown.
-        layers: left by the layers of a solid.
-        basis: added by the reduced basis that answers many speeds, at most.
-        theory: of the plate theory against a solid.
-        large_deflection, coriolis: what these would move, where they are left out; None where that is not known.
-    """
-
-    mesh: float | None
-    layers: float
-    basis: float
-    theory: float
-    large_deflection: float | None
-    coriolis: float | None
-
-    @property
-    def whole(self) -> float | None:
-        """The sum; None where the mesh's part is not known."""
-        if self.mesh is None:
-            return None
-        left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0)
-        return self.mesh + self.layers + self.basis + self.theory + left_out
-
-
-@dataclass(frozen=True)
-class Mode:
-    """A mode of the plate at one speed.
-
-    The error is the relative one of the model as a whole, None where unknown, and is made up of the parts; the damping
-    ratio is that of a complex mode. The branch is the number of the mode at the lowest speed that this one continues.
-    """
-
-    frequency_hz: float
-    family: str
-    error_parts: ErrorParts | None = None
-    damping_ratio: float | None = None
-    branch: int = 0
-
-    @property
-    def error_estimate(self) -> float | None:
-        """Relative error of the frequency, all parts together."""
-        return None if self.error_parts is None else self.error_parts.whole
-
-
-@dataclass(frozen=True)
-class Reduced:
-    """The structure as the damper feels it, at its place.
-
-    Attributes:
-        f1_hz, M1, K1: frequency, mass and stiffness with the ball stuck.
-        f2_hz, M2, K2: the same without the ball.
-        floor_tilt: slope over displacement of the cavity's floor as the structure bends [1/m].
-    """
-
-    f1_hz: float
-    M1: float
-    K1: float
-    f2_hz: float
-    M2: float
-    K2: float
-    floor_tilt: float = 0.0
-
-
-@dataclass(frozen=True)
-class CavityMode:
-    """A mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes.
-
-    Attributes:
-        number: of the mode, from 1.
-        stiffness: modal, under the ball's pull but without its inertia [N/m].
-        shape: displacement of the cavity [-]; slope: of its floor [1/m].
-        drawn: force by a unit acceleration of the root along the axes, but for its sign [kg].
-        pressed: force by a unit pressure all over the plate [m²].
-    """
-
-    number: int
-    stiffness: float
-    shape: tuple[float, float]
-    slope: tuple[float, float]
-    drawn: tuple[float, float] = (0.0, 0.0)
-    pressed: float = 0.0
-
-
-@dataclass(frozen=True)
-class CutOff:
-    """Amplitude of the last cycle in which the ball moved, over g and over the load; None where it never moves."""
-
-    g: float | None
-    ratio: float | None
-
-
-@dataclass(frozen=True)
-class Pendulum:
-    """A ball in a hollow floor: frequency along each of the damper's axes [Hz], 0 where it finds no way back.
-
-    `order`: over the rotation's frequency; it is the same at all speeds.
-    """
-
-    frequency_hz: tuple[float, float]
-    order: tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Where the energy went [J]; `residual` is what the books do not explain."""
-
-    initial: float
-    final: float
-    structure: float
-    rolling: float
-    impact: float
-    slip: float
-    residual: float
-
-    @property
-    def ball_share(self) -> float:
-        """Share of the energy lost that the ball took, by rolling, impact and slip."""
-        ball = self.rolling + self.impact + self.slip
-        lost = ball + self.structure
-        return ball / lost if lost > 0 else 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class History:
-    """The structure's motion, sampled: t (n,) [s], velocity (n, 2) [m/s]."""
-
-    t: Floats = field(repr=False)
-    velocity: Floats = field(repr=False)
-
-
-@dataclass(frozen=True, eq=False)
-class Damping:
-    """One ring-down. `amplitude_g`, `sdc` and `peak_velocity` hold a value per vibration cycle.
-
-    `stopped` is when the ball came to rest for good [s], None where it did not (yet); the cut-off is the amplitude
-    of the last cycle in which it moved. `modal_energies` [J] are those left at the end in the plate's modes, by number,
-    where they are simulated.
-    """
-
-    outcome: str
-    impacts: int
-    events: int
-    duration: float
-    stopped: float | None
-    ball_mass: float
-    release: tuple[float, float]
-    intrinsic_sdc: float
-    peak_sdc: float | None
-    peak_sdc_at_g: float | None
-    cutoff_g: float | None
-    cutoff_ratio: float | None
-    largest_rolling_demand: float | None
-    amplitude_g: Floats = field(repr=False)
-    sdc: Floats = field(repr=False)
-    peak_velocity: Floats = field(repr=False)
-    energy: Energy
-    modal_energies: dict[int, float] = field(default_factory=dict)
-    history: History | None = None
+SHAPES_AT_MOST = 20
+"""Speeds whose mode shapes are kept for pictures and files."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,20 +73,61 @@ class SpeedPoint:
     """
 
     omega: float
-    rpm: float
+    rpm: Annotated[float, Quantity("rpm", "rotation speed")]
     radius: float
-    load_g: float
-    modes: tuple[Mode, ...] = ()
-    reduced: Reduced | None = None
-    cavity_modes: tuple[CavityMode, ...] = ()
-    damping: Damping | None = None
-    working: Working | None = None
-    level: Working | None = None
-    tilted: CutOff | None = None
-    pendulum: Pendulum | None = None
+    load_g: Annotated[float, Quantity("g", "centrifugal acceleration at the damper", headline=True)]
+    modes: Annotated[tuple[Mode, ...], Part(along="mode", always=True)] = ()
+    reduced: Annotated[Reduced | None, Part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
+    cavity_modes: Annotated[
+        tuple[CavityMode, ...],
+        Part(
+            "a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes",
+            prefix="cavity_",
+            along="cavity_mode",
+        ),
+    ] = ()
+    damping: Annotated[Damping | None, Part("the ring-down of the scene's release", "damper")] = None
+    working: Annotated[
+        OwnFigures | None,
+        Part(
+            "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
+            " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
+        ),
+    ] = None
+    level: Annotated[
+        Figures | None,
+        Part(
+            "the same figures on a floor that stays level, where the scene keeps it so; else null",
+            "level_floor",
+            prefix="level_",
+            always=True,
+            within=_OWN,
+            headline=False,
+        ),
+    ] = None
+    tilted: Annotated[CutOff | None, Part(prefix="tilted_cutoff_", inline=True, within=_OWN)] = None
+    pendulum: Annotated[
+        Pendulum | None,
+        Part(
+            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
+            prefix="pendulum_",
+            within=_OWN,
+        ),
+    ] = None
 
     @property
-    def tilt_share(self) -> float:
+    def tilt_share(
+        self,
+    ) -> Annotated[
+        float,
+        Quantity(
+            "1",
+            "share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
+            "floor_tilt_share",
+            within=_OWN,
+            headline=True,
+        ),
+    ]:
         """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
         if self.reduced is None:
             return 0.0
@@ -229,6 +146,8 @@ class Surface:
         at: which of the run's speeds the first axis of `shapes` holds.
         thickness: at the points, (n,) [m], where it varies.
         behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
+        finer: the same with points between the mesh's, where these are too few for a smooth picture; its `lines` are
+            the edges of the mesh's cells, (k, 2).
     """
 
     points: Floats = field(repr=False)
@@ -239,6 +158,8 @@ class Surface:
     at: tuple[int, ...]
     thickness: Floats | None = field(default=None, repr=False)
     behind: Floats | None = field(default=None, repr=False)
+    finer: Surface | None = field(default=None, repr=False)
+    lines: npt.NDArray[np.int64] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -277,6 +198,11 @@ class Results:
     mesh_sha256: str | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
+
+
+def rpm(omega: float) -> float:
+    """Revolutions per minute, without the last digits that the conversion leaves behind."""
+    return float(f"{omega * 30 / math.pi:.13g}")
 
 
 def shown(points: tuple[SpeedPoint, ...]) -> int:

@@ -15,7 +15,7 @@ from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import significant, whole
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
-_FINEST = 1e-5
+FINEST = 1e-5
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Pick
     known = decide(source, Stages(visible=False)).theory
     theory = None if known is None else known.name
     step.advance("reference")
-    finest = pipeline.run(_asking(source, _FINEST, theory), Stages(visible=False))
+    finest = pipeline.run(_asking(source, FINEST, theory), Stages(visible=False))
     shown = records.shown(finest.speeds)
     runs: dict[float, tuple[Rung, Results | None]] = {}
     for asked in ASKED:
@@ -60,7 +60,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Pick
             Ladder(
                 f"whole pipeline: {quantity.name}",
                 f"relative error of the {quantity.name} at {whole(rpm)} rpm",
-                f"the same scene and theory with an accuracy of {_FINEST:g}{_trust(finest, shown)}",
+                f"the same scene and theory with an accuracy of {FINEST:g}{_trust(finest, shown)}",
                 tuple(rows),
             )
         )

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 _TIMED_SPEEDS = 5
 """Speeds solved by themselves; what all would take is reckoned from them."""
 
-_SPEEDS = 1000
+SPEEDS = 1000
 _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
-_SOLID_AT_MOST = 40_000
+SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""
 
 WITH_THEORY = "plate, with the error of the theory"
@@ -154,7 +154,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
     from fem import campbell, solve_modes
 
-    omega = np.linspace(0.0, top, _SPEEDS) if top > 0 else np.zeros(1)
+    omega = np.linspace(0.0, top, SPEEDS) if top > 0 else np.zeros(1)
     tried = omega[np.unique(np.linspace(0, omega.size - 1, _TIMED_SPEEDS + 2).round().astype(int)[1:-1])]
     direct = np.array([solve_modes(operators, float(w), count).frequencies_hz for w in tried])
 
@@ -209,7 +209,7 @@ def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> t
             raise ValueError("there is no reference: the mesh is too large for a finer one")
         return solved[0], float(np.abs(solved[1] / limit - 1.0).max())
 
-    if method.theory == "solid" and _unknowns(problem, method, size) > _SOLID_AT_MOST:
+    if method.theory == "solid" and _unknowns(problem, method, size) > SOLID_AT_MOST:
         reason = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
         return Rung(method.name, _setting(problem, size), failed=reason), None
     if method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
@@ -245,7 +245,7 @@ def _finest(problem: Problem, method: Method) -> list[int]:
         most = 4 if method.theory == "mindlin" else 2
     tried = [size for size in problem.form.sizes if size <= most]
     if method.theory == "solid":
-        tried = [size for size in tried if _unknowns(problem, method, size) <= _SOLID_AT_MOST]
+        tried = [size for size in tried if _unknowns(problem, method, size) <= SOLID_AT_MOST]
     return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, Rectangle) else tried[-2:]
 
 

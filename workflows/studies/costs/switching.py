@@ -8,8 +8,9 @@ from typing import Any
 from workflows import pipeline
 from workflows.decisions import effects as rules
 from workflows.decisions.decided import decide
-from workflows.decisions.effects import OF_THE_PLATE, Effect
-from workflows.decisions.left_out import Called
+from workflows.decisions.effects import Effect
+from workflows.effects.left_out import Called
+from workflows.effects.table import EFFECTS
 from workflows.errors import SpindampError
 from workflows.scene.file import SceneFile
 from workflows.solve import plate_stage as plate
@@ -18,9 +19,6 @@ from workflows.stages import Stages
 from workflows.studies.costs.changes import changes
 from workflows.studies.costs.ladder import machine
 from workflows.studies.costs.timing import POLICY_OF_DIFFERENCES, compared
-
-_PART_OF = {"large_deflection": "stress_stiffening"}
-"""Effects that make no sense without another."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +113,7 @@ def _switched(
     called_for, why, _ = called[name]
     on = decided[name].on
     row = Switched(name, called_for, why, on)
-    belongs_to = "plate" if name in OF_THE_PLATE else "damper"
+    belongs_to = EFFECTS[name].of
     if getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
     switches, together = _switches(name, decided)
@@ -139,7 +137,7 @@ def _switched(
 def _switches(name: str, decided: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
     """An effect the other way, with those that must go with it, and these in words."""
     switches, together = {name: not decided[name].on}, []
-    for part, whole in _PART_OF.items():
+    for part, whole in ((part, kind.part_of) for part, kind in EFFECTS.items() if kind.part_of):
         if name == whole and decided[whole].on and decided[part].on:
             switches[part] = False
             together.append(f"together with {part}, which needs it")

@@ -10,14 +10,14 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-_RUNS = 5
+RUNS = 5
 _LONG = 1.0
 """Seconds from which once, after the warm-up, is enough."""
 
-_TOO_LONG = 4.0
+TOO_LONG = 4.0
 """Seconds from which the first run is the only one."""
 
-_PAIRS, _FEWER, _FEWEST = 7, 3, 2
+PAIRS, FEWER, FEWEST = 7, 3, 2
 """Pairs of runs by which two pieces of work are compared: of short ones, of long ones, of those that take too long."""
 
 POLICY = (
@@ -46,9 +46,9 @@ class Timed(Generic[T]):
 def timed(work: Callable[[], T]) -> Timed[T]:
     """Run some work often enough to know what it takes."""
     value, first = _once(work)
-    if first >= _TOO_LONG:
+    if first >= TOO_LONG:
         return Timed(value, first, first, first)
-    seconds = [_once(work)[1] for _ in range(1 if first >= _LONG else _RUNS)]
+    seconds = [_once(work)[1] for _ in range(1 if first >= _LONG else RUNS)]
     return Timed(value, statistics.median(seconds), min(seconds), max(seconds))
 
 
@@ -70,7 +70,7 @@ class Compared(Generic[T]):
 def compared(work: Callable[[], T], other: Callable[[], object]) -> Compared[T]:
     """Time some work in turns with other that is warm already, so that a busy machine slows both."""
     value, first = _once(work)
-    count = _PAIRS if first < _LONG else _FEWER if first < _TOO_LONG else _FEWEST
+    count = PAIRS if first < _LONG else FEWER if first < TOO_LONG else FEWEST
     pairs = [(_once(work)[1], _once(other)[1]) for _ in range(count)]
     extra = [mine - its for mine, its in pairs]
     seconds, others = (statistics.median(column) for column in zip(*pairs, strict=True))

@@ -20,7 +20,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import damper_stage, felt, needs, plate_records
 from workflows.solve import plate_stage as plate
 from workflows.solve.plate_records import Discrete
-from workflows.solve.records import CavityMode, Floats, Results, SpeedPoint, Surface
+from workflows.solve.records import CavityMode, Floats, Results, SpeedPoint, Surface, rpm
 from workflows.stages import Stages
 from workflows.studies.response import crossings, driven
 from workflows.studies.response.crossings import Crossing
@@ -308,7 +308,7 @@ def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float
     run = ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
     times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
     history = sample(run, times)
-    return Path(felt.rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
+    return Path(rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
 
 
 def peak(found: Through, force: int) -> tuple[int, int]:

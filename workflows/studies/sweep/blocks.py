@@ -13,7 +13,8 @@ from workflows.errors import BadInput, SpindampError, one_line
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import damper_stage, felt
-from workflows.solve.records import Results, SpeedPoint
+from workflows.solve.quantity import taken_over
+from workflows.solve.records import OwnFigures, Results, SpeedPoint
 from workflows.studies.sweep import quantities, scenes
 from workflows.studies.sweep.keys import SPEEDS
 from workflows.studies.sweep.plans import Plan
@@ -137,7 +138,8 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how
 
 
 def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
-    point = replace(each.point, working=measured(each.judged, known, **how))
+    figures = taken_over(OwnFigures, measured(each.judged, known, **how))
+    point = replace(each.point, working=figures)
     results = Results(each.scene, each.carried.effects, (point,), surface=each.carried.surface)
     quantities.of_the_damper(row, results, point)
 

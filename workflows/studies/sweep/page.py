@@ -21,7 +21,7 @@ _FIGURES = (
     ("range_high", "half is left up to, mm", 1e3),
     ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
     ("ball_mass", "mass of the balls, g", 1e3),
-    ("error", "error of the damping ratio, %", 100.0),
+    ("working_error", "error of the damping ratio, %", 100.0),
 )
 """What the page says of the best point."""
 

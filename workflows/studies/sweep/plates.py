@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from workflows.decisions import effects as rules
 from workflows.decisions.answering import answering
 from workflows.decisions.decided import decide
-from workflows.decisions.effects import OF_THE_PLATE, Effect
+from workflows.decisions.effects import OF_THE_DAMPER, OF_THE_PLATE, Effect
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import felt, plate_records, plate_stage
+from workflows.solve import at_the_cavity, felt, plate_records, plate_stage
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.stages import Stages
@@ -50,8 +50,8 @@ class Solved:
                 self.carrying.clear()
             operators = self.discrete.choice.operators
             with answering(source):
-                reduced = plate_stage.with_ball(source, self.reduction)
-                at_cavity = plate_stage.cavity_modes(source, effects, operators, self.diagram, reduced)
+                reduced = at_the_cavity.with_ball(source, self.reduction)
+                at_cavity = at_the_cavity.cavity_modes(source, effects, operators, self.diagram, reduced)
             self.carrying[key] = tuple(
                 replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
                 for point, number in zip(self.points, self.numbers, strict=True)
@@ -124,7 +124,7 @@ def solve(source: SceneFile) -> Solved:
         numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
         none: list[None] = [None] * diagram.omega.size
         points = plate_records.points(source, discrete, diagram, numbers, [*none], [() for _ in none])
-        reduction = plate_stage.reduction(source, discrete.choice.operators, diagram)
+        reduction = at_the_cavity.reduction(source, discrete.choice.operators, diagram)
         surface = None
         if source.mesh is not None:
             surface = plate_records.surface(discrete.choice.operators, diagram, numbers[:1], 1)
@@ -135,8 +135,7 @@ def solve(source: SceneFile) -> Solved:
 def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
     """The effects of a scene's damper, decided as in a run."""
     found = {}
-    for name, rule in rules.OF_THE_BALL.items():
-        called, why = rule(scene, form)
+    for name, (called, why, _) in rules.called_for(scene, form, OF_THE_DAMPER).items():
         asked = getattr(scene.effects, name)
         found[name] = Effect(called if asked == "auto" else asked is True, why)
     return found

@@ -31,7 +31,7 @@ from workflows.studies.sweep.plates import Plates
 if TYPE_CHECKING:
     import xarray as xr
 
-_LEAST, _MOST, _MANY = 256, 4096, 1024
+LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a shard, and the number of shards above which they grow."""
 
 DATA = "sweep.zarr"
@@ -61,7 +61,7 @@ class Study:
     @cached_property
     def size(self) -> int:
         """Points of a shard."""
-        points, size = plans.size(self.plan), _LEAST
+        points, size = plans.size(self.plan), LEAST
         while size < _MOST and size * _MANY < points:
             size *= 2
         return size

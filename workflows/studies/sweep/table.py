@@ -84,7 +84,7 @@ def _coordinates(plan: Plan, along_axes: Along, first: str, begin: int, end: int
         mine = values[begin:end] if along == first else values
         found[name] = (along, _array(mine), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            from workflows.solve.felt import rpm
+            from workflows.solve.records import rpm
 
             found["rpm"] = (along, np.array([rpm(float(value)) for value in mine]), {"units": "rpm"})
     return found

@@ -1,4 +1,4 @@
-"""Whether Coriolis forces move the modes: decided from the coupling of the modes found on a coarse mesh."""
+"""Coriolis forces: decided from the coupling of the modes found on a coarse mesh; with them modes are complex."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.decisions.left_out import Called, LeftOut, everywhere
+from workflows.effects.definition import AT_REST, GIVEN, Case, Definition
+from workflows.effects.left_out import Called, LeftOut, everywhere
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.wording import significant
@@ -19,8 +20,8 @@ CELLS_PER_MODE = 10
 """Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.coriolis.UNCERTAIN`)."""
 
 
-def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
-    """Whether Coriolis forces move a frequency of a plate that spins by more than the accuracy asked for, and why.
+def called_for(case: Case) -> Called:
+    """Where they move a frequency of a plate that spins by more than the accuracy asked for.
 
     What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
     lowers it by 2 (Omega / w)², two modes in the limit of a low one. Where that is less, and the scene leaves it open,
@@ -29,6 +30,13 @@ def coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Cal
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
+    scene = case.scene
+    if scene.plate is None or scene.material is None:
+        return GIVEN
+    return _moves(scene, case.form, case.on["large_deflection"]) if case.spins else AT_REST
+
+
+def _moves(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
     asked, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
     moved = _by_stretching(scene, form)
     if moved > asked:
@@ -86,3 +94,13 @@ def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turn
 
 def _percent(part: float) -> str:
     return significant(100 * part, 1)
+
+
+EFFECT = Definition(
+    "plate",
+    called_for,
+    "Coriolis forces",
+    after=("large_deflection",),
+    on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
+    costs=("fem.plate.rotor.Rotor.spin", "fem.modes.solve.solve_gyroscopic"),
+)

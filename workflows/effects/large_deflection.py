@@ -1,4 +1,4 @@
-"""Whether the static state moves the modes: large deflection, decided from the state that the load leaves."""
+"""Large deflection: the modes are those about the plate as the load bends or twists it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.decisions.left_out import Called, LeftOut, everywhere
+from workflows.effects.definition import AT_REST, GIVEN, Assumption, Case, Definition, Refusal
+from workflows.effects.left_out import Called, LeftOut, everywhere
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.wording import significant
@@ -16,9 +17,6 @@ from workflows.wording import significant
 if TYPE_CHECKING:
     from fem.accuracy.deflection import Bent
     from workflows.scene.plate_mesh import Planform
-
-CERTAIN = 0.95
-"""Part of the accuracy asked for from which a shift on a coarse mesh counts: it is good to a few percent of itself."""
 
 THINNER, LEAST = 0.88, 0.29
 """What the strain at the root does to the six lowest modes of a flat blade, by Poisson's ratio (times nu (1 + nu), the
@@ -29,20 +27,54 @@ SLENDER, THIN, LOWEST = (1.0, 16.0), 0.13, 6
 """Where that holds: length over width, thickness over width, and number of modes."""
 
 
-def large_deflection(scene: Scene, form: Planform | None) -> Called:
-    """Whether the static state of a plate that spins moves a frequency by more than the accuracy asked for, and why.
+def called_for(case: Case) -> Called:
+    """Where the load of a plate that spins moves a frequency by more than the accuracy asked for.
 
-    form: the planform, needed where it is a mesh. A blade that lies in the plane of rotation and is hardly strained is
-    told by its strain alone; others are solved on a coarse mesh.
+    A blade that lies in the plane of rotation and is hardly strained is told by its strain alone; others are solved on
+    a coarse mesh.
 
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
+    if case.scene.plate is None:
+        return GIVEN
+    if not case.spins:
+        return AT_REST
+    if case.scene.effects.stress_stiffening is False:
+        return Called(False, "stress_stiffening is off, of which it is a part")
+    return _moves(case.scene, case.form)
+
+
+def refused(scene: Scene) -> Refusal | None:
+    """The bent state is found from the stresses that stiffen it."""
+    if scene.effects.large_deflection is not True or scene.effects.stress_stiffening is not False:
+        return None
+    problem = "needs stress_stiffening, of which it is a part, and that is false"
+    return Refusal(problem, "[effects] large_deflection", True)
+
+
+def assumed(scene: Scene, on: bool, theory: str) -> Assumption | None:
+    """The state that the modes are those about."""
+    if scene.plate is None:
+        return None
+    if not on:
+        return Assumption("The centrifugal stress is that of the flat plate; vibrations are small about it.", "ours")
+    if theory == "kirchhoff":
+        text = (
+            "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections,"
+            " which is off by about 0.4 θ² in frequency where the plate turns by θ."
+        )
+        return Assumption(text, "ours")
+    text = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
+    return Assumption(text, "ours")
+
+
+def _moves(scene: Scene, form: Planform | None) -> Called:
     asked = scene.accuracy.frequency
-    strain = _of_a_flat_blade(scene)
+    strain = strain_of_a_flat_blade(scene)
     if form is None and scene.plate is not None and scene.plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    if strain is not None and (moved := _by_strain(scene, strain)) <= asked:
+    if strain is not None and (moved := moved_by_strain(scene, strain)) <= asked:
         said = (
             f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
             f" {_percent(moved)} % at most, less than the {significant(100 * asked)} % asked for"
@@ -61,12 +93,12 @@ def large_deflection(scene: Scene, form: Planform | None) -> Called:
         f" strains it by up to {_percent(found.strain)} %, which moves frequencies by up to {_percent(found.shift)} %"
     )
     moves = LeftOut(np.array([found.omega]), found.shifts[None])
-    if found.shift > CERTAIN * asked:
+    if found.shift > scene.budget.left_out:
         return Called(True, f"{state}; the modes are those about that state", moves)
     return Called(False, f"{state}, less than the {significant(100 * asked)} % asked for", moves)
 
 
-def _of_a_flat_blade(scene: Scene) -> float | None:
+def strain_of_a_flat_blade(scene: Scene) -> float | None:
     """Strain at the root of a rectangle in the plane of rotation, of those for which `THINNER` holds."""
     plate, material, rotor = scene.plate, scene.material, scene.rotor
     if plate is None or material is None or plate.length is None or plate.width is None:
@@ -80,7 +112,8 @@ def _of_a_flat_blade(scene: Scene) -> float | None:
     return 0.5 * material.density * max(rotor.speeds) ** 2 * reach / material.youngs_modulus
 
 
-def _by_strain(scene: Scene, strain: float) -> float:
+def moved_by_strain(scene: Scene, strain: float) -> float:
+    """By how much that strain moves a frequency, relative, at most."""
     nu = scene.material.poissons_ratio if scene.material is not None else 0.0
     return max(THINNER * nu * (1.0 + nu), LEAST) * strain
 
@@ -104,3 +137,14 @@ def _percent(part: float) -> str:
 
 def _rpm(found: Bent) -> str:
     return f"{found.omega * 30 / math.pi:.0f}"
+
+
+EFFECT = Definition(
+    "plate",
+    called_for,
+    "large deflection",
+    refused=refused,
+    part_of="stress_stiffening",
+    assumed=assumed,
+    costs=("fem.statics.linearised.equilibrium", "fem.statics.large_deflection.newton"),
+)

@@ -1,0 +1,134 @@
+"""Shapes as displacements between the mesh's vertices too: on cells in parts, for pictures of coarse meshes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators.assembly import Operators
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Finer:
+    """A mesh of parts of the cells, and shapes on it.
+
+    Attributes:
+        mesh: a `skfem` mesh in the plane.
+        lines: its edges that lie on those of the plate's cells, (k, 2).
+        displacement: of its vertices, (count, nvertices, 3), as of :func:`fem.displacement`.
+    """
+
+    mesh: Any
+    lines: Indices
+    displacement: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """A cell in parts: reference points (n, 2); numbers of its corners, of the points along each side, of its parts."""
+
+    points: Array
+    corners: list[int]
+    sides: list[list[int]]
+    parts: Indices
+
+
+def between(operators: Operators, shapes: Array, parts: int) -> Finer:
+    """Displacements at the corners of parts of the cells, each side in so many; shapes: unknowns (n, count).
+
+    The elements' own functions between the vertices. Where an element lets its neighbours differ, their mean.
+    """
+    mesh = operators.model.mesh
+    grid = _quadrilateral(parts) if mesh.t.shape[0] == 4 else _triangle(parts)
+    numbers = _numbers(mesh, grid)
+    corners = _shares(grid)
+    points = np.zeros((2, int(numbers.max()) + 1))
+    points[:, numbers] = np.einsum("pk,dkc->dcp", corners, mesh.p[:, mesh.t])
+    sub = np.concatenate([numbers[:, part] for part in grid.parts])
+    return Finer(type(mesh)(points, sub.T), _lines(operators, grid, numbers), _moved(operators, shapes, grid, numbers))
+
+
+def _quadrilateral(parts: int) -> _Grid:
+    at = np.arange((parts + 1) ** 2).reshape(parts + 1, parts + 1)  # along x, along y
+    i, j = np.divmod(at.ravel(), parts + 1)
+    sides = [at[:, 0], at[-1, :], at[::-1, -1], at[0, ::-1]]
+    cells = [at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]]
+    corners = [int(side[0]) for side in sides]
+    parts_of = np.stack([each.ravel() for each in cells], axis=1)
+    return _Grid(np.stack([i, j], axis=1) / parts, corners, [side.tolist() for side in sides], parts_of)
+
+
+def _triangle(parts: int) -> _Grid:
+    places = [(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]
+    at = {place: number for number, place in enumerate(places)}
+    run = range(parts + 1)
+    sides = [
+        [at[k, 0] for k in run],
+        [at[parts - k, k] for k in run],
+        [at[0, parts - k] for k in run],
+    ]
+    up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in places if i + j < parts]
+    down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in places if i + j < parts - 1]
+    return _Grid(np.array(places) / parts, [side[0] for side in sides], sides, np.array(up + down))
+
+
+def _shares(grid: _Grid) -> Array:
+    """Shares (n, corners) of a cell's corners in the places of its points."""
+    x, y = grid.points.T
+    if len(grid.corners) == 3:
+        return np.stack([1 - x - y, x, y], axis=1)
+    return np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
+
+
+def _numbers(mesh: Any, grid: _Grid) -> Indices:
+    """Numbers (cells, n) of the points of every cell: the mesh's vertices, then points on sides, then inner ones."""
+    cells, per_side = np.asarray(mesh.t.T), len(grid.sides[0]) - 2
+    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
+    _, side = np.unique(np.sort(ends, axis=2).reshape(-1, 2), axis=0, return_inverse=True)
+    side = side.reshape(cells.shape)
+    found = np.full((len(cells), len(grid.points)), -1)
+    along = np.arange(per_side)
+    for k, chain in enumerate(grid.sides):
+        forward = ends[:, k, 0] < ends[:, k, 1]
+        places = np.where(forward[:, None], along, along[::-1])
+        found[:, chain[1:-1]] = mesh.p.shape[1] + side[:, [k]] * per_side + places
+        found[:, grid.corners[k]] = cells[:, k]
+    inner = np.flatnonzero(found[0] < 0)
+    begun = mesh.p.shape[1] + (int(side.max()) + 1) * per_side
+    found[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
+    return found
+
+
+def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
+    """Edges along the sides of the plate's own cells, which a model may have split."""
+    cells = operators.model.mesh.t.T
+    own = {(int(a), int(b)) for a, b in np.sort(operators.plate.mesh.facets, axis=0).T}
+    found = []
+    for k, chain in enumerate(grid.sides):
+        ends = np.sort(np.stack([cells[:, k], np.roll(cells, -1, axis=1)[:, k]], axis=1), axis=1)
+        kept = np.array([(int(a), int(b)) in own for a, b in ends])
+        on = numbers[kept][:, chain]
+        found.append(np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2))
+    return np.asarray(np.unique(np.sort(np.concatenate(found), axis=1), axis=0))
+
+
+def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -> Array:
+    """Displacements (count, points, 3), means of what the cells say."""
+    padded = np.concatenate([shapes, np.zeros((1, shapes.shape[1]))])
+    cells = np.arange(len(numbers))
+    moved = np.zeros((int(numbers.max()) + 1, 3, shapes.shape[1]), dtype=padded.dtype)
+    for j, place in enumerate(grid.points):
+        at = np.repeat(place[:, None], cells.size, axis=1)
+        for k, space in enumerate(operators.model.spaces):
+            weights, dofs = space.probe(cells, at)
+            np.add.at(moved[:, k], numbers[:, j], np.einsum("cd,cds->cs", weights, padded[dofs]))
+    times = np.bincount(numbers.ravel(), minlength=len(moved))
+    return np.moveaxis(moved / times[:, None, None], -1, 0)

@@ -1,0 +1,58 @@
+"""Every effect has a module of its own, of its key's name, and a word for people."""
+
+from __future__ import annotations
+
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+import workflows.effects
+from tests.workflows.conftest import Scene, changed
+from workflows.decisions import effects as rules
+from workflows.effects.table import EFFECTS
+from workflows.errors import BadInput
+from workflows.findings.assumptions import assumptions
+from workflows.pipeline import run
+from workflows.scene.file import parse
+from workflows.scene.rotor import Effects
+
+SHARED = {"beams", "definition", "left_out", "table"}
+"""What several effects share."""
+
+
+def test_every_key_has_a_module_and_every_module_a_key() -> None:
+    modules = {found.name for found in pkgutil.iter_modules([str(Path(workflows.effects.__file__).parent)])}
+    assert modules - SHARED == set(Effects.model_fields) == set(EFFECTS)
+    assert modules >= SHARED
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_words_of_an_effect_are_its_own(name: str) -> None:
+    words = [kind.word for kind in EFFECTS.values()]
+    assert words.count(EFFECTS[name].word) == 1
+    assert EFFECTS[name].part_of in {"", *EFFECTS}
+    assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ball_slip", {"damper__friction": 0}),
+        ("ball_slip", {"damper__formulation": "printed"}),
+        ("floor_tilt", {"damper__formulation": "printed"}),
+        ("structural_modes", {}),
+        ("coriolis", {}),
+    ],
+)
+def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
+    scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
+    with pytest.raises(BadInput, match=rf"{name}|friction"):
+        rules.resolve(scene, "scene.toml")
+
+
+def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
+    """What is taken for granted goes with the effects."""
+    for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
+        found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))
+        assert said in " ".join(text for text, _ in assumptions(found))

@@ -1,0 +1,130 @@
+"""Every quantity of the results is said once, and all files are views of what is said there."""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import workflows
+from workflows.results import files, schema
+from workflows.scene import units
+from workflows.solve.quantity import Entry, Part, Quantity, entries
+from workflows.solve.records import SpeedPoint
+from workflows.studies.sweep.quantities import QUANTITIES
+
+HOUSE = Path(workflows.__file__).parent
+ROOMS = (HOUSE / "solve", HOUSE / "results")
+"""Where names of quantities would be listed by hand."""
+
+SAID = {"structure_records.py", "damper_records.py", "records.py", "curves.py"}
+"""Where they are said; and the curves, whose columns bear the units of what a figure draws."""
+
+
+def said(record: type, seen: frozenset[type] = frozenset()) -> Iterator[tuple[type, Entry]]:
+    """Every quantity and part, with the record that has it."""
+    for entry in entries(record):
+        yield record, entry
+        if isinstance(entry.what, Part) and entry.kind not in seen:
+            yield from said(entry.kind, seen | {record})
+
+
+def test_published_schema_is_that_of_the_records() -> None:
+    published = (HOUSE / "results.schema.json").read_text(encoding="utf-8")
+    assert published == schema.text(), "python -m workflows.results.schema"
+
+
+def test_every_quantity_has_a_unit_and_a_meaning() -> None:
+    for record, entry in said(SpeedPoint):
+        if isinstance(entry.what, Quantity):
+            assert entry.kind in (float, int, str, tuple, list), (record, entry)
+            unit = {"J": "N*m"}.get(entry.what.unit, entry.what.unit)  # which no scene has
+            if unit not in ("", "1", "g", "rpm"):
+                assert units.to_si(f"3 {unit}", units.Kind("", "", unit, 0.0, 9.0)) == 3.0
+            assert entry.what.meaning or entry.name == "energy", (record, entry.name)
+
+
+def test_no_two_quantities_have_one_name_in_a_data_set(finished: Path) -> None:
+    found = files.dataset(workflows.load_results(finished))
+    names = Counter(each.name for each in files.columns(SpeedPoint, [_full()], ("rpm",)))
+    assert set(found.variables) <= names.keys()
+    assert max(names.values()) == 1, names.most_common(3)
+
+
+def test_columns_of_sweeps_are_those_of_runs() -> None:
+    """By name and unit; a sweep adds what belongs to no speed of a run."""
+    known = {each.name: each.unit for each in files.columns(SpeedPoint, [_full()], ("rpm",))}
+    mine = {quantity.name: quantity.unit for quantity in QUANTITIES}
+    own = mine.keys() - known.keys()
+    assert own == {"grade", "best_damping_ratio", "best_amplitude", "ball_mass"}
+    assert all(known[name] == unit for name, unit in mine.items() if name not in own)
+
+
+def test_names_are_listed_in_one_place() -> None:
+    """No list in solve and results holds more than one of a record's names."""
+    names: dict[type, set[str]] = {}
+    for record, entry in said(SpeedPoint):
+        names.setdefault(record, set()).update({entry.name, entry.attribute})
+    for path in (path for room in ROOMS for path in room.rglob("*.py") if path.name not in SAID):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Tuple | ast.List | ast.Set | ast.Dict):
+                inner = node.keys if isinstance(node, ast.Dict) else node.elts
+                texts = {each.value for each in inner if isinstance(each, ast.Constant)}
+                for record, mine in names.items():
+                    assert len(texts & mine) <= 1, (path, node.lineno, record, texts & mine)
+
+
+def _full() -> Any:
+    """A speed that has every part, with one mode, cycle and point of a curve."""
+    from workflows.solve import records
+    from workflows.solve.damper_records import Floats
+
+    one: Floats = np.ones(1)
+    parts = records.ErrorParts(*(0.0,) * 6)
+    figures: dict[str, Any] = dict.fromkeys(("peak", "peak_amplitude", "cutoff"), 1.0)
+    figures |= {"range": (1.0, 2.0), "half": (1.0, 2.0), "amplitude": one, "damping_ratio": one}
+    damping = records.Damping(
+        "", 1, 1, 1.0, None, 1.0, (1.0, 0.0), *(1.0,) * 6, one, one, one, records.Energy(*(1.0,) * 7), {1: 1.0}
+    )
+    return records.SpeedPoint(
+        omega=1.0,
+        rpm=1.0,
+        radius=1.0,
+        load_g=1.0,
+        modes=(records.Mode(1.0, "flap", parts, 0.0),),
+        reduced=records.Reduced(*(1.0,) * 7),
+        cavity_modes=(records.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
+        damping=damping,
+        working=records.OwnFigures(**figures, error=0.0),
+        level=records.Figures(**figures),
+        tilted=records.CutOff(1.0, 1.0),
+        pendulum=records.Pendulum((1.0, 1.0), (1.0, 1.0)),
+    )
+
+
+def test_every_number_of_the_document_is_in_the_data_set() -> None:
+    """A number that each holds once, so that one missing, or one in the place of another, shows."""
+    from workflows.results.tree import tree
+
+    point = _full()
+    document = json.loads(json.dumps(tree(point)))
+    numbers = sum(1 for _ in leaves(document))
+    columns = list(files.columns(SpeedPoint, [point], ("rpm",)))
+    assert sum(column.values.size for column in columns) == numbers + 1  # the duration, which JSON leaves out
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.validate(document, schema.of(SpeedPoint))
+
+
+def leaves(node: Any) -> Iterator[Any]:
+    """Every number and text of plain data."""
+    if isinstance(node, dict | list):
+        for each in node.values() if isinstance(node, dict) else node:
+            yield from leaves(each)
+    else:
+        yield node

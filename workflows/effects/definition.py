@@ -1,0 +1,106 @@
+"""What an effect says of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from workflows.effects.left_out import Called
+
+if TYPE_CHECKING:
+    from workflows.scene.damper import Damper
+    from workflows.scene.plate_mesh import Planform
+    from workflows.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene that may call for an effect.
+
+    `form`: the planform of its plate, needed where that is a mesh. `on`: the effects decided before this one.
+    """
+
+    scene: Scene
+    form: Planform | None
+    on: Mapping[str, bool]
+
+    @property
+    def spins(self) -> bool:
+        """Whether anything spins."""
+        return any(speed > 0 for speed in self.scene.rotor.speeds)
+
+
+class Refusal(NamedTuple):
+    """Why a scene cannot have an effect as it asks for it, and the key and value that say so."""
+
+    problem: str
+    key: str
+    value: object
+
+
+class Assumption(NamedTuple):
+    """What is taken for granted with an effect, or without it, and where that is from."""
+
+    text: str
+    source: str
+
+
+def nothing_refused(_: Scene) -> None:
+    """Of an effect that any scene may have."""
+
+
+def nothing_assumed(_: Scene, __: bool, ___: str) -> None:
+    """Of an effect that takes nothing for granted."""
+
+
+def no_term(_: Damper, __: float, ___: bool) -> dict[str, Any]:
+    """Of an effect that no argument of a damper is about."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Definition:
+    """An effect, whose name is the key of the scene and of its module.
+
+    Attributes:
+        of: what it belongs to.
+        called_for: the rule: whether a scene calls for it, and why (not).
+        word: what people call it.
+        refused: what rules it out where the scene insists, None where nothing does.
+        part_of: another effect without which it makes no sense.
+        after: effects to be decided before.
+        assumed: what is taken for granted with it (True) or without it, in a theory of the plate.
+        arguments: its terms: of `damper.ParticleDamper`, from [damper], the speed [rad/s] and whether it is on. The
+            terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
+        on_the_mesh: whether the mesh is chosen with it.
+        costs: what it calls that nothing else needs.
+    """
+
+    of: Literal["plate", "damper"]
+    called_for: Callable[[Case], Called]
+    word: str
+    refused: Callable[[Scene], Refusal | None] = nothing_refused
+    part_of: str = ""
+    after: tuple[str, ...] = ()
+    assumed: Callable[[Scene, bool, str], Assumption | None] = nothing_assumed
+    arguments: Callable[[Damper, float, bool], dict[str, Any]] = no_term
+    on_the_mesh: bool = True
+    costs: tuple[str, ...] = ()
+
+
+NO_DAMPER = Called(False, "no damper in the scene")
+GIVEN = Called(False, "the structure's frequency is given")
+AT_REST = Called(False, "nothing spins")
+PRINTED = "the printed equations know one mode along each axis and a level floor"
+
+
+def not_printed(name: str) -> Callable[[Scene], Refusal | None]:
+    """Refuses what the printed equations do not know."""
+
+    def refused(scene: Scene) -> Refusal | None:
+        printed = scene.damper is not None and scene.damper.formulation == "printed"
+        insists = getattr(scene.effects, name) is True
+        return Refusal(PRINTED, f"[effects] {name}", True) if printed and insists else None
+
+    return refused
