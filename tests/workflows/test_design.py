@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
 import numpy as np
@@ -30,13 +29,6 @@ FREE = {
     "mass": "0.4 g",
     "amplitude": ["4 mm", "8 mm"],
 }
-
-
-@pytest.fixture
-def here():
-    """An executor without processes."""
-    with ThreadPoolExecutor(1) as executor:
-        yield executor
 
 
 @pytest.fixture
