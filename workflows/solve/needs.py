@@ -34,13 +34,13 @@ _AUTO_CYCLES = 100
 _LINE, _LINE_TIME = 2.5e3, 2e-5
 """Bytes and seconds of a mode at a speed; a speed itself counts as four."""
 
-_UNKNOWN = {"kirchhoff": 2.4e4, "mindlin": 1.7e4, "solid": 3.8e4, "solid/4": 5.2e4, "solid/6": 6.2e4}
+_UNKNOWN = {"kirchhoff": 2.4e4, "mindlin": 1.4e4, "solid": 3.8e4, "solid/4": 5.2e4, "solid/6": 6.2e4}
 """Bytes for each unknown of a plate: its matrices, their factor, and the vectors that six modes are sought in."""
 
 _FILLING = 100_000
 """Unknowns from which on the factor's share grows with their number."""
 
-_DEFLECTED = {"mindlin": 2.7, "kirchhoff": 2.0, "solid": 1.8}
+_DEFLECTED = {"mindlin": 2.7, "kirchhoff": 1.5, "solid": 1.8}
 """By how much that grows with large deflection, whose tangent is made anew from every cell."""
 
 _MODE = 250.0
