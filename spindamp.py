@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from workflows.studies.costs.switching import Switches
     from workflows.studies.design.study import Designed
     from workflows.studies.reproduction import Reproduction
-    from workflows.studies.response.study import Response
+    from workflows.studies.response.records import Response
 
 __all__ = [
     "BadInput",
@@ -211,7 +211,7 @@ def dataset(results: Results) -> xarray.Dataset:
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
     from workflows.report import publish
-    from workflows.studies.response.study import Response
+    from workflows.studies.response.records import Response
 
     if isinstance(results, Response):
         from workflows.studies.response import page
@@ -222,7 +222,10 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
-    """What a run has written into a folder; see :func:`workflows.load_results`."""
+    """What a run has written into a folder; see :func:`workflows.load_results`.
+
+    Saved again it is the same but for `timings`, to which reading and writing add theirs.
+    """
     from workflows.report import publish
 
     return publish.load_results(folder)

@@ -12,14 +12,17 @@ The heavy parts (compiled kernels) load at the first ring-down.
 from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
-from damper.forced import Forced, Regime, forced
+from damper.curve import Working
+from damper.forced import forced
 from damper.model import Formulation, ParticleDamper
 from damper.modes import Harmonic, Mode
-from damper.ringdown import EnergyBooks, Outcome, RingDown, ringdown
+from damper.outcome import EnergyBooks, Outcome, RingDown
+from damper.regime import Forced, Regime
+from damper.ringdown import ringdown
 from damper.sample import History, sample
 from damper.starts import Start
 from damper.stepping import SteppedRingDown, stepped_ringdown
-from damper.working import Working, working
+from damper.working import working
 
 __all__ = [
     "Backbone",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import os
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -12,13 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.arrays import Floats, Integers
-from damper.motion import LEVEL, flights, kinds
+from damper.blocks import BLOCK, in_blocks
+from damper.flows import at_once
+from damper.motion import COUPLED, LEVEL, flights, kinds
+from damper.outcome import outcome_of
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
 from damper.prepare import Prepared, prepare
-from damper.ringdown import outcome_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
@@ -26,11 +27,8 @@ if TYPE_CHECKING:
 
     Progress: TypeAlias = Callable[[int], None]
 
-_BLOCK = 64
-"""Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
-
-_AT_ONCE = 64 * _BLOCK
-"""Linear flights prepared together: 20 kB each."""
+_AT_ONCE = 64 * BLOCK
+"""Runs prepared together: 12 kB each."""
 
 
 @dataclass(frozen=True)
@@ -121,11 +119,9 @@ def ringdowns(
     prepared = prepare(rows, start, cycles, max_cycles)
     run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)
-    if (kind == LEVEL).all():
-        finished, status, final = prepared, *run.closed(rows, prepared, progress)
-    else:
-        finished, status, final = run.by_kinds(kind, rows, prepared, progress)
-    return _summary(rows, finished, status, final, asked=cycles is not None)
+    closed = bool((kind == LEVEL).all())
+    status, final = (run.closed if closed else functools.partial(run.by_kinds, kind))(rows, prepared, progress)
+    return _summary(rows, prepared, status, final, asked=cycles is not None)
 
 
 @dataclass(frozen=True)
@@ -171,11 +167,10 @@ class _Run:
 
     def by_kinds(
         self, kind: Integers, rows: Parameters, prepared: Prepared, progress: Progress | None
-    ) -> tuple[Prepared, Integers, Floats]:
-        """Each kind of flight by itself, put together again."""
+    ) -> tuple[Integers, Floats]:
+        """Each kind of flight by itself."""
         status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
-        parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
-        for which in [part[k : k + _AT_ONCE] for part in parts for k in range(0, len(part), _AT_ONCE)]:
+        for which in self._parts(kind, rows):
             each = kind[which[0]]
             part = prepared.some(which)
             count = None if progress is None else functools.partial(_further, progress, done)
@@ -186,7 +181,15 @@ class _Run:
                 status[which], final[which] = self.linear(rows[which], part, count, modal)
             prepared.take(which, part)
             done += len(which)
-        return prepared, status, final
+        return status, final
+
+    def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
+        """Which to prepare together: of one kind, and as many as there is room for."""
+        alike, modes = bool((rows == rows[0]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
+        for each in np.unique(kind):
+            which = np.flatnonzero(kind == each)
+            room = _AT_ONCE if alike or each == LEVEL else at_once(modes, coupled=each == COUPLED)
+            yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
 def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> Floats:
@@ -201,45 +204,6 @@ def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> 
 
 def _further(progress: Progress, before: int, done: int) -> None:
     progress(before + done)
-
-
-def in_blocks(
-    work: Callable[[tuple[int, int]], None],
-    size: int,
-    threads: int,
-    progress: Progress | None = None,
-    block_size: int = _BLOCK,
-) -> None:
-    """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
-
-    The idle call compiles: two threads that compile at once would wait for each other anyway.
-    """
-    if size:
-        work((0, 0))
-
-    def counted(begin: int) -> int:
-        block = (begin, min(begin + block_size, size))
-        work(block)
-        return block[1] - begin
-
-    if threads == 1:  # a pool would take as long as a short sweep
-        for begin in range(0, size, block_size):
-            done = begin + counted(begin)
-            if progress is not None:
-                progress(done)
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        pending = {pool.submit(counted, begin) for begin in range(0, size, block_size)}
-        done = 0
-        try:
-            while pending:
-                finished, pending = wait(pending, timeout=0.2, return_when=FIRST_EXCEPTION)
-                done += sum(future.result() for future in finished)
-                if progress is not None:
-                    progress(done)
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
 
 
 def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floats, *, asked: bool) -> Batch:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from damper.outcome import RingDown
 from damper.parameters import number, pair, whole
-from damper.ringdown import RingDown
 
 if TYPE_CHECKING:
     from damper.model import ParticleDamper

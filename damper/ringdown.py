@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from damper.arrays import Floats, Records
 from damper.course import course_of
+from damper.outcome import EnergyBooks, Outcome, RingDown, outcome_of
 from damper.parameters import number, pair, whole
 from damper.prepare import prepare
 from damper.records import EVENT
@@ -23,99 +22,13 @@ if TYPE_CHECKING:
     from damper.course import Course
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
+    from damper.prepare import Prepared
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
 _BUDGET = 200_000
 """Events between two looks at the progress callback and at Ctrl-C."""
-
-
-class Outcome(StrEnum):
-    """Why a ring-down ended."""
-
-    AT_REST = "the ball came to rest for good"
-    TREMBLES = "the ball no longer hits and only trembles at the rolling threshold"
-    DIED_OUT = "the vibration died out while the ball still moved"
-    CYCLES_DONE = "the asked number of cycles was done"
-    CYCLE_CAP = "the cap on cycles was reached while the ball still moved"
-    EVENT_CAP = "the cap on events was reached while the ball still moved"
-
-
-@dataclass(frozen=True)
-class EnergyBooks:
-    """Where the energy went [J].
-
-    ``initial`` and ``final`` are the energies of structure and ball; ``structure`` the work of the structure's own
-    dashpot, ``rolling`` that of the rolling resistance, ``impact`` what wall hits and sticking took, ``slip`` what
-    sliding on the floor took; ``work`` is what a harmonic force put in; ``residual`` is what the books do not explain.
-    """
-
-    initial: float
-    final: float
-    structure: float
-    rolling: float
-    impact: float
-    slip: float
-    work: float = 0.0
-
-    @property
-    def residual(self) -> float:
-        """Initial + work - final - all losses [J]; negative when energy appeared from nowhere."""
-        return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip + self.work
-
-
-@dataclass(frozen=True)
-class RingDown:
-    """What a ring-down left.
-
-    Attributes:
-        damper: the damper simulated.
-        outcome: why it ended.
-        duration: simulated time [s].
-        impacts: number of wall hits.
-        events: number of events of any kind.
-        peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
-            shape (n + 1,) [s].
-        peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
-        last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
-        rested: whether the ball came to rest for good, or only trembles.
-        energy: the books.
-        largest_rolling_demand: largest force that rolling asked of the floor over the normal load [-], per axis;
-            None without a normal load. Rolling is tenable where the static friction exceeds it.
-        rows: the event table (dtype `damper.records.EVENT`), None unless asked for.
-        harmonic: what drove it.
-        states: coordinates and their velocities at each event where flights are linear, shape (n, 2, N), else None.
-        modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
-            shape (k,) [J]; None without modes.
-    """
-
-    damper: ParticleDamper
-    outcome: Outcome
-    duration: float
-    impacts: int
-    events: int
-    peak_times: Floats
-    peak_velocities: Floats
-    last_motion: float | None
-    rested: bool
-    energy: EnergyBooks
-    largest_rolling_demand: float | None
-    rows: Records | None = None
-    harmonic: Harmonic | None = None
-    states: Floats | None = None
-    modal_energies: Floats | None = None
-
-    @property
-    def peak_phases(self) -> Floats | None:
-        """Phase of the harmonic at the velocity maxima, from -pi/2 to pi/2, shape (n + 1,) [rad]; None without one.
-
-        By so much the velocity, or its opposite, lags behind the force; `peak_velocities` is the envelope.
-        """
-        if self.harmonic is None:
-            return None
-        phases: Floats = self.harmonic.frequency * self.peak_times + self.harmonic.phase
-        return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
 
 
 def ringdown(
@@ -156,28 +69,40 @@ def ringdown(
         ValueError: a pair is not two finite numbers, or too large to be squared; a number of cycles or events is not
             positive; the ball is outside its cavity.
     """
-    most = whole("max_events", max_events)
-    if harmonic is not None and cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     if amplitudes is not None:
         release = _moved(damper, amplitudes)
-    state = {
-        "release": release,
-        "velocity": velocity,
-        "ball_position": ball_position,
-        "ball_velocity": ball_velocity,
-        "ball_spin": ball_velocity if ball_spin is None else ball_spin,
-    }
-    start = np.array([[pair(name, value) for name, value in state.items()]])
-    parameters = damper.parameters
-    one = prepare(parameters, start, cycles, max_cycles)
+    start = _Start(release, velocity, ball_position, ball_velocity, ball_velocity if ball_spin is None else ball_spin)
+    limits = _Limits(cycles, max_cycles, whole("max_events", max_events))
+    one = _prepared(damper, start, limits, harmonic)
     course = course_of(damper, one, harmonic, amplitudes)
-    done, tables = _followed(course, most, keep_events, progress)
+    done, tables = _followed(course, limits.max_events, keep_events, progress)
     outcome = outcome_of(done, cycles is not None, course.run["clock"])
-    kept = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
-    if not keep_events:
-        return kept
-    return replace(kept, rows=tables.rows, states=tables.states if tables.states.size else None)
+    return replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
+
+
+class _Start(NamedTuple):
+    """Where structure and ball are at time 0; the fields are the arguments of `ringdown`."""
+
+    release: tuple[float, float]
+    velocity: tuple[float, float]
+    ball_position: tuple[float, float]
+    ball_velocity: tuple[float, float]
+    ball_spin: tuple[float, float]
+
+
+class _Limits(NamedTuple):
+    """How far a run goes: cycles asked for, or a cap on them; and a cap on events."""
+
+    cycles: float | None
+    max_cycles: float
+    max_events: int
+
+
+def _prepared(damper: ParticleDamper, start: _Start, limits: _Limits, harmonic: Harmonic | None) -> Prepared:
+    if harmonic is not None and limits.cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
+    state = np.array([[pair(name, value) for name, value in start._asdict().items()]])
+    return prepare(damper.parameters, state, limits.cycles, limits.max_cycles)
 
 
 def _followed(
@@ -200,10 +125,8 @@ def _followed(
 
 
 def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: Tables) -> RingDown:
-    clock, books, axes, load = (
-        *(course.run[name] for name in ("clock", "books", "axes")),
-        damper.centrifugal_acceleration,
-    )
+    clock, books, axes = (course.run[name] for name in ("clock", "books", "axes"))
+    load = damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
     return RingDown(
         damper=damper,
@@ -221,6 +144,8 @@ def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: 
             **{name: float(books[name]) for name in ("structure", "rolling", "impact", "slip", "work")},
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
+        rows=tables.rows if len(tables.rows) else None,
+        states=tables.states if tables.states.size else None,
         modal_energies=course.modal_energies(),
     )
 
@@ -241,14 +166,3 @@ def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     bigger = np.zeros((2 * len(table), *table.shape[1:]), table.dtype)
     bigger[: len(table)] = table
     return bigger
-
-
-def outcome_of(done: bool, asked: bool, clock: np.void) -> Outcome:
-    """Why a run ended that was done, or capped; `asked` for a number of cycles or not."""
-    if not done:
-        return Outcome.EVENT_CAP
-    if asked:
-        return Outcome.CYCLES_DONE
-    if not math.isfinite(clock["rest"]):
-        return Outcome.CYCLE_CAP
-    return (Outcome.AT_REST, Outcome.TREMBLES, Outcome.DIED_OUT)[int(clock["trembles"])]

@@ -12,7 +12,7 @@ from damper.records import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
     from damper.arrays import Record, Records
-    from damper.ringdown import RingDown
+    from damper.outcome import RingDown
 
 Floats = npt.NDArray[np.float64]
 

@@ -86,7 +86,7 @@ def stepped_ringdown(
     one = prepare(rows, np.array([[pair("release", release), rest, rest, rest, rest]]), float(cycles), math.inf)
     step = 2 * math.pi / damper.stuck_frequency / steps_per_cycle
     velocity = np.zeros((cycles * steps_per_cycle + 1, 2))
-    impacts = march(one.axes[0], one.laws[0], one.balls[0], one.books[0], step, friction_opposes_structure, velocity)
+    impacts = march(one.runs[0], step, friction_opposes_structure, velocity)
     speed = np.hypot(velocity[1:, 0], velocity[1:, 1])
     return SteppedRingDown(
         time=np.arange(len(velocity), dtype=np.float64) * step,

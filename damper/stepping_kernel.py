@@ -14,14 +14,12 @@ if TYPE_CHECKING:
 
 
 @kernel
-def march(
-    axes: Records, laws: Records, ball: Record, books: Record, step: float, opposing: bool, velocity: Floats
-) -> int:
+def march(it: Record, step: float, opposing: bool, velocity: Floats) -> int:
     """Fill `velocity`, shape (n + 1, 2), step by step; returns the number of wall hits.
 
     `opposing`: friction takes its sign from the structure's velocity instead of the relative one.
     """
-    impacts = 0
+    axes, laws, ball, impacts = it.axes, it.laws, it.ball, 0
     for k in range(len(velocity) - 1):
         for i in range(2):
             axis = axes[i]
@@ -30,16 +28,16 @@ def march(
             axis.heading = axis.direction
             if opposing and axis.regime != STUCK:
                 axis.direction = -1 if axis.v > 0.0 else 1
-            _step(axis, laws[i], ball, books, step)
+            _step(i, step, it)
         for i in range(2):
             axis, other = axes[i], axes[1 - i]
             side = 1 if axis.w > 0.0 else -1
             if axis.regime != STUCK and side * axis.s >= axis.half_gap:
                 axis.heading = side
-                impulse = hit(axis, ball, books)
+                impulse = hit(axis, ball, it.books)
                 impacts += 1
                 if ball.friction > 0.0 and other.regime != STUCK:
-                    rub(other, impulse, laws[1 - i], ball, books)
+                    rub(other, impulse, laws[1 - i], ball, it.books)
             elif axis.regime != STUCK:
                 axis.direction = axis.heading
                 if axis.w * axis.direction <= 0.0:
@@ -49,11 +47,11 @@ def march(
 
 
 @kernel
-def _step(axis: Record, laws: Records, ball: Record, books: Record, step: float) -> None:
-    law = laws[axis.regime]
-    begin(axis, laws, ball, 0.0)
+def _step(i: int, step: float, it: Record) -> None:
+    axis, law = it.axes[i], it.laws[i, it.axes[i].regime]
+    begin(axis, it.laws[i], it.ball, 0.0)
     du, dv, last = increments(axis, law, step)
-    books.structure += _viscous_loss(axis, law, dv, last, step)
+    it.books.structure += _viscous_loss(axis, law, dv, last, step)
     if axis.regime != STUCK:
         axis.s += axis.w * step - axis.beta * du + 0.5 * axis.f * step * step
         axis.w += axis.f * step - axis.beta * dv

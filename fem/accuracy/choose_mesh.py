@@ -54,10 +54,14 @@ PAIR, LARGE = 1.5, 500
 class Choice:
     """A plate on the mesh chosen, and what is known of its errors.
 
-    size: in the planform's ladder. probes: (k,) speeds in rad/s at which errors were estimated, ascending.
-    errors: (k, count) relative, of the frequencies, NaN where no other mesh has any. tolerance: asked for. tried: each
-    size with its largest error. rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
-    states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
+    Attributes:
+        size: in the planform's ladder.
+        probes: (k,) speeds in rad/s at which errors were estimated, ascending.
+        errors: (k, count) relative, of the frequencies, NaN where no other mesh has any.
+        tolerance: asked for.
+        tried: each size with its largest error.
+        rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
+        states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
     """
 
     operators: Operators
@@ -89,11 +93,14 @@ def choose_mesh(
 ) -> Choice:
     """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
 
-    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and
-    at the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of
-    which one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
-    MOST_UNKNOWNS. Raises Divergence or NoEquilibrium when there is no mode at the lowest speed,
-    ValueError for a tolerance of 0 or less.
+    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and at
+    the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of which
+    one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
+    MOST_UNKNOWNS.
+
+    Raises:
+        Divergence, NoEquilibrium: when there is no mode at the lowest speed.
+        ValueError: for a tolerance of 0 or less.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")

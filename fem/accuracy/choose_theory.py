@@ -48,8 +48,11 @@ def choose_theory(
     """Choose the cheapest theory for the count lowest modes at speeds in rad/s and a relative accuracy in frequency.
 
     The plate's mesh may be coarse: what each theory has wrong is found from the modes on it. Thin-plate theory knows no
-    large deflection: it is off by about 0.4 theta² at a rotation theta. Raises ValueError for an accuracy that is not
-    positive, Unresolved for a plate too thin for Mindlin's theory.
+    large deflection: it is off by about 0.4 theta² at a rotation theta.
+
+    Raises:
+        ValueError: for an accuracy that is not positive.
+        Unresolved: for a plate too thin for Mindlin's theory.
     """
     if not 0.0 < accuracy < inf:
         raise ValueError(f"accuracy must be positive and finite, got {accuracy!r}")

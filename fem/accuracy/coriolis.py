@@ -63,7 +63,10 @@ def turned(
     """Find by how much Coriolis forces would move the count lowest modes at speeds in rad/s.
 
     None where the plate has no modes at any of them. A coarse mesh will do, on which rates are good to `UNCERTAIN`.
-    Raises ValueError as `solve_modes` does, and Unresolved.
+
+    Raises:
+        ValueError: as `solve_modes` does.
+        Unresolved: the plate is too thin for its theory in double precision.
     """
     operators = assemble(plate, rotor, replace(effects, coriolis=True), theory)
     gyroscopic = operators.gyroscopic

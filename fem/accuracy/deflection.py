@@ -29,9 +29,11 @@ ENOUGH = 1e-8
 class Bent:
     """The static state at a speed omega (rad/s), and what it does.
 
-    rotation: the largest of a point of the plate, in rad. strain: the largest principal one of the mid-surface. shifts:
-    (count,) relative differences between frequencies about the state and those with the stiffening of the flat plate,
-    infinite where only one of the two has modes.
+    Attributes:
+        rotation: the largest of a point of the plate, in rad.
+        strain: the largest principal one of the mid-surface.
+        shifts: (count,) relative differences between frequencies about the state and those with the stiffening of the
+            flat plate, infinite where only one of the two has modes.
     """
 
     omega: float
@@ -49,8 +51,11 @@ def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...]
     """Find what the static state does to the count lowest modes at the highest of some speeds (rad/s).
 
     Where the plate diverges there, at a lower one; None where it does at all that are tried. In Mindlin's theory and
-    without Coriolis forces. The shift is a difference on one mesh, for which a coarse one will do. Raises ValueError as
-    `solve_modes` does and for effects without stress stiffening, and Unresolved.
+    without Coriolis forces. The shift is a difference on one mesh, for which a coarse one will do.
+
+    Raises:
+        ValueError: as `solve_modes` does and for effects without stress stiffening.
+        Unresolved: the plate is too thin for its theory in double precision.
     """
     large = assemble(plate, rotor, replace(effects, coriolis=False, large_deflection=True))
     flat = replace(large, effects=replace(large.effects, large_deflection=False))

@@ -48,8 +48,11 @@ def unseen(edge: float, thickness: float) -> float:
 def layer_errors(apart: Array, coarse: float, fine: float, whole: Array) -> Array:
     """Relative errors on the finer of two meshes, as far as they are the layer's.
 
-    apart: relative differences of the two. coarse, fine: what their edge cells miss of the layer, see `unseen`.
-    whole: what the layer does to each frequency, see `fem.accuracy.theory_error.layers`.
+    Args:
+        apart: relative differences of the two.
+        coarse: what the edge cells of the one miss of the layer, see `unseen`.
+        fine: what those of the other miss.
+        whole: what the layer does to each frequency, see `fem.accuracy.theory_error.layers`.
     """
     if fine == 0.0:
         return np.zeros_like(apart)

@@ -42,8 +42,10 @@ MISSED = 0.1
 class Estimates:
     """Errors of the frequencies of meshes tried, at their probes.
 
-    largest: each size with its largest estimated error. slow: whether the errors seen last hardly fall; finer meshes
-    are then not worth their price, and the estimate says what is left.
+    Attributes:
+        largest: each size with its largest estimated error.
+        slow: whether the errors seen last hardly fall; finer meshes are then not worth their price, and the estimate
+            says what is left.
     """
 
     def __init__(self, meshes: Tried) -> None:

@@ -43,8 +43,10 @@ SAME = 1e-5
 class Probed(NamedTuple):
     """Modes at one speed.
 
-    eigenvalues: (count,) in rad²/s², ascending. shapes: (n, count), mass-normalised. state: the displacement (n,)
-    vibrated about, where the deflection is large.
+    Attributes:
+        eigenvalues: (count,) in rad²/s², ascending.
+        shapes: (n, count), mass-normalised.
+        state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
     eigenvalues: Array
@@ -58,7 +60,11 @@ def probe(
     """Find the count lowest modes at speeds in rad/s, ascending, up to the first at which the plate has none.
 
     exact: relative, of squared frequencies. starts: states (n,) near those of large deflections, for each speed.
-    Raises ValueError as `solve_modes` does, and for the first speed Divergence, NoEquilibrium and Unresolved.
+
+    Raises:
+        ValueError: as `solve_modes` does.
+        Divergence, NoEquilibrium: at the first speed.
+        Unresolved: the plate is too thin for its theory in double precision.
     """
     return _climb(operators, speeds, count, exact, starts, _from)
 

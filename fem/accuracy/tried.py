@@ -40,8 +40,11 @@ def enough_cells(planform: Planform, size: int, count: int) -> bool:
 class Tried:
     """Solves each mesh once, when it is first asked for.
 
-    probes: speeds in rad/s. count: of modes. exact: relative accuracy of their squared frequencies. lost: why there
-    are no modes, where there are none.
+    Attributes:
+        probes: speeds in rad/s.
+        count: of modes.
+        exact: relative accuracy of their squared frequencies.
+        lost: why there are no modes, where there are none.
     """
 
     def __init__(

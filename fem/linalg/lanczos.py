@@ -70,7 +70,11 @@ class Factor:
 
 
 def factorise(matrix: csc_array) -> Factor:
-    """Factor of a symmetric matrix, (n, n). Raises SingularMatrix."""
+    """Factor of a symmetric matrix, (n, n).
+
+    Raises:
+        SingularMatrix: it is singular.
+    """
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
@@ -85,8 +89,11 @@ def factorise(matrix: csc_array) -> Factor:
 def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED) -> tuple[Array, Array]:
     """Find the eigenvalues nearest zero of K x = lambda M x and their vectors, K given by its factor.
 
-    Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors,
-    whose residuals in 1/lambda are within a relative tolerance. Raises NotConverged.
+    Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors, whose
+    residuals in 1/lambda are within a relative tolerance.
+
+    Raises:
+        NotConverged: the iteration does not converge.
     """
     start = factor.solve(mass @ random_block(mass.shape[0]))
     inverse, vectors = krylov(lambda _, heavy: factor.solve(heavy), mass, start, count, np.abs, tolerance=tolerance)
@@ -108,11 +115,13 @@ def krylov(
 ) -> tuple[Array, Array]:
     """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
 
-    apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b).
-    rank: how much each eigenvalue is wanted. tolerance: on residuals relative to their eigenvalues; where rounding
-    forbids it, as with small eigenvalues next to a huge one, they are as good as they get.
-    Returns (count,) eigenvalues, the most wanted first, and (n, count) vectors normalised in the weight. Raises
-    NotConverged.
+    apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b). rank: how
+    much each eigenvalue is wanted. tolerance: on residuals relative to their eigenvalues; where rounding forbids it, as
+    with small eigenvalues next to a huge one, they are as good as they get. Returns (count,) eigenvalues, the most
+    wanted first, and (n, count) vectors normalised in the weight.
+
+    Raises:
+        NotConverged: the iteration does not converge.
     """
     n = start.shape[0]
     basis, image = (np.empty((n, 0), order="F") for _ in range(2))

@@ -72,9 +72,12 @@ class Planform(Protocol):
 class Rectangle:
     """0 <= x <= length, |y| <= width/2 in m, clamped at x = 0. A size is a multiple of a coarsest grid.
 
-    node: a place (x, y) in m that is a node of every mesh, unless an edge of the plate is nearer than any other line:
-    what a point mass does to a mesh hangs on where in a cell it sits. Raises ValueError for sides that no rectangle
-    has.
+    Attributes:
+        node: a place (x, y) in m that is a node of every mesh, unless an edge of the plate is nearer than any other
+            line: what a point mass does to a mesh hangs on where in a cell it sits.
+
+    Raises:
+        ValueError: for sides that no rectangle has.
     """
 
     length: float
@@ -102,7 +105,11 @@ class Rectangle:
         return size * round(COARSEST * stretch), size * round(COARSEST / stretch)
 
     def mesh(self, size: int) -> Any:
-        """The mesh of one size, an `skfem.MeshQuad`. Raises ValueError for a size below 1."""
+        """The mesh of one size, an `skfem.MeshQuad`.
+
+        Raises:
+            ValueError: for a size below 1.
+        """
         if size < 1:
             raise ValueError(f"size must be a whole number from 1, got {size!r}")
         return graded(self.length, self.width, *self.cells(size), self.node)
@@ -116,7 +123,8 @@ class Rectangle:
 class Given:
     """A mesh made elsewhere; a size is how many parts each of its edges is split into, up to MOST_CELLS cells.
 
-    thickness: of the plate, where it came with the mesh.
+    Attributes:
+        thickness: of the plate, where it came with the mesh.
     """
 
     given: Any
@@ -141,7 +149,11 @@ class Given:
         return float(length), float(width)
 
     def mesh(self, size: int) -> Any:
-        """The mesh with its edges split. Raises ValueError for a size that is no power of 2."""
+        """The mesh with its edges split.
+
+        Raises:
+            ValueError: for a size that is no power of 2.
+        """
         if size < 1 or size & (size - 1):
             raise ValueError(f"size must be 1, 2, 4, 8 and so on, got {size!r}")
         return self.given if size == 1 else self.given.refined(int(np.log2(size)))

@@ -20,7 +20,9 @@ class PlaceError(ValueError):
 def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float64]]:
     """Cell that holds a point (x, y) in m, and the reference coordinates (2,) there.
 
-    Raises PlaceError for a point off the plate, ValueError for one that is none.
+    Raises:
+        PlaceError: for a point off the plate.
+        ValueError: for one that is none.
     """
     target = np.asarray(point, dtype=float)
     if target.shape != (2,):

@@ -41,9 +41,10 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
 
     Coordinates are kept. The plate is clamped at its smallest x, wherever that is: there a rotor's hub_radius ends.
 
-    Raises `MeshError` with the file's name for a file that cannot be read, that holds no surface, or whose
-    surface is not flat, not upright, not in one piece or without a straight root edge; FieldError for a field that is
-    not there, or has not one finite number a point.
+    Raises:
+        MeshError: with the file's name, for a file that cannot be read, that holds no surface, or whose surface is not
+            flat, not upright, not in one piece or without a straight root edge.
+        FieldError: for a field that is not there, or has not one finite number a point.
     """
     path = Path(path)
     if not path.is_file():

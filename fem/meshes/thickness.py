@@ -66,7 +66,10 @@ class Polynomial:
 class Bilinear:
     """values[i][j] in m at (x[i], y[j]) in m, both ascending, and bilinear between them.
 
-    With one y, or one x, it is the same all along it. Raises ValueError for numbers that do not fit together.
+    With one y, or one x, it is the same all along it.
+
+    Raises:
+        ValueError: for numbers that do not fit together.
     """
 
     x: tuple[float, ...]
@@ -113,8 +116,10 @@ class Nodal:
     """Values (npoint,) in m at a mesh's points, and linear (triangles) or bilinear (quadrilaterals) in its cells.
 
     The plate's mesh is that mesh, or one that splits each of its cells alike, cell number k in those of number k, k +
-    ncell, k + 2 ncell and so on, as scikit-fem does; the thickness stays the same function. Raises ValueError for
-    values that do not fit the mesh.
+    ncell, k + 2 ncell and so on, as scikit-fem does; the thickness stays the same function.
+
+    Raises:
+        ValueError: for values that do not fit the mesh.
     """
 
     mesh: Any

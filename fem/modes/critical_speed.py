@@ -30,10 +30,13 @@ RUNG = 4.0
 def critical_speed(operators: Operators) -> float:
     """Lowest speed in rad/s at which K(Omega) is singular; infinity where it never is.
 
-    It is the mesh's: where stiffening and softening nearly cancel, as in the plane of rotation without a hub, a
-    coarse mesh may have a critical speed that a finer one has not, or not have one. Prestress is taken as linear in
-    Omega², also where the effects ask for large deflection. Raises Unresolved for a plate too thin for its theory, and
-    NotConverged.
+    It is the mesh's: where stiffening and softening nearly cancel, as in the plane of rotation without a hub, a coarse
+    mesh may have a critical speed that a finer one has not, or not have one. Prestress is taken as linear in Omega²,
+    also where the effects ask for large deflection.
+
+    Raises:
+        Unresolved: for a plate too thin for its theory.
+        NotConverged: the iteration does not converge.
     """
     if operators.softening is None and operators.geometric is None:
         return np.inf

@@ -46,8 +46,10 @@ def solve_gyroscopic(
 ) -> Modes:
     """Find the count lowest complex modes of a stiffness (n, n) at a speed omega (rad/s).
 
-    Raises Divergence where the stiffness is not positive: Coriolis forces may hold such a plate, but no
-    damped one. Raises ValueError where damping leaves one of these modes no frequency, and NotConverged.
+    Raises:
+        Divergence: where the stiffness is not positive: Coriolis forces may hold such a plate, but no damped one.
+        ValueError: where damping leaves one of these modes no frequency.
+        NotConverged: the iteration does not converge.
     """
     assert operators.gyroscopic is not None
     coriolis = omega * operators.gyroscopic
@@ -88,9 +90,12 @@ class _Span(NamedTuple):
 def _undamped(
     still: Modes, stiffness: csc_array, mass: csc_array, coriolis: csc_array, count: int
 ) -> tuple[Array, NDArray[Any]]:
-    """Frequencies (count,) in rad/s, ascending, and mass-normalised shapes (n, count). Raises NotConverged.
+    """Frequencies (count,) in rad/s, ascending, and mass-normalised shapes (n, count).
 
     Modes beyond those asked for are followed as far as it takes to know that they stay beyond.
+
+    Raises:
+        NotConverged: the iteration does not converge.
     """
     shift = float(np.sqrt(still.eigenvalues[0] * still.eigenvalues[-1]))
     matrices = ((stiffness + shift * mass).tocsc(), mass, coriolis)

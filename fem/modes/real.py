@@ -28,7 +28,11 @@ class Divergence(ArithmeticError):
 
     That holds for the plate on its mesh: where stiffening and softening nearly cancel, as in the plane of rotation
     without a hub, it is the mesh that decides, until it is fine.
-    omega: the speed in rad/s. eigenvalue: the lowest omega_n², negative, in rad²/s². count: how many are.
+
+    Attributes:
+        omega: the speed in rad/s.
+        eigenvalue: the lowest omega_n², negative, in rad²/s².
+        count: how many are.
     """
 
     def __init__(self, omega: float, eigenvalue: float, count: int = 1) -> None:
@@ -45,11 +49,12 @@ class Divergence(ArithmeticError):
 class Modes:
     """Modes at a speed omega (rad/s).
 
-    eigenvalues: (count,) squared circular frequencies in rad²/s², ascending.
-    shapes: (n, count), mass-normalised; complex with Coriolis, displacement Re(shape e^{i omega_n t}).
-    damping_ratios: (count,), zero without a damper of the plate's own.
-    factor: of K at this speed. state: the displacement (n,) about which the plate vibrates, where the
-    deflection is large.
+    Attributes:
+        eigenvalues: (count,) squared circular frequencies in rad²/s², ascending.
+        shapes: (n, count), mass-normalised; complex with Coriolis, displacement Re(shape e^{i omega_n t}).
+        damping_ratios: (count,), zero without a damper of the plate's own.
+        factor: of K at this speed.
+        state: the displacement (n,) about which the plate vibrates, where the deflection is large.
     """
 
     omega: float
@@ -86,7 +91,12 @@ def solve_real(
     state: Array | None = None,
     tolerance: float = CONVERGED,
 ) -> Modes:
-    """Find the count lowest modes of a stiffness (n, n), Coriolis apart. Raises Divergence and Unresolved."""
+    """Find the count lowest modes of a stiffness (n, n), Coriolis apart.
+
+    Raises:
+        Divergence: past the critical speed.
+        Unresolved: the plate is too thin for its theory in double precision.
+    """
     try:
         factor = factorise(stiffness)
     except SingularMatrix:

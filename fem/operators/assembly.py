@@ -30,9 +30,12 @@ class Operators:
     """A plate's matrices over its n free unknowns, SI units; Omega in rad/s. They are read-only.
 
     K(Omega) = stiffness + Omega² (geometric - softening). What an effect leaves out is None.
-    gyroscopic: G, the Coriolis force is -Omega G times the velocity.
-    load: the centrifugal load (n,) per Omega², zero where nothing asks for it. prestress: the displacement (n,) it
-    causes, per Omega². pulled: what the point mass's load adds to geometric, None without it.
+
+    Attributes:
+        gyroscopic: G, the Coriolis force is -Omega G times the velocity.
+        load: the centrifugal load (n,) per Omega², zero where nothing asks for it.
+        prestress: the displacement (n,) it causes, per Omega².
+        pulled: what the point mass's load adds to geometric, None without it.
     """
 
     plate: Plate
@@ -88,7 +91,8 @@ class Operators:
 def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
     """Matrices of a plate on a rotor; the prestress is solved once, at 1 rad/s.
 
-    Raises ValueError for an unknown theory, or one that the mesh does not allow.
+    Raises:
+        ValueError: for an unknown theory, or one that the mesh does not allow.
     """
     model = discretise(plate, theory, effects.rotary_inertia)
     density = plate.material.density
@@ -124,8 +128,10 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
 def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
     """Stick a point mass (kg) to the plate at a place (x, y) in m.
 
-    Like all mass it has inertia, pulls outwards on the plate, and softens. Raises ValueError off the plate, and
-    for a mass that is negative or not finite.
+    Like all mass it has inertia, pulls outwards on the plate, and softens.
+
+    Raises:
+        ValueError: off the plate, and for a mass that is negative or not finite.
     """
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")

@@ -18,7 +18,10 @@ def displacement(operators: Operators, shapes: Array) -> Array:
     """Displacements of the mid-surface at the mesh's vertices, columns u, v, w.
 
     shapes: unknowns (n,), giving (nvertices, 3), or of several shapes (n, count), giving (count, nvertices, 3). In m if
-    a shape is a static displacement, per unit of the shape otherwise. Raises ValueError for another number of unknowns.
+    a shape is a static displacement, per unit of the shape otherwise.
+
+    Raises:
+        ValueError: for another number of unknowns.
     """
     if np.ndim(shapes) not in (1, 2) or len(shapes) != operators.model.dofs:
         n = operators.model.dofs

@@ -25,7 +25,8 @@ class Material:
 
     youngs_modulus in Pa, poissons_ratio (-1 < nu < 0.5), density in kg/m³.
 
-    Raises ValueError for values no such material has.
+    Raises:
+        ValueError: for values no such material has.
     """
 
     youngs_modulus: float
@@ -76,8 +77,11 @@ class Plate:
         tip_at: its place (x, y) in m on the mid-surface.
         root: springs of an elastic root; None is the clamp.
 
-    Raises ValueError for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the
-    plate, TypeError for a material that is none, and `MeshError` for a mesh that no plate can be made of.
+    Raises:
+        ValueError: for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the
+            plate.
+        TypeError: for a material that is none.
+        MeshError: for a mesh that no plate can be made of.
     """
 
     mesh: Any

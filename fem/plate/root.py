@@ -10,7 +10,8 @@ from math import isfinite
 class ElasticRoot:
     """Stiffness per length of the root against displacement (N/m per m) and against rotation (N m/rad per m).
 
-    Raises ValueError unless both are positive and finite: without either the plate could move as a rigid body.
+    Raises:
+        ValueError: unless both are positive and finite: without either the plate could move as a rigid body.
     """
 
     stiffness: float

@@ -15,15 +15,19 @@ class Rotor:
     """The spin axis: it passes hub_radius (m) inside the clamped root and leans by stagger (rad) from z towards y.
 
     The root turns at the radius hub_radius wherever the mesh draws it; what lies a further out turns at hub_radius + a.
-    Where hub_radius is negative the plate is clamped beyond the axis and points at it.
-    With stagger 0 flapping is out of the plane of rotation, with pi/2 it is in it.
+    Where hub_radius is negative the plate is clamped beyond the axis and points at it. With stagger 0 flapping is out
+    of the plane of rotation, with pi/2 it is in it.
 
-    precone (rad): the angle between the plate's length, its x, and the plane of rotation, positive towards the axis's
-    end. The plate is laid in the plane of rotation, x outwards and z along the axis; turned about its x by the stagger;
-    then raised about the root by the precone, in the plane through axis and x. The axis then is
-    (sin precone, cos precone sin stagger, cos precone cos stagger) in the plate's coordinates, and the root's radius
-    goes along (cos precone, -sin precone sin stagger, -sin precone cos stagger). What lies a further out along x turns
-    at hub_radius + a cos precone. Raises ValueError for values that are not finite.
+    Attributes:
+        precone (rad): the angle between the plate's length, its x, and the plane of rotation, positive towards the
+            axis's end. The plate is laid in the plane of rotation, x outwards and z along the axis; turned about its x
+            by the stagger; then raised about the root by the precone, in the plane through axis and x. The axis then is
+            (sin precone, cos precone sin stagger, cos precone cos stagger) in the plate's coordinates, and the root's
+            radius goes along (cos precone, -sin precone sin stagger, -sin precone cos stagger). What lies a further out
+            along x turns at hub_radius + a cos precone.
+
+    Raises:
+        ValueError: for values that are not finite.
     """
 
     hub_radius: float = 0.0
@@ -82,10 +86,12 @@ def _without_dust(n: NDArray[Any]) -> NDArray[Any]:
 class Effects:
     """What is counted. An effect that is off is neither assembled nor solved for.
 
-    rotary_inertia: that of turning sections, in plates; a solid always has it.
+    Attributes:
+        rotary_inertia: that of turning sections, in plates; a solid always has it.
 
-    Raises TypeError for a switch that is neither True nor False, and ValueError for large deflection without stress
-    stiffening, which is part of it.
+    Raises:
+        TypeError: for a switch that is neither True nor False.
+        ValueError: for large deflection without stress stiffening, which is part of it.
     """
 
     stress_stiffening: bool = True

@@ -60,7 +60,10 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     """Modes at = (x, y) in m under the pull of balls of masses (n,) in kg, at every speed of a diagram.
 
     The modes are real: a diagram with Coriolis forces is made again without them.
-    Raises PlaceError off the plate; Divergence where the pull takes the stiffness of a mode.
+
+    Raises:
+        PlaceError: off the plate.
+        Divergence: where the pull takes the stiffness of a mode.
     """
     count = diagram.frequencies_hz.shape[1]
     if operators.gyroscopic is not None:

@@ -40,10 +40,15 @@ class NoFlapMode(ValueError):
 class Reduced:
     """Reduced parameters at a place on the plate, SI units.
 
-    f1_hz, M1, K1 with the ball stuck; f2_hz, M2, K2 without. ball_mass: m_p. mode_index: which of the
-    plate's modes, from 0. slope: phi_x per unit of w at the place, 1/m. floor_tilt: Omega² r phi_x / omega_1², where
-    Omega² r is the load along x: how much of the inertia drive a cavity floor that tilts with the plate would cancel;
-    the reduced model leaves it out. With precone the load slopes along the floor as well, which is left out too.
+    f1_hz, M1, K1 with the ball stuck; f2_hz, M2, K2 without.
+
+    Attributes:
+        ball_mass: m_p.
+        mode_index: which of the plate's modes, from 0.
+        slope: phi_x per unit of w at the place, 1/m.
+        floor_tilt: Omega² r phi_x / omega_1², where Omega² r is the load along x: how much of the inertia drive a
+            cavity floor that tilts with the plate would cancel; the reduced model leaves it out. With precone the load
+            slopes along the floor as well, which is left out too.
     """
 
     f1_hz: float
@@ -70,9 +75,12 @@ def reduce_at(
     """Reduced parameters at = (x, y) in m and a speed omega (rad/s), for a ball_mass in kg or as m_p / M2.
 
     modes: the plate's modes at this speed when they are known already. phi is real: Coriolis forces are left out.
-    Raises ValueError unless exactly one of ball_mass and mass_ratio is given and not negative; NoFlapMode when none
-    is among the modes; PlaceError when it does not move at the place, or off the plate; Divergence past the critical
-    speed.
+
+    Raises:
+        ValueError: unless exactly one of ball_mass and mass_ratio is given and not negative.
+        NoFlapMode: when none is among the modes.
+        PlaceError: when it does not move at the place, or off the plate.
+        Divergence: past the critical speed.
     """
     check_mass(ball_mass, mass_ratio)
     if modes is not None and modes.omega != omega:
@@ -111,14 +119,19 @@ class FlapMode:
 
 
 def flap_rows(operators: Operators, at: tuple[float, float]) -> Array:
-    """Rows (2, n) that give w and its slope w_x at a place. Raises PlaceError off the plate."""
+    """Rows (2, n) that give w and its slope w_x at a place.
+
+    Raises:
+        PlaceError: off the plate.
+    """
     return np.vstack([point_rows(operators.model, at, d)[[2]].toarray() for d in ((), (0,))])
 
 
 def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) -> list[FlapMode]:
     """Scale mass-normalised flap modes of which w and w_x (2, k) at a place are known.
 
-    Raises PlaceError where one of them does not move.
+    Raises:
+        PlaceError: where one of them does not move.
     """
     if np.abs(motions[0]).min() * np.sqrt(operators.mass.sum()) < 1e-6:
         raise PlaceError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
@@ -145,7 +158,11 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
 
 
 def flap_index(names: list[str]) -> int:
-    """Find the lowest flap mode among families. Raises NoFlapMode when there is none."""
+    """Find the lowest flap mode among families.
+
+    Raises:
+        NoFlapMode: when there is none.
+    """
     if "flap" not in names:
         raise NoFlapMode(f"no flap mode among the {len(names)} lowest: {', '.join(names)}")
     return names.index("flap")
@@ -170,7 +187,9 @@ def become(
     """Follow one of a plate's shapes (n, k) when a mass sticks to it at a place: (eigenvalue, shape (n,)).
 
     stuck: stiffness and mass then. Of the modes then, it is the one whose plate moves most alike.
-    Raises Divergence when the stiffness is lost.
+
+    Raises:
+        Divergence: when the stiffness is lost.
     """
     stiffness, mass = stuck
     try:

@@ -118,7 +118,11 @@ class _Family:
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
-        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; w and w_x (2, k). Raises Divergence."""
+        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; w and w_x (2, k).
+
+        Raises:
+            Divergence: past the critical speed.
+        """
         omega = self._diagram.omega
         fresh = {k: self._solve(k, masses[k]) for k in {0, omega.size - 1}}
         known: dict[int, tuple[float, Array]] = {}

@@ -69,8 +69,12 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
-    otherwise it may be unstable, which its modes then tell. Raises NoEquilibrium, Unresolved for a plate too thin for
-    its theory, and ValueError for a speed that is not one finite number or a start that is not (n,).
+    otherwise it may be unstable, which its modes then tell.
+
+    Raises:
+        NoEquilibrium: none was found, even in small steps.
+        Unresolved: for a plate too thin for its theory.
+        ValueError: for a speed that is not one finite number or a start that is not (n,).
     """
     return settle(operators, omega, start)[0]
 

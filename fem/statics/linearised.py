@@ -23,7 +23,10 @@ def linearise(
 ) -> tuple[csc_array, Array | None]:
     """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
 
-    start, state: see `fem.solve_modes`. Raises ValueError for a speed that is not one finite number.
+    start, state: see `fem.solve_modes`.
+
+    Raises:
+        ValueError: for a speed that is not one finite number.
     """
     check_speed(omega)
     if not operators.effects.large_deflection:

@@ -24,8 +24,9 @@ class Unresolved(ArithmeticError):
 
     The plate is too thin, or stands on springs so soft that it is all but loose.
 
-    uncertain: what is left uncertain of the lowest frequency at rest, relatively; infinite where it has none. loose:
-    the root, where it is that which is too soft.
+    Attributes:
+        uncertain: what is left uncertain of the lowest frequency at rest, relatively; infinite where it has none.
+        loose: the root, where it is that which is too soft.
     """
 
     def __init__(self, theory: str, uncertain: float, loose: ElasticRoot | None = None) -> None:

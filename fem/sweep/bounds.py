@@ -54,11 +54,14 @@ ROUNDED = 4.0
 class ReducedModes:
     """Reduced modes at several speeds.
 
-    omega: (k,) speeds in rad/s. rates: (k, q) circular frequencies in rad/s, ascending. vectors: (k, r, q),
-    mass-normalised, complex with Coriolis; the wanted ones come first. residuals: (k, q), rho.
-    bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown. rounding:
-    (k, wanted), what double precision leaves uncertain, which the bounds contain. floor: (k,), least ratio of the
-    stiffness to that at the reference speed; not positive where the plate diverges.
+    Attributes:
+        omega: (k,) speeds in rad/s.
+        rates: (k, q) circular frequencies in rad/s, ascending.
+        vectors: (k, r, q), mass-normalised, complex with Coriolis; the wanted ones come first.
+        residuals: (k, q), rho.
+        bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
+        rounding: (k, wanted), what double precision leaves uncertain, which the bounds contain.
+        floor: (k,), least ratio of the stiffness to that at the reference speed; not positive where the plate diverges.
     """
 
     omega: Array

@@ -45,11 +45,17 @@ MOST_MENDED = 50
 class Campbell:
     """Modes over speed.
 
-    omega: (k,) speeds in rad/s, ascending, below the critical one. frequencies_hz: (k, count), ascending at
-    each speed. bounds: (k, count), on their relative error against the full model. damping_ratios: (k, count).
-    branches: (k, count), which mode of the first speed each one continues. shares: (k, 5, count), see
-    `fem.modes.family`. veerings: where this is ambiguous. diverged: the speeds asked for that lie at or beyond the
-    critical one. sizes: vectors in each reduced basis used. parts: what the shapes are made from.
+    Attributes:
+        omega: (k,) speeds in rad/s, ascending, below the critical one.
+        frequencies_hz: (k, count), ascending at each speed.
+        bounds: (k, count), on their relative error against the full model.
+        damping_ratios: (k, count).
+        branches: (k, count), which mode of the first speed each one continues.
+        shares: (k, 5, count), see `fem.modes.family`.
+        veerings: where this is ambiguous.
+        diverged: the speeds asked for that lie at or beyond the critical one.
+        sizes: vectors in each reduced basis used.
+        parts: what the shapes are made from.
     """
 
     omega: Array
@@ -97,8 +103,11 @@ def campbell(
     damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
     speeds, where the deflection is large and they are known. What was achieved is in `bounds`, for the caller to see:
     they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
-    Raises ValueError for no speeds or a count, tolerance or ratio out of range, Divergence when every speed is at or
-    beyond the critical one, NoEquilibrium, and Unresolved for a plate too thin for the theory.
+
+    Raises:
+        ValueError: for no speeds or a count, tolerance or ratio out of range.
+        Divergence: when every speed is at or beyond the critical one, NoEquilibrium.
+        Unresolved: for a plate too thin for the theory.
     """
     asked = np.unique(np.asarray(omega, dtype=float))
     if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
@@ -136,7 +145,11 @@ def _hardly_any(speeds: int, count: int) -> bool:
 def _below_critical(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float
 ) -> list[Swept]:
-    """Answer the speeds (k,) below the critical one. Raises Divergence when there are none."""
+    """Answer the speeds (k,) below the critical one.
+
+    Raises:
+        Divergence: when there are none.
+    """
     try:
         return answer(operators, omega, count, tolerance, damping_ratio)
     except Divergence:

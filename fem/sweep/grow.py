@@ -60,11 +60,15 @@ FEW = 16
 class Swept:
     """Modes at k speeds.
 
-    omega: the speeds (k,) in rad/s. rates: circular frequencies (k, count) in rad/s. bounds: on their relative error.
-    damping: ratios (k, count).
-    shares: (k, 5, count), see `fem.modes.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
-    reduced: whether from a reduced basis. met: speeds (k,) whose bounds are within the tolerance, or as good as
-    rounding allows. state: the displacement (n,) vibrated about, where the deflection is large.
+    Attributes:
+        omega: the speeds (k,) in rad/s.
+        rates: circular frequencies (k, count) in rad/s.
+        bounds: on their relative error.
+        damping: ratios (k, count).
+        shares: (k, 5, count), see `fem.modes.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
+        reduced: whether from a reduced basis.
+        met: speeds (k,) whose bounds are within the tolerance, or as good as rounding allows.
+        state: the displacement (n,) vibrated about, where the deflection is large.
     """
 
     omega: Array
@@ -94,7 +98,10 @@ def answer(
 ) -> list[Swept]:
     """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
 
-    FEW speeds have one basis alone. Raises Divergence when a speed is found to be beyond the critical one.
+    FEW speeds have one basis alone.
+
+    Raises:
+        Divergence: when a speed is found to be beyond the critical one.
     """
     if omega.size > FEW:
         return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)

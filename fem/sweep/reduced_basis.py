@@ -34,13 +34,17 @@ SAFETY = 2.0
 class ReducedBasis:
     """Small matrices over a basis V (n, r) that is orthonormal in K_r.
 
-    reference: speed in rad/s of the factor. images: K_r V, M V, K_1 V and with Coriolis G V. representers:
-    K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V. mass, coriolis: V'M V and V'G V. stretches: eigenvalues (r,) of V'K_1 V,
-    ascending, and axes (r, r) its eigenvectors.
-    gram: (b r, b r), of V and the representers in K_r. outside: of the representers' parts outside V.
-    known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V. stretch_outside: the
-    largest stretch outside V in magnitude, doubled. rounding: what double precision leaves uncertain of each
-    vector's energy, (r,).
+    Attributes:
+        reference: speed in rad/s of the factor.
+        images: K_r V, M V, K_1 V and with Coriolis G V.
+        representers: K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V.
+        mass, coriolis: V'M V and V'G V.
+        stretches: eigenvalues (r,) of V'K_1 V, ascending, and axes (r, r) its eigenvectors.
+        gram: (b r, b r), of V and the representers in K_r.
+        outside: of the representers' parts outside V.
+        known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V.
+        stretch_outside: the largest stretch outside V in magnitude, doubled.
+        rounding: what double precision leaves uncertain of each vector's energy, (r,).
     """
 
     reference: float

@@ -33,8 +33,9 @@ they keep, relative to their frequency."""
 class Veering:
     """An ambiguous pairing between the speeds number step and step + 1.
 
-    modes: numbers (from 0, by frequency at the first of the two speeds) of the modes concerned. likeness: the
-    best pair's MAC for each.
+    Attributes:
+        modes: numbers (from 0, by frequency at the first of the two speeds) of the modes concerned.
+        likeness: the best pair's MAC for each.
     """
 
     step: int

@@ -29,9 +29,10 @@ GAUSS2 = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
 class Tying:
     """A reduction on the reference cell.
 
-    points: (2, nsample), where covariant shear is sampled.
-    functionals: (n, nsample, 2), the weights of its two components in each functional.
-    space: maps reference points (2, m) to the n spanning fields of the edge space there, (n, 2, m).
+    Attributes:
+        points: (2, nsample), where covariant shear is sampled.
+        functionals: (n, nsample, 2), the weights of its two components in each functional.
+        space: maps reference points (2, m) to the n spanning fields of the edge space there, (n, 2, m).
     """
 
     points: Array

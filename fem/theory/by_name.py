@@ -23,7 +23,9 @@ LAYERED = {2: 0.012, 4: 0.002, 6: 0.0005}
 def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discretisation:
     """Make the model of a plate in the named theory.
 
-    Raises ValueError for an unknown name or one that the mesh does not allow, TypeError for what is no name.
+    Raises:
+        ValueError: for an unknown name or one that the mesh does not allow.
+        TypeError: for what is no name.
     """
     from fem.theory import clamp, kirchhoff, mindlin, solid
 

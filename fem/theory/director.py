@@ -49,7 +49,8 @@ FLAT = np.array([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, *[0.0] * 6])
 class Section:
     """Membrane and bending energy over the fields u,x u,y v,x v,y w,x w,y and theta_x, its derivatives, theta_y, its.
 
-    material: in plane stress. thickness in m, one or (ncell, npoint).
+    Attributes:
+        material: in plane stress. thickness in m, one or (ncell, npoint).
     """
 
     fields: Fields
@@ -86,9 +87,12 @@ class Section:
 class SectionStress:
     """A section's energy at a state, by point.
 
-    thickness: (npoint, 1) in m. values: of the fields (npoint, 12). jacobian: of r,x r,y h d,x h d,y by the fields,
-    (npoint, 12, 12). turned: of the strains by these, (npoint, 6, 12). stress: (npoint, 6), and its derivative by the
-    strain (npoint, 6, 6).
+    Attributes:
+        thickness: (npoint, 1) in m.
+        values: of the fields (npoint, 12).
+        jacobian: of r,x r,y h d,x h d,y by the fields, (npoint, 12, 12).
+        turned: of the strains by these, (npoint, 6, 12).
+        stress: (npoint, 6), and its derivative by the strain (npoint, 6, 6).
     """
 
     energy: Section

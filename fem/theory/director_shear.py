@@ -27,9 +27,12 @@ if TYPE_CHECKING:
 class Shear:
     """Transverse shear energy of an assumed shear.
 
-    samples: the fields u, v and w by the two reference coordinates and theta_x, theta_y, where the shear is sampled.
-    sides: X, Y by the reference coordinates there, (2, 2, ncell, nsample). reduction: from the samples' covariant shear
-    to the shear at the points, (ncell, npoint, 2, nsample, 2). modulus: (ncell, npoint) in N/m, dx in m².
+    Attributes:
+        samples: the fields u, v and w by the two reference coordinates and theta_x, theta_y, where the shear is
+            sampled.
+        sides: X, Y by the reference coordinates there, (2, 2, ncell, nsample).
+        reduction: from the samples' covariant shear to the shear at the points, (ncell, npoint, 2, nsample, 2).
+        modulus: (ncell, npoint) in N/m, dx in m².
     """
 
     samples: Fields
@@ -67,8 +70,10 @@ class Shear:
 class ShearStress:
     """A shear energy at a state.
 
-    director: (3, ncell, nsample). edges: r by the reference coordinates, (3, 2, ncell, nsample). felt: the energy's
-    derivative by the samples' covariant shears, (2, ncell, nsample).
+    Attributes:
+        director: (3, ncell, nsample).
+        edges: r by the reference coordinates, (3, 2, ncell, nsample).
+        felt: the energy's derivative by the samples' covariant shears, (2, ncell, nsample).
     """
 
     energy: Shear

@@ -29,10 +29,13 @@ if TYPE_CHECKING:
 class Space:
     """A scalar finite-element space: a scikit-fem basis and the numbers of its unknowns.
 
-    dofs: (ncell, ndof). height: for bricks, the reference height of the mid-surface in the first bricks.
-    scale: length in m of the basis's own unit. signs: (ncell, ndof), -1 where a cell's shape function
-    counts an unknown backwards, as normal slopes are on one of two neighbours. combined: (nbasis, ndof), what each
-    unknown moves of the basis's own functions, where that is more than one.
+    Attributes:
+        dofs: (ncell, ndof).
+        height: for bricks, the reference height of the mid-surface in the first bricks.
+        scale: length in m of the basis's own unit.
+        signs: (ncell, ndof), -1 where a cell's shape function counts an unknown backwards, as normal slopes are on one
+            of two neighbours.
+        combined: (nbasis, ndof), what each unknown moves of the basis's own functions, where that is more than one.
     """
 
     basis: Any
@@ -75,7 +78,11 @@ def number(
 ) -> tuple[list[NDArray[np.int64]], int]:
     """Free unknowns of several bases in one numbering.
 
-    spaces: (basis, clamped unknowns of that basis). Returns the (ncell, ndof) tables and the total.
+    Args:
+        spaces: (basis, clamped unknowns of that basis).
+
+    Returns:
+        The (ncell, ndof) tables and the total.
     """
     tables, start = [], 0
     for basis, clamped in spaces:
@@ -98,13 +105,17 @@ def clamped(basis: Any, plate: Plate) -> NDArray[np.int64]:
 class Discretisation:
     """A plate in one theory.
 
-    points: (3, ncell, npoint) in m, z = 0 for plates.
-    displacement, gradient: the fields f and g. inertia, elastic: layers that carry mass and stiffness.
-    stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
-    extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear, springs at the root.
-    energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
-    membrane: numbers of the unknowns that a linear prestress may move.
-    spaces: the spaces of u, v and w, for values at points. mesh: the planform they live on.
+    Attributes:
+        points: (3, ncell, npoint) in m, z = 0 for plates.
+        displacement, gradient: the fields f and g.
+        inertia, elastic: layers that carry mass and stiffness.
+        stiffness: elastic matrix of the direct strains, Voigt (3, 3) or (6, 6) in Pa.
+        extra: further elastic terms (fields, coefficients) that take no prestress: transverse shear, springs at the
+            root.
+        energies: the parts of the elastic energy at large displacements; at small ones elastic and extra.
+        membrane: numbers of the unknowns that a linear prestress may move.
+        spaces: the spaces of u, v and w, for values at points.
+        mesh: the planform they live on.
     """
 
     theory: str

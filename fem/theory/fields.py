@@ -23,8 +23,9 @@ CLAMPED = -1
 class Block:
     """Fields that depend on the same unknowns.
 
-    table: (ncell, npoint, nfield, ndof), the value of each field for a unit of each unknown of the cell.
-    dofs: (ncell, ndof), the numbers of these unknowns; `CLAMPED` where they are held.
+    Attributes:
+        table: (ncell, npoint, nfield, ndof), the value of each field for a unit of each unknown of the cell.
+        dofs: (ncell, ndof), the numbers of these unknowns; `CLAMPED` where they are held.
     """
 
     table: NDArray[np.float64]
@@ -40,7 +41,9 @@ class Block:
 class Fields:
     """An ordered set of scalar fields, block after block, with the integration weights of their points.
 
-    dx: (ncell, npoint), in m² (plates) or m³ (solids). dofs: number of unknowns that are free.
+    Attributes:
+        dx: (ncell, npoint), in m² (plates) or m³ (solids).
+        dofs: number of unknowns that are free.
     """
 
     blocks: tuple[Block, ...]

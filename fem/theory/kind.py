@@ -14,5 +14,9 @@ class Kind(StrEnum):
 
 
 def kind(theory: str) -> Kind:
-    """The kind of a theory by its name. Raises ValueError for another name."""
+    """The kind of a theory by its name.
+
+    Raises:
+        ValueError: for another name.
+    """
     return Kind(theory.partition("/")[0])

@@ -36,7 +36,8 @@ ORDER = {"bfs": 7, "argyris": 8, "morley": 5}
 def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = None) -> Discretisation:
     """Make the Kirchhoff model of a plate; without a named element, the best one for the mesh.
 
-    Raises ValueError for an element that the mesh does not allow.
+    Raises:
+        ValueError: for an element that the mesh does not allow.
     """
     from skfem import Basis, ElementQuad2, ElementTriP2
     from skfem.quadrature import get_quadrature

@@ -33,11 +33,15 @@ VOIGT = {
 class Layer:
     """One point of the integration through the thickness.
 
-    z and weight in m (for solids 0 and 1); where the thickness varies z is (ncell, npoint) and the weight a part of
-    it, see `fem.theory.sections`. displacement: T, (3, nfield). gradient: D, (3, d, ngradient),
-    with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains. quadratic: Q, (m, d,
-    ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself for solids;
-    in plates the terms of grad u times grad theta are left out, as von Karman does (`fem.theory.director` has them).
+    z and weight in m (for solids 0 and 1); where the thickness varies z is (ncell, npoint) and the weight a part of it,
+    see `fem.theory.sections`.
+
+    Attributes:
+        displacement: T, (3, nfield).
+        gradient: D, (3, d, ngradient), with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains.
+        quadratic: Q, (m, d, ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself
+            for solids; in plates the terms of grad u times grad theta are left out, as von Karman does
+            (`fem.theory.director` has them).
     """
 
     z: float | Array

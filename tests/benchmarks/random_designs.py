@@ -4,7 +4,7 @@
 
 COUNT points of a Sobol' sequence with a seed of its own are scored quickly, to about a percent; those that come within
 3 % of the best, or above it, again with the figures at their full accuracy. BEST: a design.json that the search left
-before; without it, it searches first.
+before; without it, it searches first. SCENE: by the damping, or by the amplitude at the crossings ([excitation]).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from workflows.scene.file import load
 from workflows.studies.design import search, space, study
-from workflows.studies.sweep import code, crew
+from workflows.studies.sweep import crew, fingerprint
 
 NEAR = 0.97
 AT_ONCE = 64
@@ -27,24 +27,34 @@ AT_ONCE = 64
 def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
     """Print how many of COUNT designs are better; return that number."""
     free = space.of(load(scene))
+    sign = 1 if free.design.amplitude is not None else -1
+    unit = 100.0 if sign > 0 else 1e3
     with crew.local() as workers:
         known = _known(best) if best else study.design(scene).found.scored.value
-        print(f"the search: {100 * known:.5f} %", flush=True)
+        print(f"the search: {unit * known:.5f}", flush=True)
         rows = search.sobol(len(free.axes), 1 << (count - 1).bit_length(), seed=12345)[:count]
-        began, values, near = time.perf_counter(), [], []
+        began, worth, near = time.perf_counter(), [], []
         for begin in range(0, count, AT_ONCE):
             part = rows[begin : begin + AT_ONCE]
-            found = study.scored(workers, code.digest(), free, part, quick=True)
-            values += [each.value for each in found]
-            near += [row for row, each in zip(part, found, strict=True) if each.value > NEAR * known]
+            found = study.scored(workers, fingerprint.digest(), free, part, quick=True)
+            worth += [each for each in found if each.works]
+            near += [
+                row for row, each in zip(part, found, strict=True) if each.works and _near(each.value, known, sign)
+            ]
             if begin % (16 * AT_ONCE) == 0:
-                print(f"{len(values)} designs, best {100 * max(values):.5f} %", flush=True)
-        again = study.scored(workers, code.digest(), free, np.array(near), quick=False) if near else []
-    better = [each.value for each in again if each.value > known]
-    works = sum(value > 0 for value in values)
-    print(f"{count} designs in {time.perf_counter() - began:.0f} s: {works} work, at best {100 * max(values):.5f} %;")
-    print(f"{len(near)} within 3 % of the search's best, {len(better)} better: {[f'{100 * v:.5f} %' for v in better]}")
+                print(f"{begin + len(part)} designs, {len(worth)} work", flush=True)
+        again = study.scored(workers, fingerprint.digest(), free, np.array(near), quick=False) if near else []
+    better = [each.value for each in again if each.works and sign * (each.value - known) > 0]
+    most = max((sign * each.value for each in worth), default=0.0)
+    took = time.perf_counter() - began
+    print(f"{count} designs in {took:.0f} s: {len(worth)} work, at best {unit * sign * most:.5f};")
+    print(f"{len(near)} within 3 % of the search's best, {len(better)} better: {[f'{unit * v:.5f}' for v in better]}")
     return len(better)
+
+
+def _near(value: float, known: float, sign: int) -> bool:
+    """Whether a value is better than the best known, or hardly worse."""
+    return value > NEAR * known if sign > 0 else NEAR * value < known
 
 
 def _known(path: str) -> float:

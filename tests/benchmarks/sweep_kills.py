@@ -4,25 +4,32 @@
 
 One sweep that nothing disturbs says what the folder must hold to the last byte. Another is killed KILLS times at a
 moment drawn from the whole of what is left of it, and started again; after each kill all its shards must be whole. A
-third loses a worker process every few seconds. The last is computed by a scheduler and two workers on this machine,
-one of which is killed in the middle; a cluster with one worker must take it up.
+third loses a worker process every few seconds; two more run into one folder at once, and one finds the code changed in
+between. Where a disk in memory may be mounted (as root on Linux), one fills it up three times, each larger than the one
+before. The last is computed by a scheduler and two workers on this machine, one of which is killed in the middle; the
+other must take it up.
 """
 
 from __future__ import annotations
 
+import os
 import random
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import psutil
 
 from tests.limits import HANG
 from workflows.studies.sweep.folder import LOCK
+
+ROOT = Path(__file__).parents[2]
 
 VARY = (
     "damper.mass_ratio=log:0.001:0.05:16",
@@ -43,15 +50,19 @@ def main(kills: int = 20, seed: int = 7) -> None:
         print(f"undisturbed: {whole:.1f} s, {len(right)} files, {len(shards(place / 'right'))} shards")
         print(killed(place / "killed", right, kills, whole, draw))
         print(without_workers(place / "workers", right, draw))
+        print(two_writers(place / "two", right))
+        print(other_code(place / "code", right))
+        print(on_a_small_disk(place / "disk", right))
         print(on_a_cluster(place / "cluster", right))
 
 
-def start(out: Path, *more: str) -> subprocess.Popen[str]:
-    """Start the sweep in a process of its own, which has two workers."""
+def start(out: Path, *more: str, code: Path = ROOT) -> subprocess.Popen[str]:
+    """Start the sweep in a process of its own, which has two workers, by the code in a folder."""
     vary = [part for text in VARY for part in ("--vary", text)]
     workers = [] if more else ["--workers", "2"]
     command = [sys.executable, "-m", "workflows.cli", "sweep", "structure", *vary, "--quick", *workers, *more]
-    return subprocess.Popen([*command, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    how: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([*command, "--out", str(out)], cwd=code, env=os.environ | {"PYTHONPATH": str(code)}, **how)
 
 
 def ended(process: subprocess.Popen[str]) -> None:
@@ -123,6 +134,65 @@ def without_workers(out: Path, right: dict[str, bytes], draw: random.Random) -> 
     ended(process)
     same(out, right)
     return f"{count} workers killed singly: every byte as undisturbed"
+
+
+def two_writers(out: Path, right: dict[str, bytes]) -> str:
+    """The same sweep twice into one folder: one is refused while the other works, and harms nothing."""
+    first = start(out)
+    while first.poll() is None and not shards(out):
+        time.sleep(0.05)
+    second = start(out)
+    said = refused(second)
+    ended(first)
+    same(out, right)
+    return f"two writers: {said!r}; the first ended with every byte as undisturbed"
+
+
+def other_code(out: Path, right: dict[str, bytes]) -> str:
+    """A sweep that is gone on with by other code, here with a comment more, is refused; its own ends it."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("damper", "fem", "workflows", "spindamp.py"):
+            origin = ROOT / name
+            (shutil.copytree if origin.is_dir() else shutil.copy)(origin, Path(folder) / name)
+        with (Path(folder) / "damper" / "model.py").open("a", encoding="utf-8") as file:
+            file.write("# other code\n")
+        process = start(out)
+        while process.poll() is None and not shards(out):
+            time.sleep(0.05)
+        process.kill()
+        process.communicate(timeout=HANG)
+        said = refused(start(out, "--workers", "2", code=Path(folder)))
+    ended(start(out))
+    same(out, right)
+    return f"other code in between: {said!r}; its own went on, every byte as undisturbed"
+
+
+def refused(process: subprocess.Popen[str]) -> str:
+    """What it says in one line, with status 2."""
+    _, errors = process.communicate(timeout=HANG)
+    if process.returncode != 2 or len(errors.strip().splitlines()) != 1:
+        raise AssertionError(f"status {process.returncode}: {errors}")
+    return re.sub(r"'/[^']*/", "'…/", errors.strip())
+
+
+def on_a_small_disk(out: Path, right: dict[str, bytes]) -> str:
+    """Into a disk in memory that holds a part of it, then more; at last all of it."""
+    out.mkdir()
+    whole, said = sum(map(len, right.values())), []
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", out], check=False, capture_output=True)
+    if done.returncode != 0:
+        return f"a full disk: not tried, {done.stderr.decode().strip()}"
+    try:
+        for share in (0.2, 0.4, 0.6):
+            subprocess.run(["mount", "-o", f"remount,size={int(share * whole)}", out], check=True)
+            said.append((refused(start(out / "map")), len(shards(out / "map"))))
+        subprocess.run(["mount", "-o", "remount,size=100m", out], check=True)
+        ended(start(out / "map"))
+        same(out / "map", right)
+    finally:
+        subprocess.run(["umount", out], check=True)
+    counts = ", ".join(str(count) for _, count in said)
+    return f"a full disk: {said[0][0]!r} with {counts} shards; then every byte as undisturbed"
 
 
 def on_a_cluster(out: Path, right: dict[str, bytes]) -> str:

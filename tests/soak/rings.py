@@ -76,14 +76,14 @@ def scene(dice: Dice, kind: Kind) -> Scene:
         "rotor": {"speeds": [speed if spins else 0.0], "radius": load / speed**2},
         "effects": {"ball_slip": kind.slips},
         "damper": {
-            "mass_ratio": sometimes(dice, (0.006, 1.0), power(dice, -9, 3)),
+            "mass_ratio": sometimes(dice, (0.006, 1.0), min(power(dice, -9, 3), 10.0)),
             "radius": radius,
             "cavity": [2 * (radius + gap) for gap in gaps],
             "restitution": sometimes(dice, (0.0, 0.5, 1.0), 1 - power(dice, -9, 0)),
             "friction": friction,
             "rolling_friction": lever if threshold > 0 else 0.0,
             "formulation": kind.formulation,
-            "damping_ratio": sometimes(dice, (0.0, 0.01), min(power(dice, -6, 0), 1 - power(dice, -9, 0))),
+            "damping_ratio": sometimes(dice, (0.0, 0.01), min(power(dice, -6, 0), 1 - power(dice, -9, 0), 0.9)),
             "sticking_ratio": sometimes(dice, (0.01,), power(dice, -6, -1)),
         },
         "release": {

@@ -9,7 +9,8 @@ import re
 import shutil
 import subprocess
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,13 @@ def spindamp(
         return Outcome(status, found.out, found.err)
 
     return call
+
+
+@pytest.fixture
+def here() -> Iterator[ThreadPoolExecutor]:
+    """An executor without processes."""
+    with ThreadPoolExecutor(1) as executor:
+        yield executor
 
 
 @pytest.fixture

@@ -133,7 +133,7 @@ def test_a_late_start_is_not_waited_for() -> None:
 
 
 def test_a_chattering_ball_does_not_flood_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ball_path, "_EVENTS_AT_MOST", 40)
+    monkeypatch.setattr(ball_path, "EVENTS_AT_MOST", 40)
     found = ball_path.ball_path(ringdown(a_damper(), (5e-3, 2e-3), keep_events=True))
     assert found is not None
     assert len(found.at) == 40

@@ -1,6 +1,7 @@
 """Forced response of scenes: crossings, figures, files, and what is refused."""
 
 import csv
+import dataclasses
 import json
 import math
 import tomllib
@@ -15,9 +16,12 @@ from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, r
 from tests.workflows.browser import findings, needs_axe
 from tests.workflows.conftest import needs_chromium
 from workflows.errors import BadInput
+from workflows.results import crossings
+from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
-from workflows.studies.response import crossings, files, page, told
+from workflows.solve.records import Mode, SpeedPoint
+from workflows.studies.response import band, files, page, told
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -62,7 +66,7 @@ def test_a_known_structure(known):
     """The crossing is where three turns a period are 200 Hz without the ball; locked, the textbook's amplitude."""
     (through,) = known.passed
     hertz = 200 * math.sqrt(1.01)
-    assert through.crossing.frequency == pytest.approx(hertz, rel=1e-12)
+    assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
     weak, strong = told.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
@@ -163,18 +167,64 @@ def test_what_response_needs(text, says):
 
 def test_no_crossing():
     found = respond(read(changed("orders = [3]", "orders = [1]")))
-    assert told.sentences(found) == ["No engine order asked for crosses a mode between 3000 and 5000 rpm."]
+    assert told.sentences(found) == [
+        "No engine order asked for crosses a mode between 3000 and 5000 rpm.",
+        "Order 1 would meet the first mode near 12060 rpm.",
+    ]
     assert json.loads(page.dumps(found))["crossings"] == []
     assert "<figure>" in page.render(found)
     assert not files.dataset(found).data_vars
+
+
+def test_crossings_beyond_the_speeds():
+    """f² = f0² + s n²: the order k meets it at n = f0 / sqrt(k² - s), wherever the known speeds lie; else never."""
+    for share, order, low, high in ((1.7, 3, 5000.0, 9000.0), (0.0, 2, 100.0, 200.0), (1.7, 1, 0.0, 500.0)):
+        points = [
+            SpeedPoint(
+                rpm * math.pi / 30, rpm, 0.2, 0.0, (Mode(math.hypot(100.0, math.sqrt(share) * rpm / 60), "flap"),)
+            )
+            for rpm in (low, high)
+        ]
+        found = crossings.beyond(points, order)
+        if share > order**2:
+            assert found is None
+        else:
+            assert found == pytest.approx(60 * 100.0 / math.sqrt(order**2 - share), rel=1e-9)
+
+
+def test_words_of_a_response(known):
+    """Two speeds, of the crossing without a ball and of the largest amplitude with it, each named; the force's kind."""
+    assert "meets the flap mode at 4020 rpm without a ball" in told.text(known)
+    assert "largest at, rpm" in told.text(known)
+    assert "force, N" in told.text(known)
+    pressed = dataclasses.replace(known, excitation=Excitation(orders=(3,), pressure=(2.0, 20.0)))
+    assert "pressure, Pa" in told.text(pressed)
+    assert "force" not in told.text(pressed).splitlines()[4]
 
 
 def test_schema_takes_what_scenes_take():
     jsonschema.validate(tomllib.loads(STRUCTURE), schema())
 
 
+def test_crossings_between_few_speeds_are_exact():
+    """f² = f0² + s (Ω/2π)² and f = k Ω/2π: wherever the two speeds of a mode lie, one module answers for all."""
+    f0, share, k = 100.0, 1.7, 3
+    points = tuple(
+        SpeedPoint(
+            rpm * math.pi / 30, rpm, 0.2, 0.0, modes=(Mode(math.hypot(f0, math.sqrt(share) * rpm / 60), "flap"),)
+        )
+        for rpm in (500.0, 9000.0)
+    )
+    (met,) = crossings.of_points(points, [k, 1])
+    turns = f0 / math.sqrt(k**2 - share)
+    assert met.rpm == pytest.approx(60 * turns, rel=1e-12)
+    assert met.frequency_hz == pytest.approx(k * turns, rel=1e-12)
+    assert met.turns == pytest.approx(share / k, rel=1e-12), "df/dn = s n / f"
+    assert (met.order, met.branch, met.label) == (k, 0, "flap 1")
+
+
 def test_speeds_through_a_crossing():
-    omega = crossings.gathered(100.0, 98.0, 101.0, 21)
+    omega = band.gathered(100.0, 98.0, 101.0, 21)
     assert (omega[0], omega[10], omega[-1]) == pytest.approx((98.0, 100.0, 101.0))
     steps = np.diff(omega)
     assert (steps > 0).all()
@@ -253,7 +303,7 @@ orders = [3]
     assert through.crossing.family == "flap"
     assert len(through.omega) in (60, FEW_SPEEDS)
     (row,) = told.rows(found)
-    omega = 2 * math.pi * through.crossing.frequency
+    omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
     tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)

@@ -56,6 +56,14 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"material__density": "0 kg/m^3"}, "[material] density", "above 0"),
     ({"material__densty": 1, "material__density": None}, "[material] densty", "did you mean 'density'?"),
+    (
+        {"structure__floor_tilt": "7 1/m"},
+        "[structure] floor_tilt",
+        "the floor on a plate tilts by what the plate bends",
+    ),
+    ({"structure": {"frequency": "2 Hz"}}, "[plate]", "a plate with its material or a [structure]: leave one out"),
+    ({"damper__mass_ratio": 11}, "[damper] mass_ratio = 11", "at most 10"),
+    ({"damper__damping_ratio": 0.999}, "[damper] damping_ratio = 0.999", "at most 0.9"),
     ({"rotor": None}, "[rotor]", "missing"),
     ({"rotor__speeds": None}, "[rotor] speeds", "missing"),
     ({"rotor__speeds": []}, "[rotor] speeds", "expected a list such as"),
@@ -105,7 +113,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__friction": -0.1}, "[damper] friction", "at least 0"),
     ({"damper__rolling_friction": "-1 mm"}, "[damper] rolling_friction", "at least 0"),
     ({"damper__formulation": "exact"}, "[damper] formulation", "'consistent' or 'printed'"),
-    ({"damper__damping_ratio": 1}, "[damper] damping_ratio", "below 1"),
+    ({"damper__damping_ratio": 1}, "[damper] damping_ratio", "at most 0.9"),
     ({"damper__sticking_ratio": 0}, "[damper] sticking_ratio", "above 0"),
     ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
     (
@@ -197,6 +205,18 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"damper": None, "release": None}, "[damper]", "missing"),
     ({"effects__coriolis": True}, "[effects] coriolis = true", "the scene has no plate"),
     ({"effects__rotary_inertia": True}, "[effects] rotary_inertia = true", "the scene has no plate"),
+    (
+        {"structure__floor_tilt": "7 1/m", "damper__formulation": "printed"},
+        "[structure] floor_tilt",
+        "the printed equations know a level floor only",
+    ),
+    ({"effects__floor_tilt": True}, "[effects] floor_tilt = true", "structure.floor_tilt is 0: give the slope"),
+    (
+        {"damper__mass_ratio": None, "damper__mass": "1000 kg"},
+        "[damper] mass = '1000 kg'",
+        "at most 10 times the structure's mass, 1 kg; these weigh 1000 kg",
+    ),
+    ({"structure__floor_tilt": "7 deg"}, "[structure] floor_tilt", "a slope over a displacement such as '6.9 1/m'"),
 ]
 
 

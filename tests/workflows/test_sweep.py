@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -19,13 +18,6 @@ from workflows.scene.file import SHIPPED, load
 from workflows.studies.sweep import axes, keys, plans, scenes, study
 
 G = 9.80665
-
-
-@pytest.fixture
-def here():
-    """An executor without processes."""
-    with ThreadPoolExecutor(1) as executor:
-        yield executor
 
 
 def axis(text):

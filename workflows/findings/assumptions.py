@@ -34,6 +34,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
             ("Several balls move in step, each in a cavity of its own.", "ours"),
+            *_weight(results),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
         ]
         if scene.damper.formulation == "consistent":
@@ -55,6 +56,15 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         if scene.damper is not None and scene.damper.damping_ratio:
             found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
     return found
+
+
+def _weight(results: Results) -> list[tuple[str, str]]:
+    """What is left out that only a structure at rest would show."""
+    if all(point.load_g > 0 for point in results.speeds):
+        return []
+    return [
+        ("The ball's weight is left out: at 0 rpm nothing presses it to its floor, and nothing resists it.", "ours")
+    ]
 
 
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:

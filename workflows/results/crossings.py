@@ -1,14 +1,15 @@
-"""Where engine orders meet natural frequencies."""
+"""Where engine orders meet natural frequencies: for the pictures of a run, and for the forced response."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from workflows.results import curves
 from workflows.scene.scene import Scene
-from workflows.solve.records import Results
+from workflows.solve.records import Mode, Results, SpeedPoint
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 """Multiples of the rotation's frequency that are looked at in any scene."""
@@ -22,27 +23,101 @@ def orders(scene: Scene) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Crossing:
-    """A speed at which an engine order excites a mode."""
+    """An engine order that meets a mode.
+
+    Attributes:
+        order, branch: which order, and which of the modes at the lowest speed the mode continues, from 0.
+        family: what the mode does there; label: what a legend calls it.
+        rpm: speed [rev/min]; frequency_hz: of both [Hz].
+        error: relative, of the frequency, None where it is not known; `basis`: what the reduced basis adds of it.
+        turns: how fast the mode's frequency grows with the speed's, [-].
+    """
 
     order: int
+    branch: int
+    family: str
     label: str
     rpm: float
     frequency_hz: float
+    error: float | None
+    basis: float
+    turns: float
+
+    @property
+    def omega(self) -> float:
+        """Speed [rad/s]."""
+        return self.rpm * math.pi / 30
 
 
 def crossings(results: Results) -> list[Crossing]:
-    """All of them within the speeds of a run.
+    """Those of a run with the usual orders; a structure that is given has no modes, and none of them."""
+    known = any(point.modes for point in results.speeds)
+    return of_points(results.speeds, orders(results.scene)) if known else []
+
+
+def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossing]:
+    """Crossings between the speeds of some points, ascending in order, mode and speed.
 
     Between two speeds f² goes with Ω² along a straight line, as it does for a mode that keeps its shape (Southwell);
-    an order is a line through the origin there, so that they meet at most once.
+    an order is a line through the origin there, so that they meet at most once. A structure that is given has one mode,
+    whose frequency does not depend on the speed.
     """
+    by_speed = sorted(points, key=lambda point: point.omega)
+    labels = curves.labels(by_speed) or {0: "flap 1"}
+    tracks = {branch: _track(by_speed, branch) for branch in sorted(labels)}
     return [
-        Crossing(order, track.label, rpm, order * rpm / 60)
-        for track in curves.campbell(results)
-        for order in orders(results.scene)
-        for low, high in pairwise(zip(track.x.tolist(), track.y.tolist(), strict=True))
-        if (rpm := _meeting(order, low, high)) is not None
+        met
+        for order in sorted(asked)
+        for branch, track in tracks.items()
+        for low, high in pairwise(track)
+        if (met := _between(order, labels[branch], low, high)) is not None
     ]
+
+
+def beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
+    """The speed [rev/min] at which an order would meet the first mode beyond these points; None where it never would.
+
+    f² goes with Ω² as between the lowest and the highest of them.
+    """
+    track = _track(sorted(points, key=lambda point: point.omega), 0)
+    (a, f), (b, g) = ((point.rpm, _hertz(point, k)) for point, k in (track[0], track[-1]))
+    growth = 0.0 if a == b else 3600 * (g**2 - f**2) / (b**2 - a**2)
+    square = (3600 * f**2 - growth * a**2) / (order**2 - growth) if order**2 > growth else -1.0
+    return math.sqrt(square) if square > 0 else None
+
+
+def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, int]]:
+    """Points that have a branch, each with which of its modes that is, from 0; of a structure that is given all."""
+    every = [(point, k) for point in points for k, mode in enumerate(point.modes) if mode.branch == branch]
+    return every or [(point, 0) for point in points]
+
+
+def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[SpeedPoint, int]) -> Crossing | None:
+    (a, f), (b, g) = ((point.rpm, _hertz(point, k)) for point, k in (low, high))
+    rpm = _meeting(order, (a, f), (b, g))
+    if rpm is None:
+        return None
+    point, k = low if rpm - a < b - rpm else high
+    mode = point.modes[k] if point.modes else Mode(f, "flap")
+    return Crossing(
+        order=order,
+        branch=mode.branch,
+        family=mode.family,
+        label=label,
+        rpm=rpm,
+        frequency_hz=order * rpm / 60,
+        error=mode.error_estimate,
+        basis=0.0 if mode.error_parts is None else mode.error_parts.basis,
+        turns=3600 * (g**2 - f**2) / (b**2 - a**2) / order,
+    )
+
+
+def _hertz(point: SpeedPoint, k: int) -> float:
+    if point.modes:
+        return point.modes[k].frequency_hz
+    if point.reduced is None:
+        raise ValueError("the structure is not known")
+    return point.reduced.f2_hz
 
 
 def _meeting(order: int, low: tuple[float, float], high: tuple[float, float]) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,14 +50,25 @@ class Branch:
 def branches(results: Results) -> list[Branch]:
     """The modes followed over ascending speeds, each named by its family at the lowest speed it is seen at."""
     tracks: dict[int, list[tuple[int, int]]] = {}
-    names: dict[int, tuple[str, int]] = {}
     for at, point in sorted(enumerate(results.speeds), key=lambda each: each[1].rpm):
         for place, mode in enumerate(point.modes):
-            if mode.branch not in names:
-                number = 1 + sum(family == mode.family for family, _ in names.values())
-                names[mode.branch] = (mode.family, number)
             tracks.setdefault(mode.branch, []).append((at, place))
+    names = _names(results.speeds)
     return [Branch(*names[branch], tuple(track)) for branch, track in tracks.items()]
+
+
+def labels(points: Sequence[SpeedPoint]) -> dict[int, str]:
+    """What a legend calls the branches of some points, by their number."""
+    return {branch: f"{family} {number}" for branch, (family, number) in _names(points).items()}
+
+
+def _names(points: Sequence[SpeedPoint]) -> dict[int, tuple[str, int]]:
+    """Family of each branch at the lowest speed it is seen at, and its number there."""
+    names: dict[int, tuple[str, int]] = {}
+    for mode in (mode for point in sorted(points, key=lambda each: each.rpm) for mode in point.modes):
+        if mode.branch not in names:
+            names[mode.branch] = mode.family, 1 + sum(family == mode.family for family, _ in names.values())
+    return names
 
 
 def campbell(results: Results) -> list[Curve]:

@@ -29,6 +29,9 @@ _THINNEST, _SLENDEREST = 1e4, 100.0
 _LIGHTEST = 10.0
 """Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""
 
+HEAVIEST = 10.0
+"""Mass of all balls over the structure's up to which they damp it, and are not what is damped."""
+
 OSMIUM = 22_600.0
 """Density [kg/m^3] of the densest element."""
 
@@ -215,6 +218,10 @@ def together(scene: Scene) -> None:
             "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the plate"
             " alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
         )
+    if scene.design is not None and scene.design.amplitude is None and scene.excitation is None:
+        raise fault(
+            "design.amplitude", "missing: the range over which the least damping counts (or give [excitation] instead)"
+        )
     if scene.plate is not None:
         _on_the_plate(scene.plate, scene.damper)
         _release_of(scene.plate, scene.release)
@@ -222,10 +229,18 @@ def together(scene: Scene) -> None:
         raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
 
 
+def carrier(data: Any) -> Any:
+    """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other."""
+    if isinstance(data, Mapping) and data.get("structure") is not None:
+        if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
+            raise fault("structure.floor_tilt", "the floor on a plate tilts by what the plate bends: leave this out")
+        for table in ("plate", "material"):
+            if data.get(table) is not None:
+                raise fault(table, "expected a plate with its material or a [structure]: leave one out")
+    return data
+
+
 def _structure_only(scene: Scene) -> None:
-    for table in ("plate", "material"):
-        if getattr(scene, table) is not None:
-            raise fault(table, "expected a plate with its material or a [structure]: leave one out")
     if scene.damper is None:
         raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
     if scene.rotor.radius is None:
@@ -234,6 +249,9 @@ def _structure_only(scene: Scene) -> None:
         raise fault(
             "structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / scene.damper.radius:g} 1/m"
         )
+    if scene.structure is not None:
+        _tilt_of(scene, scene.structure.floor_tilt)
+        _weight_of(scene.damper, scene.structure.mass)
     for key in ("hub_radius", "stagger", "precone"):
         if getattr(scene.rotor, key):
             raise fault(f"rotor.{key}", "belongs to a plate; a [structure] takes radius alone")
@@ -248,6 +266,24 @@ def _structure_only(scene: Scene) -> None:
         raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
     if scene.damper.housing is not None:
         raise fault("damper.housing", "belongs to a plate; the mass of a [structure] includes it")
+
+
+def _tilt_of(scene: Scene, tilt: tuple[float, float]) -> None:
+    if any(tilt) and scene.damper is not None and scene.damper.formulation == "printed":
+        raise fault("structure.floor_tilt", "the printed equations know a level floor only: leave this out")
+    if not any(tilt) and scene.effects.floor_tilt is True:
+        raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
+
+
+def _weight_of(damper: Damper, structure: float) -> None:
+    """Balls that the structure carries, not the other way round; of a plate that is known once it is solved."""
+    if damper.balls is not None and damper.balls > HEAVIEST * structure:
+        key = "mass" if damper.mass is not None else "ball_density"
+        raise fault(
+            f"damper.{key}",
+            f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
+            f" {damper.balls:g} kg",
+        )
 
 
 def _on_the_plate(plate: Plate, damper: Damper | None) -> None:

@@ -37,7 +37,7 @@ class Damper(Table):
         description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
         " default: the middle of the tip",
     )
-    mass_ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
+    mass_ratio: Annotated[Number, Positive, Field(le=scene_checks.HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
     )
     mass: Annotated[Mass, Positive] | None = Field(None, description="mass of all balls together")
@@ -70,8 +70,8 @@ class Damper(Table):
     formulation: Literal["consistent", "printed"] = Field(
         "consistent", description="equations that keep Newton's third law, or the paper's as printed"
     )
-    damping_ratio: Annotated[Number, Field(ge=0, lt=1)] = Field(
-        0.0, description="ζ of the structure itself, dimensionless"
+    damping_ratio: Annotated[Number, Field(ge=0, le=0.9)] = Field(
+        0.0, description="ζ of the structure itself, dimensionless; beyond 0.9 there is no cycle left to damp"
     )
     sticking_ratio: Annotated[Number, Field(gt=0, lt=1)] = Field(
         1e-2, description="ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"

@@ -30,7 +30,15 @@ FLAT = "flat"
 def _floors(value: object, info: ValidationInfo) -> tuple[float | str, ...]:
     if not isinstance(value, list | tuple) or not value:
         raise wrong(f"expected a list such as ['{FLAT}', '8 mm', '64 mm']")
-    return tuple(FLAT if item == FLAT else length(item, info) for item in value)
+    return tuple(_floor(item, info) for item in value)
+
+
+def _floor(value: object, info: ValidationInfo) -> float | str:
+    if value == FLAT:
+        return FLAT
+    if isinstance(value, str) and (hint := did_you_mean(value, [FLAT])):
+        raise wrong(f"expected '{FLAT}' or a length such as '8 mm'{hint}")
+    return length(value, info)
 
 
 def _materials(value: object) -> tuple[str, ...]:
@@ -82,12 +90,15 @@ class Design(Table):
     wall: Annotated[Length, NotNegative] = Field(
         0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
     )
-    amplitude: LengthPair = Field(description="range of amplitudes at the cavity over which the least damping counts")
+    amplitude: LengthPair | None = Field(
+        None,
+        description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"
+        " the greatest amplitude at the crossings counts",
+    )
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
-        low, high = self.amplitude
-        if not 0 < low < high:
+        if self.amplitude is not None and not 0 < self.amplitude[0] < self.amplitude[1]:
             raise scene_checks.fault("amplitude", "expected a range of amplitudes above 0, ascending")
         free = ("ball_material", "ball_diameter", "clearance", "floor_radius", "count", "place")
         if not any(getattr(self, name) is not None for name in free):

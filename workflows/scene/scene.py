@@ -6,7 +6,7 @@ is checked in :mod:`workflows.scene.checks`. The JSON Schema comes from these sa
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
@@ -35,6 +35,11 @@ class Scene(Table):
     excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
     accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
     design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _carrier(cls, data: Any) -> Any:
+        return scene_checks.carrier(data)
 
     @model_validator(mode="after")
     def _together(self) -> Self:

@@ -39,6 +39,7 @@ class Kind:
         example: for messages and the JSON Schema.
         si: the unit it is stored in.
         least, most: bounds on the magnitude of what is not zero; far beyond any use, short of overflow.
+        also: the same unit as others write it, with an angle in it.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Kind:
     si: str
     least: float
     most: float
+    also: str = ""
 
     @property
     def expectation(self) -> str:
@@ -77,7 +79,7 @@ def length_power(power: int) -> Kind:
     )
 
 
-SLOPE = Kind("a slope over a displacement", "6.9 1/m", "1/m", 1e-30, 1e6)
+SLOPE = Kind("a slope over a displacement", "6.9 1/m", "1/m", 1e-30, 1e6, also="rad/m")
 LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
 
 
@@ -174,6 +176,8 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
         raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
     try:
         factor = _factor(unit, kind.si)
+        if factor is None and kind.also:
+            factor = _factor(unit, kind.also)
     except UnitError as error:
         text = str(error)
         raise UnitError(text if text.endswith("?") else f"{text}: {kind.expectation}") from error

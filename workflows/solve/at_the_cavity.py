@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     import fem
 
 
+def felt(
+    source: SceneFile, effects: dict[str, Effect], operators: fem.Operators, diagram: fem.Campbell
+) -> tuple[list[Reduced | None], list[tuple[CavityMode, ...]]]:
+    """What the damper feels at each speed of the diagram: the plate reduced, and its modes.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    reduced = reduce(source, operators, diagram)
+    return reduced, cavity_modes(source, effects, operators, diagram, reduced)
+
+
 def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
     """What the damper feels at each speed of the diagram; nothing without a damper.
 

@@ -18,7 +18,7 @@ CYCLES = 8
 _A_CYCLE = 60
 """Times a cycle: a straight line between two departs from a swing by 0.14 % of its amplitude at most."""
 
-_EVENTS_AT_MOST = 1000
+EVENTS_AT_MOST = 1000
 """Events after which the stretch ends, where a ball chatters."""
 
 KINDS = ("release", "start", "reversal", "hit", "rub", "grip")
@@ -37,8 +37,8 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
     begin = max(0.0, float(rows["time"][moving[0]]) - period / 4) if moving.size else 0.0
     end = min(motion.duration, begin + CYCLES * period)
     inside = np.flatnonzero((rows["time"] >= begin) & (rows["time"] <= end))
-    if len(inside) > _EVENTS_AT_MOST:
-        inside = inside[:_EVENTS_AT_MOST]
+    if len(inside) > EVENTS_AT_MOST:
+        inside = inside[:EVENTS_AT_MOST]
         end = float(rows["time"][inside[-1]])
     count = max(2, math.ceil((end - begin) / period * _A_CYCLE) + 1)
     events: Floats = rows["time"][inside]

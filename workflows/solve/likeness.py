@@ -100,8 +100,7 @@ def _spent(small: SceneFile, decided: Decided, model: str, unknowns: float) -> S
     searched = perf_counter()
     operators = discrete.choice.operators
     diagram = plate.sweep(small, discrete)
-    reduced = at_the_cavity.reduce(small, operators, diagram)
-    at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
+    reduced, at_cavity = at_the_cavity.felt(small, decided.effects, operators, diagram)
     swept = perf_counter()
     points = plate_records.at_speeds(small, discrete, diagram, reduced, at_cavity)
     return Spent(operators.mass.shape[0], searched - began, swept - searched, points)

@@ -162,8 +162,7 @@ def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, b
         searched = perf_counter()
         operators = discrete.choice.operators
         diagram = plate.sweep(small, discrete)
-        reduced = at_the_cavity.reduce(small, operators, diagram)
-        at_cavity = at_the_cavity.cavity_modes(small, decided.effects, operators, diagram, reduced)
+        reduced, at_cavity = at_the_cavity.felt(small, decided.effects, operators, diagram)
         swept = perf_counter()
 
     large, model = operators.effects.large_deflection, operators.model.theory

@@ -99,8 +99,7 @@ def points_on(
         with stages("modes"):
             diagram = sweep(source, discrete)
         with stages("reduction"):
-            reduced = at_the_cavity.reduce(source, discrete.choice.operators, diagram)
-            at_cavity = at_the_cavity.cavity_modes(source, decided.effects, discrete.choice.operators, diagram, reduced)
+            reduced, at_cavity = at_the_cavity.felt(source, decided.effects, discrete.choice.operators, diagram)
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
     numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
     with stages("modes"):

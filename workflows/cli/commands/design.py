@@ -19,9 +19,12 @@ def design(
 ) -> None:
     """Find the damper that damps best within what the table [design] of a scene allows.
 
+    Where none works, the results say why, and the exit status is 3.
+
     Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
     """
     from workflows.cli.commands import kernels
+    from workflows.errors import NoAnswer
     from workflows.output import store
     from workflows.scene import file as scene_file
     from workflows.stages import Stages
@@ -40,10 +43,9 @@ def design(
         if out is not None:
             with stages("report"):
                 page.write(found, out)
-    if json:
-        typer.echo(page.dumps(found))
-        return
-    typer.echo(page.text(found))
-    if out is not None:
+    typer.echo(page.dumps(found) if json else page.text(found))
+    if out is not None and not json:
         winner = f", or spindamp run {out / 'best.toml'}" if found.toml else ""
         typer.echo(f"\nopen {out / 'report.html'}{winner}")
+    if not found.found.scored.works:
+        raise NoAnswer(f"{source.name}: {page.in_short(found)}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import typer
-
 from workflows.cli.commands.options import Json, Out, SceneArgument
 
 
@@ -12,25 +10,10 @@ def effects(scene: SceneArgument = "paper", out: Out = None, json: Json = False)
 
     Without --out nothing is written.
     """
-    from workflows.cli.commands import kernels
-    from workflows.output import store
-    from workflows.scene import file as scene_file
-    from workflows.stages import Stages
+    from workflows.cli.commands import costly
     from workflows.studies.costs import page
     from workflows.studies.costs.switching import switching
 
-    source = scene_file.load(scene)
-    if source.scene.damper is not None:
-        kernels.say()
-    if out is not None:
-        store.check(out, r"effects\.(json|csv|svg)")
-    with Stages() as stages:
-        found = switching(source, stages)
-        if out is not None:
-            page.write_effects(found, out)
-    if json:
-        typer.echo(page.dumps(found.document()))
-        return
-    typer.echo(page.effects_text(found))
-    if out is not None:
-        typer.echo(f"\nopen {out / 'report.html'}")
+    files = r"effects\.(json|csv|svg)"
+    found, text = costly.complete(scene, out, files, switching, page.write_effects, page.effects_text)
+    costly.say(found, text, as_json=json)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.space import Space
 from workflows.studies.sweep import blocks, plans, quantities
 from workflows.studies.sweep.blocks import Reasons
@@ -26,15 +27,15 @@ class Curve:
     working: Working
 
 
-def of(space: Space, found: Found) -> list[Curve]:
-    """A curve for each speed at which the best ball takes anything."""
+def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
+    """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
     plan = space.plan(np.asarray(found.shares)[None])
     size = plans.size(plan)
     placed = blocks.all_placed(space.source, plan, 0, size, Plates(), quantities.empty(size), Reasons())
     curves = []
     for each in placed:
         damper = each.judged
-        figures = blocks.measured(damper, {}, reach=space.design.amplitude[1])
+        figures = blocks.measured(damper, {}, reach=goal.high)
         if figures.amplitude.size:
             curves.append(Curve(each.point.rpm, damper, figures))
     return curves

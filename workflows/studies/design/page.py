@@ -8,7 +8,7 @@ from pathlib import Path
 from workflows import wording
 from workflows.output import store
 from workflows.report import drawing, templating
-from workflows.studies.design import curves, pictures, verdict
+from workflows.studies.design import pictures, verdict
 from workflows.studies.design.study import Designed
 from workflows.studies.sweep import maps
 
@@ -40,11 +40,15 @@ def text(found: Designed) -> str:
     return "\n".join([f"{verdict.verdict(found.space, found.found)}.", *_sentences(found)])
 
 
+def in_short(found: Designed) -> str:
+    """The answer and what it is due to, in one line."""
+    return f"{verdict.verdict(found.space, found.found)}: {_sentences(found)[0]}"
+
+
 def render(found: Designed) -> str:
     """The page."""
     from markupsafe import Markup
 
-    lines = [] if found.scene is None else curves.of(found.space, found.found)
     return templating.page(
         "design.html.j2",
         {},
@@ -52,7 +56,7 @@ def render(found: Designed) -> str:
         title=found.space.source.scene.title,
         verdict=verdict.verdict(found.space, found.found),
         sentences=_sentences(found),
-        figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(found, lines)],
+        figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(found)],
         toml=found.toml,
         evaluations=wording.fixed(found.found.evaluations),
     )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from workflows.studies.design.objective import Scored
+from workflows.studies.design.scored import Scored
 from workflows.studies.design.space import Space
 
 if TYPE_CHECKING:

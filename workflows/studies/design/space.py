@@ -13,6 +13,12 @@ from workflows.scene import thicknesses
 from workflows.scene.design import FLAT, Design
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.stages import Stages
+from workflows.studies.design import amplitude
+from workflows.studies.design.damping import LeastDamping
+from workflows.studies.design.scored import Goal
+from workflows.studies.response.solved import shaken
+from workflows.studies.response.study import checked
 from workflows.studies.sweep import keys, plans
 from workflows.studies.sweep.axes import SPEEDS, Axis, Spread
 from workflows.studies.sweep.keys import Value
@@ -44,11 +50,15 @@ class Space:
         source: the scene that they have in common.
         design: its table.
         axes: what is free.
+        goal: what designs are compared by.
+        solved_as: the scene with the effects that this takes.
     """
 
     source: SceneFile
     design: Design
     axes: tuple[Axis, ...]
+    goal: Goal
+    solved_as: SceneFile
 
     @property
     def continuous(self) -> list[int]:
@@ -56,8 +66,8 @@ class Space:
         return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
 
     def plan(self, shares: Floats) -> plans.Sample:
-        """Designs at rows of shares, at all speeds of the scene."""
-        speeds = Axis(keys.find(SPEEDS, "[design]"), self.source.scene.rotor.speeds)
+        """Designs at rows of shares, at all speeds at which they are looked at."""
+        speeds = Axis(keys.find(SPEEDS, "[design]"), self.goal.speeds)
         return plans.Sample((*self.axes, speeds), len(shares), 0, tiles=np.clip(shares, 0.0, 1.0))
 
     def values(self, shares: Floats) -> dict[str, Value]:
@@ -66,11 +76,14 @@ class Space:
         return {axis.name: plans.drawn(axis, np.array([share]))[0] for axis, share in pairs}
 
 
-def of(source: SceneFile) -> Space:
+def of(source: SceneFile, stages: Stages | None = None) -> Space:
     """The designs that a scene allows.
 
+    With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
+
     Raises:
-        BadInput: it has no [design] or no damper to begin with.
+        BadInput: it has no [design] or no damper to begin with; see also :func:`amplitude.of`.
+        NoAnswer: the plate has none.
     """
     scene = source.scene
     for name in ("damper", "design"):
@@ -86,7 +99,12 @@ def of(source: SceneFile) -> Space:
         given = getattr(design, table_name)
         if given is not None:
             found.append(_axis(name, given))
-    return Space(source, design, tuple(found))
+    axes = tuple(found)
+    if design.amplitude is not None:
+        return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
+    checked(source)
+    as_shaken = shaken(source)
+    return Space(source, design, axes, amplitude.of(as_shaken, stages or Stages(visible=False)), as_shaken)
 
 
 def _axis(name: str, given: tuple[Any, ...]) -> Axis:

@@ -10,21 +10,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.decisions.decided import decide
+from workflows.errors import BadInput
 from workflows.results import resolved
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
 from workflows.stages import Stages
-from workflows.studies.design import objective, search, verdict
+from workflows.studies.design import holds, objective, search, verdict
 from workflows.studies.design import space as spaces
-from workflows.studies.design.objective import Scored
+from workflows.studies.design.amplitude import LeastAmplitude
+from workflows.studies.design.holds import Holds
+from workflows.studies.design.scored import Scored
 from workflows.studies.design.search import Found
 from workflows.studies.design.space import Space
-from workflows.studies.design.verdict import Holds
+from workflows.studies.response import document as response_document
+from workflows.studies.response import told
+from workflows.studies.response.records import Response
+from workflows.studies.response.study import respond
 from workflows.studies.sweep import crew, fingerprint, kernels, plans, scenes
 from workflows.studies.sweep.crew import Crew
 from workflows.studies.sweep.plates import Plates
+from workflows.wording import significant
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from workflows.studies.design.space import Floats
 
 _PART = 4
@@ -43,34 +52,38 @@ class Designed:
 
     Attributes:
         space: what it searched.
-        found: the best design.
+        found: the best design; where none works, the one that comes nearest.
         holds: what keeps it from being better.
-        scene: the scene with the best damper, without [design]; None where no design makes sense.
-        toml: the same as a file that `run` takes.
-        grid: the map around the best: names of the axes, their values in SI, and the least damping there.
+        scene: the scene with the best damper, without [design].
+        toml: the same as a file that `run` and `response` take; empty where none works.
+        grid: the map around the best: names of the axes, their values in SI, and what designs are worth there.
+        response: of the best, where designs are compared by the amplitude at the crossings.
     """
 
     space: Space
     found: Found
     holds: tuple[Holds, ...]
-    scene: SceneFile | None
+    scene: SceneFile
     toml: str
     grid: Grid | None
+    response: Response | None
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
         scored, design = self.found.scored, self.space.design
         values = self.space.values(self.found.shares)
-        damper = None if self.scene is None else self.scene.scene.damper
+        damper = self.scene.scene.damper
         best: dict[str, Any] = {name.partition(".")[2]: plans.said([value])[0] for name, value in values.items()}
-        return {
+        found = {
             "schema_version": 1,
             "title": self.space.source.scene.title,
-            "objective": "least damping ratio over the amplitudes, at the speed where it is least",
+            "objective": self.space.goal.said,
             "constraints": design.model_dump(mode="json", exclude_none=True),
             "best": best | {"cavity": None if damper is None else list(damper.cavity)},
+            "works": scored.works,
             "value": scored.value,
-            "at": {"speed": _known(scored.speed), "amplitude": _known(scored.amplitude)},
+            "at": {"speed": _known(scored.speed), "amplitude": _known(scored.amplitude), "order": scored.order},
+            "without": _known(scored.without),
             "bound": _known(scored.bound),
             "cutoff": _known(scored.cutoff),
             "ball_mass": _known(scored.mass),
@@ -79,17 +92,35 @@ class Designed:
             "verdict": verdict.verdict(self.space, self.found),
             "why": verdict.sentences(self.space, self.found, self.holds),
         }
+        if self.response is not None:
+            found |= {"confirmed": self.confirmed, "crossings": response_document.entries(self.response)}
+        return found
+
+    @property
+    def confirmed(self) -> float | None:
+        """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
+        return None if self.response is None else max(row.mean for row in told.rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A map: names and values (SI) along x and y, and the least damping ratio, shape (y, x)."""
+    """A map: names and values (SI) along x and y, and what the design there is worth, rows of y."""
 
     x: str
     xs: Floats
     y: str
     ys: Floats
-    values: Floats
+    scored: tuple[tuple[Scored, ...], ...]
+
+    @property
+    def values(self) -> Floats:
+        """Shape (y, x); nan where a design works nowhere or exceeds a limit."""
+        return np.array([[each.value if each.works else np.nan for each in row] for row in self.scored])
+
+    @property
+    def beyond(self) -> npt.NDArray[np.bool_]:
+        """Where a limit is exceeded, shape (y, x)."""
+        return np.array([[each.impossible for each in row] for row in self.scored])
 
 
 def design(
@@ -102,20 +133,37 @@ def design(
     """The damper that damps best within what a scene's [design] allows.
 
     Raises:
-        BadInput: the scene is wrong, or has no [design].
+        BadInput: the scene is wrong, has no [design], or no design keeps to its limits.
         NoAnswer: the plate has none.
     """
     source = opened(scene)
-    space = spaces.of(source)
     needs.check(source)
     clock = stages or Stages()
+    space = spaces.of(source, clock)
     with hired or crew.local() as workers, clock("design") as step:
         score = partial(scored, workers, fingerprint.digest())
         found = search.search(space, partial(score, space), seed, step.advance)
-        held = verdict.holds(space, found, score)
+        if found.scored.impossible:
+            raise _infeasible(space, found.scored)
+        held = holds.holds(space, found, score)
         grid = _around(space, found, partial(score, space))
-    best = None if found.scored.impossible else winner(space, found)
-    return Designed(space, found, held, best, "" if best is None else _toml(best), grid)
+    best = winner(space, found)
+    if not found.scored.works:
+        return Designed(space, found, held, best, "", grid, None)
+    shaken = isinstance(space.goal, LeastAmplitude)
+    return Designed(space, found, held, best, _toml(best), grid, respond(best, clock) if shaken else None)
+
+
+def _infeasible(space: Space, nearest: Scored) -> BadInput:
+    """Why no design keeps to the limits, from the one that comes nearest."""
+    over = max(nearest.used, key=lambda item: item[1], default=None)
+    if over is None or over[1] <= 1:
+        return BadInput(f"no design makes sense: {nearest.why}", file=space.source.name, key="[design]")
+    name, share = over
+    key, value = ("mass", space.design.mass) if name == "mass" else ("wall", space.design.wall)
+    what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"
+    problem = f"no design keeps to it: the one that comes nearest takes {significant(share)} times {what}"
+    return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, found: Found) -> SceneFile:
@@ -142,7 +190,7 @@ def scored(workers: Crew, digest: str, space: Space, shares: Floats, quick: bool
 
 
 def _around(space: Space, found: Found, score: search.Score) -> Grid | None:
-    """The least damping over two ranges, all else as in the best design."""
+    """What designs are worth over two ranges, all else as in the best."""
     free = space.continuous
     if len(free) < 2:
         return None
@@ -150,9 +198,10 @@ def _around(space: Space, found: Found, score: search.Score) -> Grid | None:
     shares = np.linspace(0.0, 1.0, _MAP)
     rows = np.repeat(found.shares[None], _MAP * _MAP, axis=0)
     rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
-    values = np.array([each.value for each in score(rows, True)]).reshape(_MAP, _MAP)
+    every = score(rows, True)
     xs, ys = (np.array(plans.drawn(space.axes[k], shares), dtype=float) for k in (x, y))
-    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values)
+    table = tuple(tuple(every[n : n + _MAP]) for n in range(0, len(every), _MAP))
+    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, table)
 
 
 def _toml(best: SceneFile) -> str:

@@ -14,8 +14,8 @@ from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCur
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from workflows.studies.reproduction.families import Family
     from workflows.studies.reproduction.reproduce import Reproduction
-    from workflows.studies.reproduction.sweeps import Family
 
 
 @dataclass(frozen=True)

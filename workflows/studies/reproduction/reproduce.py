@@ -10,12 +10,12 @@ import numpy as np
 
 from workflows.results.provenance import versions
 from workflows.stages import Stages
-from workflows.studies.reproduction import equations, sweeps, table_two
+from workflows.studies.reproduction import equations, families, sweeps, table_two
 from workflows.studies.reproduction.claim import Claim, Verdict
 from workflows.studies.reproduction.closure import Closure, closure
+from workflows.studies.reproduction.families import Sweeps
 from workflows.studies.reproduction.slips import Slip, slips
 from workflows.studies.reproduction.study import Simulated, study
-from workflows.studies.reproduction.sweeps import Sweeps
 
 ASSUMPTIONS = (
     ("g = 10 m/s², hub radius 0, speeds of 3500 to 17500 rpm", "read back from the loads of Table II, to every digit"),
@@ -62,9 +62,9 @@ def reproduce(stages: Stages | None = None) -> Reproduction:
     stages = stages or Stages()
     found = study(stages)
     with stages("damper"):
-        families = sweeps.sweeps(found)
-        claims = [*table_two.claims(found), *equations.claims(found), *sweeps.claims(found, families)]
-        return Reproduction(found, families, tuple(claims), tuple(slips(found)), tuple(closure(found)))
+        curves = families.sweeps(found)
+        claims = [*table_two.claims(found), *equations.claims(found), *sweeps.claims(found, curves)]
+        return Reproduction(found, curves, tuple(claims), tuple(slips(found)), tuple(closure(found)))
 
 
 def _plain(value: Any) -> Any:

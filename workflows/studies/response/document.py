@@ -8,7 +8,7 @@ import numpy as np
 
 from workflows.findings import worth
 from workflows.results import provenance, resolved
-from workflows.studies.response.study import Response, Through
+from workflows.studies.response.records import Response, Through
 from workflows.studies.response.told import Row, endured, rows, sentences
 
 
@@ -26,14 +26,19 @@ def document(found: Response) -> dict[str, Any]:
         "headline": sentences(found),
         "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
         "aerodynamic_damping_ratio": list(worth.AIR),
-        "crossings": [_entry(found, row) for row in rows(found)],
+        "crossings": entries(found),
         "dampers": [_damper(found, through) for through in found.passed],
         "not_followed": [
-            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency}
+            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency_hz}
             | {"why": why}
             for c, why in found.idle
         ],
     }
+
+
+def entries(found: Response) -> list[dict[str, Any]]:
+    """The crossings, each under every force."""
+    return [_entry(found, row) for row in rows(found)]
 
 
 def _entry(found: Response, row: Row) -> dict[str, Any]:
@@ -47,7 +52,7 @@ def _entry(found: Response, row: Row) -> dict[str, Any]:
         "mode": c.branch + 1,
         "family": c.family,
         "rpm": c.rpm,
-        "frequency_hz": c.frequency,
+        "frequency_hz": c.frequency_hz,
         "frequency_error": _known(c.error),
         "basis_error": c.basis,
         "force": row.force,

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
 from workflows.solve import felt
 from workflows.solve.records import CavityMode, SpeedPoint
-from workflows.studies.response.crossings import Crossing
 
 if TYPE_CHECKING:
     import damper
@@ -21,7 +21,7 @@ _STILL = 1e-6
 def branch_of(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
     """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
     point = min(points, key=lambda point: abs(point.omega - crossing.omega))
-    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency), default=None)
+    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency_hz), default=None)
     return 0 if near is None else near.branch
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.results import provenance
-from workflows.studies.response.study import Response, Through
+from workflows.studies.response.records import Response, Through
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,7 @@ from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.response import files, plots, told
 from workflows.studies.response.document import document
-from workflows.studies.response.study import Response
+from workflows.studies.response.records import Response
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 """What is written beside the usual files, as a regular expression."""
@@ -38,7 +38,8 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
         campbell = drawing.standalone(plots.campbell(found, drawing.WIDE))
         (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
         for number, through in enumerate(found.passed):
-            drawn = drawing.standalone(plots.response(found, through, str(number), drawing.WIDE))
+            shades = drawing.shades(len(through.forces))
+            drawn = drawing.standalone(plots.response(found, through, str(number), shades, drawing.WIDE))
             (folder / f"response_{files.tag(through)}.svg").write_text(drawn, encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
     return out
@@ -48,12 +49,13 @@ def render(found: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
     from markupsafe import Markup
 
+    shades = drawing.shades(len(found.excitation.levels))
     sections = [
         {
             "through": through,
             "crossing": through.crossing,
             "rows": [row for row in told.rows(found) if row.through is through],
-            "response": Markup(drawing.both(partial(plots.response, found, through, str(number)))),
+            "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
             "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
             "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
             "endured": told.endured(found, through),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.results import curves
 from workflows.studies.response import told
-from workflows.studies.response.study import Response, Through
+from workflows.studies.response.records import Response, Through
 from workflows.wording import significant, whole
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def campbell(found: Response, sheet: Sheet) -> str:
             axes.plot(track.x, track.y, color=drawing.CATEGORIES[number % len(drawing.CATEGORIES)], label=track.label)
         crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
         top = max((track.y.max() for track in tracks), default=0.0)
-        top = 1.06 * max(top, *(1.3 * crossing.frequency for crossing in crossings), 1.0)
+        top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
             axes.plot([0, end], [0, order * end / 60], color=drawing.MUTED, lw=0.6, ls=(0, (1, 2)))
@@ -42,7 +43,7 @@ def campbell(found: Response, sheet: Sheet) -> str:
             for kind in dict.fromkeys(kinds):
                 _mark(axes, through, kind)
         for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency, "+", color=drawing.MUTED, ms=6)
+            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=drawing.MUTED, ms=6)
         axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
         handles, labels = axes.get_legend_handles_labels()
         unique = dict(zip(labels, handles, strict=True))
@@ -56,17 +57,25 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
     c = through.crossing
     size = 5 + 2 * list(_MARKS).index(kind)
     axes.plot(
-        c.rpm, c.frequency, _MARKS[kind], color=drawing.INK, mfc="none", mew=0.8, ms=size, ls="", label=kind, zorder=4
+        c.rpm,
+        c.frequency_hz,
+        _MARKS[kind],
+        color=drawing.INK,
+        mfc="none",
+        mew=0.8,
+        ms=size,
+        ls="",
+        label=kind,
+        zorder=4,
     )
 
 
-def response(found: Response, through: Through, name: str, sheet: Sheet) -> str:
+def response(found: Response, through: Through, name: str, shades: Sequence[str], sheet: Sheet) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
     with drawing.style():
         figure, (axes,) = drawing.canvas(sheet, 3.3)
         rpm = through.omega * 30 / np.pi
         states = through.states
-        shades = drawing.shades(len(through.forces))
         least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
         without = np.abs(through.shaped(states.without))
         for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import Decided, decide
 from workflows.errors import BadInput
 from workflows.findings import worth
+from workflows.results import crossings
+from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
 from workflows.scene.file import SceneFile
-from workflows.scene.scene import Scene
-from workflows.solve import damper_stage, felt, needs, plate_records
-from workflows.solve import plate_stage as plate
-from workflows.solve.plate_records import Discrete
-from workflows.solve.records import CavityMode, Floats, Results, SpeedPoint, Surface, rpm
+from workflows.solve import damper_stage, felt, needs
+from workflows.solve.records import Floats, Results, SpeedPoint, rpm
 from workflows.stages import Stages
-from workflows.studies.response import crossings, driven
-from workflows.studies.response.crossings import Crossing
+from workflows.studies.response import band, driven
+from workflows.studies.response.records import Path, Response, Through
+from workflows.studies.response.solved import Solved, shaken
 from workflows.wording import whole
 
 if TYPE_CHECKING:
@@ -31,9 +26,6 @@ if TYPE_CHECKING:
 
 SPEEDS, FEW_SPEEDS = 60, 20
 """Through a crossing; fewer where each speed of the plate is solved by itself."""
-
-_ACROSS, _FEW_ACROSS = 61, 13
-"""The same over the whole range, by which crossings are found."""
 
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
@@ -43,62 +35,6 @@ _CYCLES = 30_000
 
 _PATH_CYCLES, _PATH_SAMPLES = 3, 1500
 """Of the ball's path that is shown."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Path:
-    """The ball in its cavity over some cycles of a steady state: time (n,) [s], places (n, 2) [m]."""
-
-    rpm: float
-    force: float
-    time: Floats
-    structure: Floats
-    ball: Floats
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Through:
-    """Steady states through a crossing: s speeds, f forces, from each start.
-
-    Attributes:
-        crossing: where; axis: along which of the damper's axes the amplitude is.
-        omega: (s,) [rad/s]; forces: (f,).
-        states: of the damper, s * f points, the speeds one after the other.
-        short: amplitude by the short way that is nearest to the mean, (s, f, starts) [m]; nan where it is not.
-        least_force: from which on the ball cannot stay at rest, in the unit of the forces.
-        figures: the damper's own, at the crossing; path: of the ball at the crossing under the largest force.
-    """
-
-    crossing: Crossing
-    axis: int
-    omega: Floats
-    forces: tuple[float, ...]
-    states: damper.Forced
-    short: Floats
-    least_force: float
-    figures: damper.Working
-    path: Path
-
-    def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Values of the points as (s, f) or (s, f, starts)."""
-        return values.reshape(len(self.omega), len(self.forces), *values.shape[1:])
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Response:
-    """All that a forced response found.
-
-    Attributes:
-        results: the structure over the whole range of speeds, as of a run.
-        passed: crossings that were followed; idle: the others, each with the reason.
-        strain_per_amplitude: at the root in the first bending mode [1/m]; None where it is not known.
-    """
-
-    results: Results
-    excitation: Excitation
-    passed: tuple[Through, ...]
-    idle: tuple[tuple[Crossing, str], ...]
-    strain_per_amplitude: float | None
 
 
 def respond(source: SceneFile, stages: Stages | None = None) -> Response:
@@ -111,38 +47,38 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         BadInput: no damper, no excitation, no range of speeds; see also :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
-    excitation = _checked(source)
+    excitation = checked(source)
     needs.check(source)
     stages = stages or Stages()
-    effects = source.scene.effects.model_copy(update={"floor_tilt": True, "structural_modes": "auto"})
-    if source.scene.plate is not None:
-        effects = effects.model_copy(update={"structural_modes": True})
-    source = source.changed(effects=effects)
-    decided = decide(source, stages)
-    low, high = min(source.scene.rotor.speeds), max(source.scene.rotor.speeds)
-    solved = _Solved(source, decided, stages)
-    points = solved.at(np.linspace(low, high, _FEW_ACROSS if solved.dear else _ACROSS))
+    source = shaken(source)
+    solved = Solved(source, stages)
+    points = solved.across()
     passed, idle = [], []
     for crossing in crossings.of_points(points, excitation.orders):
-        found = _through(solved, crossing, excitation, (low, high))
+        found = _through(solved, crossing, excitation)
         if isinstance(found, str):
             idle.append((crossing, found))
         else:
             passed.append(found)
     results = Results(
         scene=source.scene,
-        effects=decided.effects,
+        effects=solved.decided.effects,
         speeds=points,
         surface=solved.surface,
-        theory=decided.theory,
-        mesh_sha256=decided.mesh_sha256,
+        theory=solved.decided.theory,
+        mesh_sha256=solved.decided.mesh_sha256,
         notes=source.remarks,
         timings=stages.timings(),
     )
     return Response(results, excitation, tuple(passed), tuple(idle), worth.root_strain(results, 1.0))
 
 
-def _checked(source: SceneFile) -> Excitation:
+def checked(source: SceneFile) -> Excitation:
+    """What shakes a scene.
+
+    Raises:
+        BadInput: no damper, no excitation, no range of speeds.
+    """
     scene = source.scene
     if scene.damper is None:
         raise BadInput("the table is missing: response needs a damper", file=source.name, key="[damper]")
@@ -158,42 +94,7 @@ def _checked(source: SceneFile) -> Excitation:
     return scene.excitation
 
 
-class _Solved:
-    """The structure of a scene at whatever speeds, on one mesh."""
-
-    def __init__(self, source: SceneFile, decided: Decided, stages: Stages) -> None:
-        self.source, self.decided, self.stages = source, decided, stages
-        self.discrete: Discrete | None = None
-        if decided.form is not None:
-            with answering(source), stages("modes"):
-                self.discrete = plate.discretise(source, decided, stages)
-        self.surface: Surface | None = None
-
-    @property
-    def scene(self) -> Scene:
-        return self.source.scene
-
-    @property
-    def dear(self) -> bool:
-        """Whether every speed of the plate is solved by itself."""
-        return self.discrete is not None and plate.one_by_one(self.scene, self.discrete.choice.operators)
-
-    def at(self, omega: Floats) -> tuple[SpeedPoint, ...]:
-        """Modes and what the damper feels at speeds [rad/s]."""
-        if self.discrete is None:
-            return tuple(felt.known_structure(self.scene, float(speed)) for speed in omega)
-        speeds = tuple(float(speed) for speed in omega)
-        source = self.source.changed(rotor=self.scene.rotor.model_copy(update={"speeds": speeds}))
-        points, diagram, numbers = plate.points_on(source, self.decided, self.discrete, self.stages)
-        if self.surface is None:
-            self.surface = plate_records.surface(self.discrete.choice.operators, diagram, numbers[:1], 1)
-        return points
-
-    def damper(self, point: SpeedPoint, only: Sequence[CavityMode] | None) -> damper.ParticleDamper:
-        return damper_stage.particle_damper(self.scene, self.decided.effects, point, only)
-
-
-def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds: tuple[float, float]) -> Through | str:
+def _through(solved: Solved, crossing: Crossing, excitation: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     (at,) = solved.at(np.array([crossing.omega]))
     modes = driven.modes_of(at, driven.branch_of((at,), crossing))
@@ -201,7 +102,7 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         return idle
     axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
     leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
-    omega = _speeds(solved, crossing, at, speeds)
+    omega = _speeds(solved, crossing, at)
     dampers, harmonics = _driven(solved, crossing, excitation, omega)
     states = _followed(solved, crossing, dampers, harmonics, axis)
     forces = len(excitation.levels)
@@ -223,16 +124,17 @@ def _through(solved: _Solved, crossing: Crossing, excitation: Excitation, speeds
         )
 
 
-def _speeds(solved: _Solved, crossing: Crossing, at: SpeedPoint, speeds: tuple[float, float]) -> Floats:
+def _speeds(solved: Solved, crossing: Crossing, at: SpeedPoint) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
-    reduced, given = at.reduced, solved.scene.damper
+    reduced, given, speeds = at.reduced, solved.scene.damper, solved.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
-    band = crossing.band(0.0 if given is None else given.damping_ratio, shift, *speeds)
-    return crossings.gathered(crossing.omega, *band, FEW_SPEEDS if solved.dear else SPEEDS)
+    zeta = 0.0 if given is None else given.damping_ratio
+    ends = band.band(crossing, zeta, shift, (min(speeds), max(speeds)))
+    return band.gathered(crossing.omega, *ends, FEW_SPEEDS if solved.dear else SPEEDS)
 
 
 def _driven(
-    solved: _Solved, crossing: Crossing, excitation: Excitation, omega: Floats
+    solved: Solved, crossing: Crossing, excitation: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
     dampers, harmonics, points = [], [], solved.at(omega)
@@ -246,7 +148,7 @@ def _driven(
 
 
 def _followed(
-    solved: _Solved,
+    solved: Solved,
     crossing: Crossing,
     dampers: list[damper.ParticleDamper],
     harmonics: list[damper.Harmonic],
@@ -309,10 +211,3 @@ def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float
     times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
     history = sample(run, times)
     return Path(rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
-
-
-def peak(found: Through, force: int) -> tuple[int, int]:
-    """Speed and start at which the mean amplitude under a force is largest, whatever the start."""
-    means = np.nan_to_num(found.shaped(found.states.mean)[:, force])  # nan where a ball has no end of hits
-    speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
-    return int(speed), int(start)

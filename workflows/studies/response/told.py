@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workflows.findings import worth
-from workflows.studies.response.study import Response, Through, peak
+from workflows.results import crossings
+from workflows.results.crossings import Crossing
+from workflows.studies.response.records import Response, Through, peak
 from workflows.wording import significant, whole
 
 HELPS = 0.99
@@ -108,13 +110,20 @@ def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
     if not found.passed and not found.idle:
         low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
-        return [f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."]
+        none = f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."
+        return [none, *_beyond(found)]
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
-        said.append(f"{_place(crossing.order, crossing.family, crossing.rpm)}: nothing to follow, {why}.")
+        said.append(f"{place(crossing)}: nothing to follow, {why}.")
     return said
+
+
+def _beyond(found: Response) -> list[str]:
+    """Where orders would meet the first mode at other speeds."""
+    near = [(order, crossings.beyond(found.results.speeds, order)) for order in found.excitation.orders]
+    return [f"Order {order} would meet the first mode near {whole(rpm)} rpm." for order, rpm in near if rpm is not None]
 
 
 _UNDAMPED = (
@@ -151,20 +160,21 @@ def _listed(orders: list[int]) -> str:
     return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
 
 
-def _place(order: int, family: str, rpm: float) -> str:
-    return f"Order {order} meets the {family} mode at {whole(rpm)} rpm"
+def place(c: Crossing) -> str:
+    """Where an order meets a mode."""
+    return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
 def _sentence(found: Response, through: Through) -> str:
     c, unit = through.crossing, found.excitation.unit
-    place = f"{_place(c.order, c.family, c.rpm)}, {significant(c.frequency)} Hz"
+    where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
     mine = [row for row in rows(found) if row.through is through]
     best = min(mine, key=lambda row: row.ratio)
     begins = _begins(found, through)
     if best.ratio > HELPS:
         left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
         return (
-            f"{place}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
+            f"{where}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
             f" {left} % of it are left{begins}"
         )
     helped = [row.force for row in mine if row.ratio <= HELPS]
@@ -173,8 +183,8 @@ def _sentence(found: Response, through: Through) -> str:
     limit = endured(found, through)
     if limit is not None and all(row.mean > limit for row in mine if row.ratio <= HELPS):
         cut += " %, but only at amplitudes beyond what the root of a blade endures; it takes"
-        return f"{place}: the ball takes up to {cut} that at {span} {unit}{begins}"
-    return f"{place}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
+        return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
+    return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
 
 
 def _begins(found: Response, through: Through) -> str:
@@ -196,13 +206,12 @@ def _begins(found: Response, through: Through) -> str:
 
 def text(found: Response) -> str:
     """What a person reads on the terminal."""
-    unit = found.excitation.unit
     lines = [found.results.scene.title, *sentences(found), ""]
     heads = (
         "order",
         "mode",
-        "rpm",
-        f"force, {unit}",
+        "largest at, rpm",
+        f"{found.excitation.kind}, {found.excitation.unit}",
         "without, mm",
         "with, mm",
         "ratio",

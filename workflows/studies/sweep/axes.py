@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Axis:
-    """A key and its values in SI, ascending as they were given; `spread` where it is a range.
+    """A key and its values in SI, ascending as they were given; `spread` where it is a range, and the `text` of it.
 
     A range without a count, which a sample takes, has no values.
     """
@@ -55,6 +55,7 @@ class Axis:
     key: Key
     values: tuple[Value, ...]
     spread: Spread | None = None
+    text: str = field(default="", compare=False)
 
     @property
     def name(self) -> str:
@@ -109,6 +110,10 @@ def _axis(key: Key, values: object, gravity: float) -> Axis:
         listed = values.tolist() if isinstance(values, np.ndarray) else values
         items = list(listed) if isinstance(listed, Iterable) and not isinstance(listed, Mapping) else [listed]
         return _listed(key, items, gravity)
+    return replace(_ranged(key, values, gravity), text=values.strip())
+
+
+def _ranged(key: Key, values: str, gravity: float) -> Axis:
     parts = [part.strip() for part in values.split(":")]
     if len(parts) == 1:
         return _listed(key, [_plain(item.strip()) for item in values.split(",")], gravity)

@@ -30,8 +30,8 @@ def ready() -> None:
 
 
 def compile_all() -> None:
-    """Run everything once, on level and on tilting floors."""
-    from damper import ParticleDamper, ringdowns, working
+    """Run everything once, on level and on tilting floors, left alone and driven."""
+    from damper import Harmonic, ParticleDamper, backbone, forced, ringdowns, working
 
     level = ParticleDamper(
         modal_mass=1.0,
@@ -47,6 +47,8 @@ def compile_all() -> None:
     for damper in (level, ParticleDamper(**vars(level) | {"floor_tilt": (1.0, 0.0)})):
         working(damper, threads=1, sweeps=2, stay=1)
         ringdowns(damper, [(1e-3, 0.0)], 1, threads=1)
+        backbone(damper, threads=1)
+        forced(damper, [Harmonic(1e3, force=(1.0, 0.0))], threads=1, max_cycles=32)
 
 
 def _digest() -> str:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _STEPS = (1.0, 2.0, 5.0)
 
+_HATCH = "////"
+
 SHADES = 12
 """Colours of a map, at most."""
 
@@ -27,12 +29,15 @@ def scale(values: Floats) -> str:
     return "log" if ratios.std() / abs(ratios.mean()) < steps.std() / abs(steps.mean()) else "linear"
 
 
-def levels(tables: list[Floats]) -> list[float]:
-    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours."""
+def levels(tables: list[Floats], least: float = 0.02) -> list[float]:
+    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours.
+
+    `least`: quantile of the values from which on they are told apart.
+    """
     known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
     if not known.size:
         return [0.0, 1.0]
-    low, high = float(np.quantile(known, 0.02)), float(known.max())
+    low, high = float(np.quantile(known, least)), float(known.max())
     powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     every = [step * 10.0**power for power in powers for step in _STEPS]
     levels = [level for level in every if level < high]
@@ -49,14 +54,29 @@ def spread(count: int) -> list[str]:
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
-def colour_key(figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str) -> None:
-    """Say beside a map which colour is which level."""
+def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
+    """Hatch the part of a map that has no figures."""
+    axes.contourf(xs, ys, where.astype(float), [0.5, 1.5], colors="none", hatches=[_HATCH])
+
+
+def mark(axes: Any, x: float, y: float) -> None:
+    """Mark the best point, also at the edge of a map."""
+    axes.plot(x, y, "o", color=drawing.PAPER, ms=8, mec=drawing.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=drawing.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+
+
+def colour_key(
+    figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str, *, idle: str = ""
+) -> None:
+    """Say beside a map which colour is which level, and what is hatched."""
     from matplotlib.patches import Patch
 
     named = [
         Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
+    if idle:
+        named.insert(0, Patch(facecolor="none", edgecolor=drawing.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     where: dict[str, Any] = (
         {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
     )

@@ -12,8 +12,8 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene.design import FLAT
-from workflows.studies.sweep import keys
-from workflows.studies.sweep.axes import MOST, SPEEDS, Axis, Spread
+from workflows.studies.sweep import key_data, keys
+from workflows.studies.sweep.axes import MOST, SPEEDS, Axis
 from workflows.studies.sweep.keys import Value
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]
     def rank(axis: Axis) -> int:
         if axis.name == SPEEDS:
             return 3
-        return 0 if keys.of_the_plate(axis.key) else 1 if keys.of_the_mass(axis.key) else 2
+        return 0 if key_data.of_the_plate(axis.key) else 1 if key_data.of_the_mass(axis.key) else 2
 
     given = list(axes)
     if not any(axis.name == SPEEDS for axis in given):
@@ -207,5 +207,4 @@ def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]
 
 
 def _refuse(axis: Axis, problem: str) -> None:
-    spread = axis.spread or Spread(0.0, 0.0)
-    raise BadInput(problem, key=f"--vary {axis.name}", value=f"{spread.low:g}:{spread.high:g}")
+    raise BadInput(problem, key=f"--vary {axis.name}", value=axis.text)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from workflows.errors import BadInput
 from workflows.scene.file import SceneFile, parse
-from workflows.studies.sweep import keys
+from workflows.studies.sweep import key_data
 from workflows.studies.sweep.keys import CLEARANCE, SPEEDS, Data, Key, Value
 
 
@@ -18,7 +18,7 @@ def base(source: SceneFile, varied: Sequence[Key]) -> Data:
     Raises:
         BadInput: it lacks a table that a key belongs to.
     """
-    data = keys.written_out(keys.plain(source.scene), varied)
+    data = key_data.written_out(key_data.plain(source.scene), varied)
     for key in varied:
         table = key.table[0]
         if table not in data:

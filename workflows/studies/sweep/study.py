@@ -20,7 +20,7 @@ from workflows.output import signals
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
 from workflows.stages import Stages
-from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, keys, plans, scenes, table
+from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, key_data, plans, scenes, table
 from workflows.studies.sweep import uncertain as doubts
 from workflows.studies.sweep.blocks import Block
 from workflows.studies.sweep.crew import Crew
@@ -77,7 +77,7 @@ class Study:
         """What makes it this study, as plain data."""
         return {
             "title": self.source.scene.title,
-            "scene": keys.plain(self.source.scene),
+            "scene": key_data.plain(self.source.scene),
             "mesh_sha256": self.source.mesh_sha256,
             "plan": self.plan.identity(),
             "quick": self.quick,
