@@ -30,16 +30,25 @@ def _drop_stale_cache() -> None:
 _drop_stale_cache()
 
 
-def _can_cache() -> bool:
+def _place() -> Path | None:
     try:
-        nb.njit(cache=True)(_drop_stale_cache)  # a folder is looked for here, compiled is nothing
+        found = nb.njit(cache=True)(_drop_stale_cache)  # a folder is looked for here, compiled is nothing
     except RuntimeError:  # no locator available
-        return False
-    return True
+        return None
+    return None if found.stats.cache_path is None else Path(found.stats.cache_path)
 
 
-CACHED = _can_cache()
+_KEPT = _place()
+"""Folder of compiled code; None where there can be none."""
+
+CACHED = _KEPT is not None
 """Whether compiled code is kept for the next start."""
+
+
+def fresh() -> bool:
+    """Whether no kernel has been compiled yet that this start could use."""
+    return _KEPT is None or next(_KEPT.glob("*.nbi"), None) is None
+
 
 _F = TypeVar("_F", bound="Callable[..., object]")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import json
 import re
@@ -23,6 +24,7 @@ EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs(path, tmp_path, monkeypatch):
     """Each is a page of the documentation, and asserts what it shows."""
+    assert any(isinstance(node, ast.Assert) for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(path))
 

@@ -22,4 +22,13 @@ for meeting in crossings(results):
         print(f"{meeting.order}x meets {meeting.label:8} at {meeting.rpm:7.0f} rpm, {meeting.frequency_hz:6.1f} Hz")
 
 # %%
+# Is that line straight enough? The plate solved anew, at the very speed where order 3 meets the first mode:
+
+meeting = next(each for each in crossings(results) if each.order == 3)
+there = spindamp.campbell(scene | {"rotor": {"speeds": [f"{meeting.rpm} rpm"], "modes": 4}})
+solved = there.speeds[0].modes[0].frequency_hz
+print(f"order 3: {meeting.frequency_hz:.3f} Hz, solved there {solved:.3f} Hz")
+assert abs(solved / meeting.frequency_hz - 1) < 1e-3
+
+# %%
 shown = results.plot.campbell()

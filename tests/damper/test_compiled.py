@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 from tests.compiler import needs_compiler
 from tests.limits import HANG
@@ -22,3 +24,23 @@ def test_no_place_for_compiled_code() -> None:
     """As where neither the package's folder nor a home can be written: numba then refuses to decorate with a cache."""
     done = subprocess.run([sys.executable, "-c", NOWHERE], capture_output=True, text=True, check=False, timeout=HANG)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False 3\n", "")
+
+
+FRESH = """
+from damper import compiled
+print(compiled.fresh())
+import damper, numpy
+damper.ringdown(damper.ParticleDamper(modal_mass=1.0, stiffness=(1.0, 1.0), ball_mass=0.01, ball_radius=1.0,
+    cavity=(3.0, 3.0), centrifugal_acceleration=0.0, restitution=0.5), (1.0, 0.0), 0.1)
+print(compiled.fresh())
+"""
+
+
+@needs_compiler
+def test_the_first_start_of_an_installation_is_known(tmp_path: Path) -> None:
+    """Numba keeps what it compiles in the folder that this variable names."""
+    kept = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", FRESH], capture_output=True, text=True, check=False, timeout=HANG, env=kept
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True\nFalse\n", "")

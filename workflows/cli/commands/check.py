@@ -14,6 +14,7 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and what a run of it takes."""
+    from workflows.cli.commands import kernels
     from workflows.decisions.decided import decide
     from workflows.errors import NoAnswer
     from workflows.results import resolved
@@ -23,6 +24,8 @@ def check(
 
     source = scene_file.load(scene)
     needs.check(source)
+    if source.scene.damper is not None:
+        kernels.say()
     decided = decide(source, Stages(visible=False))
     given = None if source.mesh is None else decided.form
     try:

@@ -8,6 +8,7 @@ from typing import Any, Protocol, TypeVar
 
 import typer
 
+from workflows.cli.commands import kernels
 from workflows.output import store
 from workflows.scene import file as scene_file
 from workflows.scene.file import SceneFile
@@ -37,6 +38,8 @@ def complete(
     `files`: names of what is written besides the page, as a regular expression.
     """
     source = scene_file.load(scene)
+    if source.scene.damper is not None:
+        kernels.say()
     if out is not None:
         store.check(out, files)
     with Stages() as stages:

@@ -23,6 +23,7 @@ def design(
 
     Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
     """
+    from workflows.cli.commands import kernels
     from workflows.errors import NoAnswer
     from workflows.output import store
     from workflows.scene import file as scene_file
@@ -31,6 +32,8 @@ def design(
     from workflows.studies.sweep.study import crew_of
 
     source = scene_file.load(scene)
+    if source.scene.damper is not None:
+        kernels.say()
     if out is None and not json:
         out = Path(f"spindamp-design-{scene_file.slug(source.scene.title)}")
     if out is not None:

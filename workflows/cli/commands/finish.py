@@ -9,6 +9,7 @@ from pathlib import Path
 import typer
 
 from workflows import pipeline
+from workflows.cli.commands import kernels
 from workflows.decisions.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.output import store
@@ -30,7 +31,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     if out is not None:
         store.check(out, curves.FILES)
     if source.scene.damper is not None:
-        _say_if_slow()
+        kernels.say()
     with ExitStack() as stack:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
@@ -59,11 +60,3 @@ def _say_if_long(source: SceneFile, decided: Decided) -> None:
     needs.refuse(source, need.memory, need.seconds)
     if need.seconds > _LONG and sys.stderr.isatty():  # as the progress, which it is a part of
         typer.echo(f"spindamp: {pilot.in_words(need)}", err=True)
-
-
-def _say_if_slow() -> None:
-    from damper.compiled import CACHED
-
-    if not CACHED:
-        problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
-        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)

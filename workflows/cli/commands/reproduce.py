@@ -12,6 +12,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
     Without --out nothing is written.
     """
+    from workflows.cli.commands import kernels
     from workflows.output import store
     from workflows.stages import Stages
     from workflows.studies import reproduction
@@ -19,6 +20,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
     if out is not None:
         store.check(out, r"reproduce\.(json|csv)|closure\.csv")
+    kernels.say()
     with Stages() as stages:
         found = reproduction.reproduce(stages)
         if out is not None:

@@ -12,6 +12,7 @@ def response(scene: SceneArgument = "paper", out: Out = None, json: Json = False
 
     Takes the forces from the scene's table [excitation]. Without --out nothing is written.
     """
+    from workflows.cli.commands import kernels
     from workflows.output import store
     from workflows.scene import file as scene_file
     from workflows.stages import Stages
@@ -19,6 +20,8 @@ def response(scene: SceneArgument = "paper", out: Out = None, json: Json = False
     from workflows.studies.response.study import respond
 
     source = scene_file.load(scene)
+    if source.scene.damper is not None:
+        kernels.say()
     if out is not None:
         store.check(out, page.FILES)
     with Stages() as stages:

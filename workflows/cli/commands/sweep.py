@@ -47,6 +47,7 @@ def sweep(
     Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
     --json and no --out nothing is written.
     """
+    from workflows.cli.commands import kernels
     from workflows.scene import file as scene_file
     from workflows.stages import Stages
     from workflows.studies.sweep import folder, page, study, summary
@@ -57,6 +58,7 @@ def sweep(
         out = Path(f"spindamp-sweep-{scene_file.slug(asked.source.scene.title)}")
     if out is not None:
         folder.checked(out)
+    kernels.say()
     hired = study.crew_of(workers, dask)
     with Stages() as stages:
         data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
