@@ -50,7 +50,7 @@ def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...], Harmonic | None
         rolling_friction=rng.choice([0.0, rng.uniform(0, 0.5)], p=[0.1, 0.9]) / load,
         damping_ratio=rng.choice([0.0, 10 ** rng.uniform(-3, -0.7)]),
         floor_friction=rng.choice([None, None, rng.uniform(0.05, 1.0) / load * 3]),
-        floor_tilt=(0.0, 0.0) if modes else tuple(share / load),
+        floor_tilt=(0.0, 0.0) if modes else tuple(np.minimum(share / load, 1.0)),
         floor_radius=tuple(1 + load / bowl) if rng.random() < 0.5 else None,
         rotation=rng.choice([0.0, rng.uniform(0.1, 0.7)]),
         stagger=rng.choice([0.0, rng.uniform(-1.6, 1.6)]),

@@ -112,13 +112,22 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     point = document["speeds"][0]
     names = {"rpm", "load_g", "duration", *point["modes"][0], *point["reduced"], *point["damper"]}
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
-    names |= {"damping_ratio_peak", "at_amplitude", "range_low", "range_high", "cutoff"}
-    names |= {"tilted_cutoff_g", "tilted_cutoff_ratio"}
+    own = point["working"]
+    names |= {*_flat(own), *(f"level_{name}" for name in _flat(own["level_floor"]))}
+    names |= {f"level_{name}" for name in ("amplitude", "damping_ratio")}
     names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
         assert set(data.variables) <= names
         assert names - set(data.variables) <= {"cycles", "energy", "branch", "error_parts"}
+
+
+def _flat(figures: dict[str, Any]) -> list[str]:
+    """Names of numbers; what is low and high has two."""
+    plain = {name: value for name, value in figures.items() if name not in ("curve", "level_floor", "error")}
+    return [
+        name + end for name, value in plain.items() for end in (("_low", "_high") if isinstance(value, list) else ("",))
+    ]
 
 
 def test_names_in_the_vtu_do_not_change_with_the_numbers(finished: Path, document: dict[str, Any]) -> None:

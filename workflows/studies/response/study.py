@@ -30,7 +30,7 @@ SPEEDS, FEW_SPEEDS = 60, 20
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
 
-_CYCLES = 30_000
+MOST_CYCLES = 30_000
 """Most cycles of a motion."""
 
 _PATH_CYCLES, _PATH_SAMPLES = 3, 1500
@@ -167,7 +167,7 @@ def _followed(
                 step.advance(f"order {crossing.order} at {whole(crossing.rpm)} rpm")
             done = number
 
-        return forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=_CYCLES, progress=progress)
+        return forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress)
 
 
 def _short(
