@@ -40,7 +40,6 @@ def test_words_of_an_effect_are_its_own(name: str) -> None:
     [
         ("ball_slip", {"damper__friction": 0}),
         ("ball_slip", {"damper__formulation": "printed"}),
-        ("floor_tilt", {"damper__formulation": "printed"}),
         ("structural_modes", {}),
         ("coriolis", {}),
     ],

@@ -30,8 +30,8 @@ _DEFLECTED, _TURNING = 8.0, 6.0
 _REFERENCE = 4, 0.1
 """Size of a mesh of the paper's plate, and the seconds that its modes took on the machine where prices were taken."""
 
-_ROUGH = 3e-3
-"""Accuracy from which on the first meshes of bricks are fine enough."""
+_ROUGH, _TIGHT = 3e-3, 1e-4
+"""Accuracies from which on the first meshes are fine enough: of bricks, and of all other cells."""
 
 _USUAL, _USUALLY = 12_000, 1e-3
 """Unknowns of most meshes for six modes, and the accuracy up to which that is so; they grow with its root."""
@@ -61,8 +61,7 @@ def first_unknowns(source: SceneFile, form: Planform, model: str) -> float:
 def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
     """Unknowns of the meshes that a search should solve, the last of them that which it ends with.
 
-    Where the first two are large it ends with the finer, but for bricks: all that may be tried for all but rough
-    accuracies.
+    Of bricks all that may be tried, for all but rough accuracies; of others one beyond the first two, for tight ones.
     """
     from fem.accuracy.choose_mesh import MOST_UNKNOWNS, STEP, first_pair, has_pair
 
@@ -72,13 +71,16 @@ def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
         return [coarsest]
     sizes = list(first_pair(form, source.scene.rotor.modes))
     found = [needs.unknowns(model, form.mesh(size)) for size in sizes]
-    if kind(model) is not Kind.SOLID or source.scene.accuracy.frequency >= _ROUGH:
+    bricks = kind(model) is Kind.SOLID
+    if source.scene.accuracy.frequency >= (_ROUGH if bricks else _TIGHT):
         return found
     fit = needs.most_unknowns(source, form, model, decided.effects["large_deflection"].on)
-    most, each = min(MOST_UNKNOWNS["solid"], fit), found[-1] / sizes[-1] ** 2
+    most, each = min(MOST_UNKNOWNS[model.partition("/")[0]], fit), found[-1] / sizes[-1] ** 2
     while finer := [size for size in form.sizes if sizes[-1] < size <= STEP * sizes[-1] and each * size**2 <= most]:
         sizes.append(finer[-1])
         found.append(needs.unknowns(model, form.mesh(finer[-1])))
+        if not bricks:
+            break
     return found
 
 

@@ -167,7 +167,9 @@ def _followed(
                 step.advance(f"order {crossing.order} at {whole(crossing.rpm)} rpm")
             done = number
 
-        return forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress)
+        return forced(
+            dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
+        )
 
 
 def _short(
