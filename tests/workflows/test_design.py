@@ -216,7 +216,7 @@ def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     limits = FREE | fixed | {"mass": "0.1 g"}
     done = spindamp("design", write(slow | {"design": limits}, tmp_path / "a.toml"), "--workers", 1, "--out", "a")
     assert (done.status, done.out) == (2, "")
-    assert "[design] mass = 0.0001" in done.err
+    assert "[design] mass = '0.1 g'" in done.err
     assert "2.63 times the mass allowed" in done.err, "7850 kg/m³ of 2 mm radius weigh 0.263 g"
     assert not (tmp_path / "a").exists()
     low = FREE | fixed | {"amplitude": ["0.1 mm", "1 mm"]}

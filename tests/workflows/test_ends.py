@@ -100,6 +100,32 @@ def test_wherever_it_happens(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("number", "status", "says"),
+    [(signal.SIGINT, 130, "stopped; nothing is"), (signal.SIGTERM, 143, "ended by SIGTERM; nothing is half-written")],
+)
+def test_an_error_that_a_signal_left_behind(
+    number: signal.Signals,
+    status: int,
+    says: str,
+    spindamp: Callable[..., Outcome],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What a handler raises within a lock may end as an error of the lock."""
+
+    def unlucky(*_: object, **__: object) -> None:
+        try:
+            signal.raise_signal(number)
+        except BaseException:
+            raise RuntimeError("release unlocked lock") from None
+
+    monkeypatch.setattr("workflows.cli.app.app", unlucky)
+    outcome = spindamp("run", "structure")
+    assert outcome.status == status
+    assert says in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
 def test_signals_are_given_back(spindamp: Callable[..., Outcome]) -> None:
     before = signal.getsignal(signal.SIGTERM)
     assert spindamp("check", "paper").status == 0

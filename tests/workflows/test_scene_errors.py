@@ -46,6 +46,13 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
         "[material] density = 7.85",
         "at least 10 kg/m^3, the lightest foam: was '7.85 g/cm^3' m",
     ),
+    (
+        {"material__youngs_modulus": 113.8},
+        "[material] youngs_modulus = 113.8",
+        "expected at least 10000 Pa, of the softest rubber: 113.8 is in Pa; was '113.8 GPa' meant?",
+    ),
+    ({"plate__length": 150}, "[plate] width", "; length = 150 is in m: was '150 mm' meant?"),
+    ({"plate__length": 150, "plate__width": 40}, "[plate] thickness", "; length = 150 is in m: was '150 mm' meant?"),
     ({"material__density": 1e-3}, "[material] density = 0.001", "at least 10 kg/m^3, the lightest foam"),
     ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "a single speed leaves stop out"),
     ({"damper__rolling_friction": "1.01 mm"}, "[damper] rolling_friction = '1.01 mm'", "at most the ball's radius"),

@@ -60,6 +60,9 @@ def test_values_are_read_in_si(text, values):
         ("damper.friction=log:0:1:3", "expected a START above 0"),
         ("damper.restitution=0.5:1.5:3", "expected at most 1"),
         ("damper.friction=0.1:0.5:x", "COUNT, not 'x'"),
+        ("damper.restitution=0.5:0.7:1", "--vary damper.restitution = '0.5:0.7:1': a single value leaves STOP out"),
+        ("damper.clearance=-1 mm:4 mm:3", "--vary damper.clearance = '-1 mm:4 mm:3': expected more than 0"),
+        ("damper.clearance[1]=0 mm", "--vary damper.clearance[1] = '0 mm': expected more than 0"),
         ("damper.friction=0.1:0.5:0", "COUNT"),
         ("damper.friction=0.1,0.1", "every value once"),
         ("damper.friction=", "expected START:STOP:COUNT"),
@@ -90,6 +93,22 @@ def test_errors_name_key_and_value(text, says):
 def test_what_says_the_same_is_varied_once(pair):
     with pytest.raises(BadInput, match=r"once|one of them"):
         axes.read(pair, G)
+
+
+def test_the_key_that_another_takes_the_place_of():
+    scene = load("paper").scene
+    replaced = {name: keys.find(name, "--vary").displaced(scene) for name in ("damper.mass", "damper.ball_material")}
+    assert set(replaced.values()) == {"damper.mass_ratio"}
+    for name in ("damper.mass_ratio", "damper.radius", "rotor.speeds", "material.density"):
+        assert keys.find(name, "--vary").displaced(scene) is None
+
+
+def test_what_is_replaced_is_said_first(spindamp):
+    vary = ("--vary", "damper.mass=0.1 g", "--vary", "rotor.speeds=5000 rpm")
+    done = spindamp("sweep", "structure", *vary, "--quick", "--workers", 1, "--out", "out")
+    assert done.status == 0, done.err
+    assert done.out.splitlines()[0] == "damper.mass takes the place of the scene's damper.mass_ratio"
+    assert ": 1 point (" in done.out.splitlines()[1]
 
 
 def test_both_elements_of_a_pair():

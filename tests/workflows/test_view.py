@@ -128,6 +128,8 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: View, t
         ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100.0: a mesh alone has no speeds"),
         ((MESHES / "make.py",), "not a readable mesh file"),
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
+        ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
+        ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),
         (("paper", "--rpm", "-1"), "--rpm = -1.0: expected a rotation speed between 0"),
     ],
 )
@@ -137,6 +139,7 @@ def test_what_cannot_be_looked_at(arguments: tuple[object, ...], said: str, spin
     assert said in outcome.err
     assert outcome.err.count("\n") == 1
     assert outcome.out == ""
+    assert not Path("nosuch").exists()
 
 
 @pytest.mark.parametrize(("option", "value"), [("--rpm", 9000), ("--mode", 7), ("--mode", 0)])

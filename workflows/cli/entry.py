@@ -31,13 +31,15 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(arguments: list[str] | None) -> int:
     try:
-        import typer
+        with signals.to_blame():
+            import typer
 
-        from workflows.cli.app import app
+            from workflows.cli.app import app
     except ImportError as error:
         return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
-        status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
+        with signals.to_blame():
+            status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
         if status == STOPPED:  # some versions of typer swallow a Ctrl-C
             raise KeyboardInterrupt
         sys.stdout.flush()

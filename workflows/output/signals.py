@@ -14,6 +14,9 @@ _Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | None
 _AGAIN = "nothing is half-written; the same command starts over"
 _said = [_AGAIN]
 
+_came: list[BaseException] = []
+"""The signals that have come since a command began, each as what it raises."""
+
 _before: dict[int, _Handler] = {}
 """The signals that a running command has taken, and what was done at them before."""
 
@@ -42,6 +45,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
     Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
     """
     _said[:] = [_AGAIN]
+    _came.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -51,8 +55,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) == handler:
             _before[number] = handler
-            if handler == signal.SIG_DFL:
-                signal.signal(number, _terminated)
+            signal.signal(number, _terminated if handler == signal.SIG_DFL else _interrupted)
     try:
         yield
     finally:
@@ -64,6 +67,20 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
         _before.clear()
 
 
+@contextmanager
+def to_blame() -> Iterator[None]:
+    """What fails in the block after a signal came ends as the signal does.
+
+    What a signal raises while a library takes or gives back a lock turns into an error of that lock.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        if _came:
+            raise _came[0] from error
+        raise
+
+
 def ignore() -> None:
     """From now on no signal ends the running command: its results are about to be in place. Without one, nothing."""
     for number in _before:
@@ -71,4 +88,10 @@ def ignore() -> None:
 
 
 def _terminated(number: int, frame: FrameType | None) -> None:
-    raise Terminated(signal.Signals(number).name)
+    _came.append(Terminated(signal.Signals(number).name))
+    raise _came[-1]
+
+
+def _interrupted(number: int, frame: FrameType | None) -> None:
+    _came.append(KeyboardInterrupt())
+    raise _came[-1]

@@ -32,6 +32,12 @@ _LIGHTEST = 10.0
 HEAVIEST = 10.0
 """Mass of all balls over the structure's up to which they damp it, and are not what is damped."""
 
+_SOFTEST = 1e4
+"""Modulus [Pa] below which a number is more likely one of GPa: gels end here, diamond has 1200 GPa."""
+
+_LARGEST = 10.0
+"""Side [m] from which, on a plate out of proportion, a number is more likely one of mm."""
+
 OSMIUM = 22_600.0
 """Density [kg/m^3] of the densest element."""
 
@@ -106,7 +112,18 @@ def planform(plate: Plate) -> None:
             raise fault("thickness", str(error)) from error
         odd = disproportion(least, greatest, plate.length, plate.width)
         if odd is not None:
-            raise fault(*odd)
+            key, problem = odd
+            raise fault(key, problem + _in_millimetres(least, greatest, plate.length, plate.width))
+
+
+def _in_millimetres(least: float, greatest: float, length: float, width: float) -> str:
+    """A question where large sides, taken as millimetres, would be those of a plate; else nothing."""
+    large = {name: side for name, side in (("length", length), ("width", width)) if side >= _LARGEST}
+    scaled = (side * 1e-3 if side >= _LARGEST else side for side in (length, width))
+    if not large or disproportion(least, greatest, *scaled) is not None:
+        return ""
+    name, side = next(iter(large.items()))
+    return f"; {name} = {side:g} is in m: was '{side:g} mm' meant?"
 
 
 def disproportion(least: float, greatest: float, length: float, width: float) -> tuple[str, str] | None:
@@ -124,7 +141,11 @@ def disproportion(least: float, greatest: float, length: float, width: float) ->
 
 
 def material(material: Material) -> None:
-    """A density that something solid has."""
+    """A modulus and a density that something solid has."""
+    modulus = material.youngs_modulus
+    if modulus < _SOFTEST * (1 - _ROUNDING):
+        meant = f": {modulus:g} is in Pa; was '{modulus:g} GPa' meant?" if modulus >= 0.1 else ""
+        raise fault("youngs_modulus", f"expected at least {_SOFTEST:g} Pa, of the softest rubber{meant}")
     _density("density", material.density)
 
 

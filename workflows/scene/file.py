@@ -9,7 +9,7 @@ import stat
 import tomllib
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -33,13 +33,14 @@ _LARGEST = 1_000_000
 class SceneFile:
     """A scene and where it came from: `name` for messages, `folder` for the files it names.
 
-    `remarks` are on how it is written, and lost where it becomes a `Scene`.
+    `remarks` are on how it is written, and lost where it becomes a `Scene`; `written`: its tables as they were written.
     """
 
     scene: Scene
     name: str
     folder: Path
     remarks: tuple[str, ...] = ()
+    written: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def mesh(self) -> Path | None:
@@ -90,7 +91,7 @@ def opened(given: SceneLike) -> SceneFile:
     if isinstance(given, Scene | Mapping):
         if isinstance(given, Scene):
             return _with_its_mesh(SceneFile(given, "scene", Path.cwd()))
-        return _with_its_mesh(SceneFile(parse(given), "scene", Path.cwd(), _remarks(given)))
+        return _with_its_mesh(SceneFile(parse(given), "scene", Path.cwd(), _remarks(given), given))
     raise TypeError(
         f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(given).__name__}"
     )
@@ -124,7 +125,7 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
         raise BadInput("not a scene: a number has too many digits", file=name) from error
     except RecursionError as error:
         raise BadInput("not a scene: nested too deeply", file=name) from error
-    return _with_its_mesh(SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data)))
+    return _with_its_mesh(SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data), data))
 
 
 def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:

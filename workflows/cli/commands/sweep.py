@@ -58,6 +58,10 @@ def sweep(
         out = Path(f"spindamp-sweep-{scene_file.slug(asked.source.scene.title)}")
     if out is not None:
         folder.checked(out)
+    if not json:
+        for axis in asked.plan.axes:
+            if instead := axis.key.displaced(asked.source.scene):
+                typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     kernels.say()
     hired = study.crew_of(workers, dask)
     with Stages() as stages:

@@ -26,11 +26,10 @@ def view(
     In a window where there is a screen, else as a page, whose name is printed.
     """
     from workflows.looking import page, screen, sight, target
-    from workflows.report.publish import writable
     from workflows.scene.file import slug
 
     if out is not None:
-        writable(out, "--out")
+        _check(out)
     found = target.of(what, rpm)
     first, number = sight.chosen(found, rpm, mode)
     if json:
@@ -49,3 +48,15 @@ def view(
     path = out or Path(f"spindamp-view-{slug(found.title)}.html")
     page.write(found, path, first, number)
     typer.echo(f"\nopen {path}")
+
+
+def _check(out: Path) -> None:
+    """A page's name, in a folder that is there, before anything is solved."""
+    from workflows.errors import BadInput
+    from workflows.report.publish import writable
+
+    target = writable(out, "--out")
+    if target.suffix.lower() != ".html":
+        raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
+    if not target.parent.is_dir():
+        raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))

@@ -160,7 +160,8 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     if over is None or over[1] <= 1:
         return BadInput(f"no design makes sense: {nearest.why}", file=space.source.name, key="[design]")
     name, share = over
-    key, value = ("mass", space.design.mass) if name == "mass" else ("wall", space.design.wall)
+    key = "mass" if name == "mass" else "wall"
+    value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
     what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"
     problem = f"no design keeps to it: the one that comes nearest takes {significant(share)} times {what}"
     return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)

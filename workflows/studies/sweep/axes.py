@@ -128,6 +128,8 @@ def _ranged(key: Key, values: str, gravity: float) -> Axis:
     count = _count(parts[2]) if len(parts) == 3 else None
     if law == "normal":
         return _normal(key, first, second, count)
+    if second != first and count == 1:
+        raise ValueError("a single value leaves STOP out: expected a COUNT from 2 on, or the value alone")
     if not second > first and not (second == first and count == 1):
         raise ValueError("expected a STOP above START")
     if law == "log" and first <= 0:

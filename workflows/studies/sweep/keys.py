@@ -66,6 +66,8 @@ class Key:
             if self.field != "speeds" and self.element is None and found[0] != found[-1]:
                 raise ValueError(f"expected one value: vary {self.name}[0] and {self.name}[1]")
             found = found[self.element or 0]
+        if self.field == "clearance" and not found > 0:
+            raise ValueError("expected more than 0")
         if not isinstance(found, bool | int | float | str):
             raise ValueError("expected one value")
         return found
@@ -85,6 +87,15 @@ class Key:
             ends = ["", "[0]", "[1]"] if self.element is None else ["", f"[{self.element}]"]
             found |= {f"{path}{end}" for end in ends}
         return found - {self.name}
+
+    def displaced(self, scene: Scene) -> str | None:
+        """Name of the key of a scene that it takes the place of; a material's numbers are changed one by one."""
+        for table, names in _INSTEAD:
+            given = getattr(scene, table)
+            if self.table == (table,) and self.field in names and table != "material" and given is not None:
+                there = [name for name in names if getattr(given, name) is not None]
+                return f"{table}.{there[-1]}" if self.field not in there else None
+        return None
 
     def put(self, data: Data, value: Value) -> None:
         """Set it in a scene's plain data; what it takes the place of goes."""

@@ -64,7 +64,7 @@ def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
     found = document(data)
     sizes = " × ".join(f"{size} {name}" for name, size in found["dimensions"].items())
-    lines = [f"{found['title']}: {found['points']} points ({sizes})"]
+    lines = [f"{found['title']}: {found['points']} point{'s' * (found['points'] != 1)} ({sizes})"]
     if found["best"] is not None:
         keys, values = found["best"]["keys"], found["best"]["values"]
         where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
@@ -75,7 +75,8 @@ def text(data: xr.Dataset) -> str:
     if "ST" in data:
         lines += _uncertain(data)
     if found["without_answer"]:
-        lines.append(f"{found['without_answer']} points have no answer:")
+        have = "point has" if found["without_answer"] == 1 else "points have"
+        lines.append(f"{found['without_answer']} {have} no answer:")
         lines += [f"  {entry['points']} × {entry['reason']}" for entry in found["reasons"][:3]]
     return "\n".join(lines)
 
