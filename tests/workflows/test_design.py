@@ -293,14 +293,14 @@ def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     assert says in str(found.value)
 
 
-def test_the_tuned_absorber(shaken, here):
+def test_the_tuned_absorber(shaken, here, monkeypatch):
     """A ball that rolls freely in a bowl, far from its walls, in closed form: the greatest amplitude for any tuning.
 
     A bowl tuned to the order, sqrt(5/7 R / path) = 3, moves against the force at every speed and leaves nothing to the
     structure: it is the best of all, and its neighbours are worse on both sides.
     """
     tuned = 5 / 7 * 0.2 / 9 + 3e-3
-    floors = [tuned + step for step in (-3e-3, -1e-3, 0.0, 1e-3, 3e-3)]
+    floors = [tuned + step for step in (-1e-3, 0.0, 1e-3)]
     scene = changed(
         shaken,
         structure__mass="0.05 kg",
@@ -310,28 +310,35 @@ def test_the_tuned_absorber(shaken, here):
         excitation__force="0.2 N",
         design={"floor_radius": floors},
     )
-    space = spaces.of(opened(scene))
-    shares = (np.arange(5)[:, None] + 0.5) / 5
-    quick, full = (score_of(space)(shares, quick=quick) for quick in (True, False))
+    tried, score = {}, objective.scored
+
+    def kept(space, shares, plates, *, quick):
+        found = score(space, shares, plates, quick=quick)
+        radii = [space.values(row)["damper.floor_radius"] for row in shares]
+        tried.update({(radius, quick): each for radius, each in zip(radii, found, strict=True)})
+        return found
+
+    monkeypatch.setattr(objective, "scored", kept)
+    found = spindamp.design(scene, executor=here)
+    best = found.found.scored
+    score_of(found.space)(np.array([[5 / 6]]), quick=False)
     ball = 7850 * 4 / 3 * math.pi * 3e-3**3
     stiffness = (0.05 + ball) * (2 * math.pi * 200) ** 2
     omega = np.linspace(3800, 4200, 200_001) * math.pi / 30
     nu, dashpot = 3 * omega, 2 * 0.01 * math.sqrt(stiffness * 0.05)
-    for floor, fast, slow in zip(floors, quick, full, strict=True):
+    assert {(floor, True) for floor in floors} | {(tuned, False), (floors[2], False)} <= tried.keys()
+    for (floor, quick), each in tried.items():
         swing = 5 / 7 * omega**2 * 0.2 / (floor - 3e-3)
         carried = 0.05 + ball + 5 / 7 * ball * nu**2 / (swing - nu**2 if floor != tuned else 1e-9)
         exact = np.abs(0.2 / (stiffness - nu**2 * carried + 1j * nu * dashpot)).max()
-        assert slow.value == pytest.approx(exact, rel=5e-3, abs=1e-9), floor
-        assert fast.value == pytest.approx(exact, rel=2e-2, abs=1e-9), floor
-    assert full[2].value < 1e-4 * full[2].without
-    assert all(not each.works or each.value > 0.1 * each.without for k, each in enumerate(full) if k != 2)
-    found = spindamp.design(scene, executor=here)
-    assert found.found.scored.value == full[2].value
+        assert each.value == pytest.approx(exact, rel=2e-2 if quick else 5e-3, abs=1e-9), floor
+        assert floor == tuned or not each.works or each.value > 0.1 * each.without
+    assert best.value == tried[tuned, False].value < 1e-4 * best.without
     (through,) = found.response.passed
     settled = through.states.regime != "not settled"  # undamped bowls forget a start slowly
     assert settled.mean() > 0.9
-    assert through.states.mean[settled].max() < 1e-4 * full[2].without
-    assert found.confirmed < 0.01 * full[2].without
+    assert through.states.mean[settled].max() < 1e-4 * best.without
+    assert found.confirmed < 0.01 * best.without
 
 
 def test_the_bound_of_an_amplitude(shaken):
