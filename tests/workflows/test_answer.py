@@ -157,3 +157,53 @@ def test_no_load_ends_when_the_vibration_has_died_out(tmp_path: Path) -> None:
     assert damping.cutoff_g is None
     assert damping.peak_sdc < 0.5
     assert len(damping.sdc) < 1000
+
+
+@pytest.mark.parametrize(("friction", "begin"), [(0, "It neither"), (0.3, "Along the bending direction it neither")])
+def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene) -> None:
+    """At e = 1 without rolling resistance nothing is lost along one axis; no hit is so slow as to stick."""
+    scene = changed(structure, damper__restitution=1, damper__friction=friction, damper__rolling_friction=0)
+    run = workflows.run(changed(scene, damper__sticking_ratio=1e-9, release__displacement=["20 mm", 0]))
+    energy = run.speeds[0].damping.energy
+    assert energy.final == pytest.approx(energy.initial, rel=1e-9)
+    said = answer(run)
+    assert said.verdict == "No: the ball takes nothing"
+    assert said.sentences[0].startswith(begin)
+
+
+def test_damping_that_was_not_found_is_not_denied(structure: Scene) -> None:
+    """So light a ball takes less than rounding leaves, though it hits walls with e = 0.5."""
+    run = workflows.run(changed(structure, damper__mass_ratio=1e-20))
+    assert run.speeds[0].damping.impacts > 0
+    assert "neither rolls" not in text(run)
+    assert answer(run).verdict == "Not found: whether the ball damps"
+    assert "at any of the amplitudes searched, from 7.6 mm on, which does not tell that there is none" in text(run)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "rpm", "said"),
+    [
+        (6.9, (10000,), "count in the 53 % of the ball's drive that this opposes."),
+        (6.9, (10000, 20000), "the 53 to 210 % of the ball's drive that this opposes; beyond 100 % it is the slope"),
+        (300, (10000,), "it is the slope that drives the ball, with a pull of 2300 % of the motion's own."),
+        (-6.9, (10000,), "the slope adds 53 % to the ball's drive"),
+    ],
+)
+def test_the_slope_of_the_floor_in_one_sentence(tilt: float, rpm: tuple[int, ...], said: str, structure: Scene) -> None:
+    """The load's pull over the motion's: Omega² R kappa / omega_1² = 0.0765 kappa at 10,000 rpm, kappa in 1/m."""
+    speeds = [f"{value} rpm" for value in rpm]
+    run = workflows.run(changed(structure, structure__floor_tilt=tilt, rotor__speeds=speeds))
+    told = [sentence for sentence in answer(run).sentences if "slope" in sentence]
+    assert len(told) == 1
+    assert told[0].startswith("As the structure moves, the cavity's floor tilts")
+    assert said in told[0]
+    assert ("opposes" in told[0]) == (0 < tilt < 10)
+
+
+@pytest.mark.parametrize(("side", "remarked"), [("2.5 mm", True), ("4 mm", False)])
+def test_a_bound_above_all_energy_is_no_remark(side: str, remarked: bool, structure: Scene) -> None:
+    """4 (m_p/M2) d/A = 8 d/A: 0.5 mm over 7.6 mm bounds the loss, 2 mm do not."""
+    heavy = changed(structure, damper__mass_ratio=2, damper__cavity=[side, side], release__cycles=None)
+    run = workflows.run(heavy)
+    assert run.speeds[0].damping.cutoff_g
+    assert any(note.startswith("However often it bounces") for note in run.notes) == remarked

@@ -223,6 +223,21 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
         "[damper] mass = '1000 kg'",
         "at most 10 times the structure's mass, 1 kg; these weigh 1000 kg",
     ),
+    (
+        {"damper__radius": "25 cm", "damper__cavity": ["60 cm", "60 cm"]},
+        "[damper] radius = '25 cm'",
+        "the ball is larger than its distance from the axis, 0.2 m",
+    ),
+    (
+        {"damper__cavity": ["2.5 mm", "60 cm"]},
+        "[damper] cavity = ['2.5 mm', '60 cm']",
+        "the cavity is larger than its distance from the axis, 0.2 m",
+    ),
+    (
+        {"release__displacement": ["0 mm", "-30 cm"]},
+        "[release] displacement = ['0 mm', '-30 cm']",
+        "expected at most the damper's distance from the axis, 0.2 m",
+    ),
     ({"structure__floor_tilt": "7 deg"}, "[structure] floor_tilt", "a slope over a displacement such as '6.9 1/m'"),
 ]
 
@@ -233,6 +248,17 @@ def test_malformed_structure(
 ) -> None:
     scene = write(changed(structure, **changes), tmp_path / "bad.toml")
     _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
+
+
+def test_a_housing_that_reaches_beyond_the_axis(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    """A housing frees the cavity of the plate's thickness, not of the axis 5 cm away."""
+    place = {"damper__at": ["5 cm", 0], "damper__housing": "1 g"}
+    scene = write(changed(paper, **place, damper__cavity=["6 cm", "2.4 mm"]), tmp_path / "bad.toml")
+    key, message = (
+        "[damper] cavity = ['6 cm', '2.4 mm']",
+        "the cavity is larger than its distance from the axis, 0.05 m",
+    )
+    _refused(spindamp("check", scene), tmp_path, str(scene), key, message)
 
 
 FILES = {

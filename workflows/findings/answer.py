@@ -142,15 +142,25 @@ def _tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with it."""
     shares = [p.tilt_share for p in points]
     printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
-    if printed or max(shares) < _NOTABLE_TILT:
+    if printed or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
-    text = (
-        "As the plate bends, the cavity's floor tilts and the load pulls the ball back down the slope: these figures"
-        f" count in the {span(100 * min(shares), 100 * max(shares))} % of the ball's drive that this opposes."
+    sizes = sorted(map(abs, shares))
+    percent, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{_as_it_moves(results)}, the cavity's floor tilts"
+    if max(shares) <= 0:
+        return f"{begin} the other way, and the slope adds {percent} to the ball's drive, which these figures count in."
+    if min(shares) > 1:
+        return (
+            f"{begin} so far that it is the slope that drives the ball, with a pull of {percent} of the motion's own."
+        )
+    beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
+    return (
+        f"{begin} and the load pulls the ball back down the slope: these figures count in the {percent} of the ball's"
+        f" drive that this opposes{beyond}."
     )
-    if max(shares) > 1:
-        text += " Beyond 100 % it is the slope that drives the ball."
-    return text
+
+
+def _as_it_moves(results: Results) -> str:
+    return "As the plate bends" if results.scene.structure is None else "As the structure moves"
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
@@ -179,12 +189,22 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     figures = low.working
     if figures is None or math.isinf(figures.cutoff):
         return "No: the ball never moves", (
-            f"As the plate bends, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball down the"
-            " slope by as much as the vibration drives it up.",
+            f"{_as_it_moves(results)}, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball"
+            " down the slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
         return "No: the ball never moves", tuple(part for part in (reach, _tilt(results, points)) if part)
-    return "No: the ball takes nothing", ("It neither rolls against a resistance nor loses speed at the walls.",)
+    if damper is not None and damper.restitution == 1 and all(p.working and p.working.cutoff == 0 for p in points):
+        along = "Along the bending direction it" if damper.friction else "It"
+        return "No: the ball takes nothing", (
+            f"{along} neither rolls against a resistance nor loses speed at the walls.",
+        )
+    known = f", from {_millimetres(figures.cutoff)} mm on," if figures.cutoff > 0 else ","
+    said = (
+        f"{_load(low).capitalize()} no damping by the ball was found at any of the amplitudes searched{known}"
+        " which does not tell that there is none."
+    )
+    return "Not found: whether the ball damps", tuple(part for part in (said, _tilt(results, points)) if part)
 
 
 def _beside_the_paper(results: Results) -> str | None:

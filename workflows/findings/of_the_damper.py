@@ -84,11 +84,14 @@ def _work_bound(results: Results) -> str | None:
             system = ringdowns.particle_damper(results.scene, results.effects, point)
             amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
             bound = work_bound(system, amplitude)
-            limit = f"{significant(100 * bound, 2)} %" if bound <= 1 else "no bound"
-            bounds.append(f"{limit} at {whole(point.load_g)} g")
-    if not bounds:
-        return None
-    ends = bounds if len(bounds) == 1 else [bounds[0], bounds[-1]]
+            bounds.append((bound, point.load_g))
+    if all(bound > 1 for bound, _ in bounds):
+        return None  # nothing takes more than all there is
+    limits = [
+        f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(load)} g"
+        for bound, load in bounds
+    ]
+    ends = limits if len(limits) == 1 else [limits[0], limits[-1]]
     return (
         "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
         " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"

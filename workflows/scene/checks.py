@@ -246,6 +246,8 @@ def together(scene: Scene) -> None:
     if scene.plate is not None:
         _on_the_plate(scene.plate, scene.damper)
         _release_of(scene.plate, scene.release)
+    if scene.damper is not None and (radius := _turning_at(scene)) is not None:
+        _within(radius, scene.damper, None if scene.plate is not None else scene.release)
     if scene.release is not None and scene.release.ratio is not None and not any(scene.rotor.speeds):
         raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
 
@@ -287,6 +289,26 @@ def _structure_only(scene: Scene) -> None:
         raise fault("damper.at", "belongs to a plate; a [structure] takes [rotor] radius")
     if scene.damper.housing is not None:
         raise fault("damper.housing", "belongs to a plate; the mass of a [structure] includes it")
+
+
+def _turning_at(scene: Scene) -> float | None:
+    """The damper's distance from the axis [m]; None where it is known only once a mesh is read."""
+    if scene.plate is None:
+        return scene.rotor.radius
+    at = scene.damper.at if scene.damper is not None else None
+    x = scene.plate.length if at is None else at[0]
+    return None if scene.plate.length is None or x is None else scene.rotor.hub_radius + x
+
+
+def _within(radius: float, damper: Damper, release: Release | None) -> None:
+    """Ball, cavity and release that do not reach beyond the axis about which they turn."""
+    most, distance = radius * (1 + _ROUNDING), f"its distance from the axis, {radius:g} m"
+    if damper.radius > most:
+        raise fault("damper.radius", f"the ball is larger than {distance}")
+    if max(damper.cavity) > most:
+        raise fault("damper.cavity", f"the cavity is larger than {distance}")
+    if release is not None and max(map(abs, release.displacement or (0.0,))) > most:
+        raise fault("release.displacement", f"expected at most the damper's distance from the axis, {radius:g} m")
 
 
 def _tilt_of(scene: Scene, tilt: tuple[float, float]) -> None:
