@@ -67,7 +67,7 @@ def scene(dice: Dice, kind: Kind) -> Scene:
     threshold = square * amplitude * sometimes(dice, (0.0, 0.1, 1.0), power(dice, -3, 1))
     load = threshold * radius / lever if threshold > 0 else square * amplitude
     spins = threshold > 0 or dice.one_of((True, False))
-    turning = power(dice, -2, 3)
+    turning = max(power(dice, -2, 3), 1.01 * amplitude, 2.02 * (radius + max(gaps)))
     speed = min(math.sqrt(load / turning), 9e4)
     friction = sometimes(dice, (0.3,) if kind.slips else (0.0, 0.3), power(dice, -3, 2))
     return {
