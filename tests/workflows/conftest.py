@@ -49,7 +49,7 @@ def spindamp(
 
 @pytest.fixture(autouse=True)
 def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ready picture in the place of the process with VTK; `finished` and the tests of the picture have the real one."""
+    """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
     monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
 
 
