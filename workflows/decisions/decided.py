@@ -14,7 +14,7 @@ from workflows.scene.file import SceneFile
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from fem.meshes.ladder import Planform
     from workflows.scene.file import SceneFile
-    from workflows.scene.plate_mesh import Planform
 
 __all__ = ["NAMES", "OF_THE_DAMPER", "OF_THE_PLATE", "Effect", "called_for", "of", "resolve", "theory"]
 

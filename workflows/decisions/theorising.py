@@ -10,7 +10,7 @@ from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""

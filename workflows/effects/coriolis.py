@@ -14,7 +14,7 @@ from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.accuracy.coriolis import Turned
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 CELLS_PER_MODE = 10
 """Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.coriolis.UNCERTAIN`)."""

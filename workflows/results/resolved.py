@@ -16,7 +16,7 @@ from workflows.scene.scene import Scene
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 
 def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:

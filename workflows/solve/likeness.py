@@ -20,8 +20,8 @@ from workflows.stages import Stages
 
 if TYPE_CHECKING:
     from fem import Given
+    from fem.meshes.ladder import Planform
     from workflows.decisions.decided import Decided
-    from workflows.scene.plate_mesh import Planform
     from workflows.solve.records import Floats, SpeedPoint
 
 _UNKNOWNS = 2000, 8000

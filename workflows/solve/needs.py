@@ -17,7 +17,7 @@ from workflows.scene.scene import Scene
 from workflows.solve.records import SHAPES_AT_MOST
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 LONGEST = 7 * 86400.0
 """Seconds; what would take longer is refused as well."""

@@ -25,7 +25,7 @@ from workflows.stages import Stages
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
     from workflows.solve.plate_records import Discrete
 
 _UNKNOWNS, PATIENCE = (4000, 16_000, 64_000), 5.0

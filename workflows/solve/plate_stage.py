@@ -25,7 +25,7 @@ from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""

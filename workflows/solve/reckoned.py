@@ -16,8 +16,8 @@ from workflows.solve import needs
 from workflows.solve import plate_stage as plate
 
 if TYPE_CHECKING:
+    from fem.meshes.ladder import Planform
     from workflows.decisions.decided import Decided
-    from workflows.scene.plate_mesh import Planform
 
 _GROWTH = {"kirchhoff": 1.3, "mindlin": 1.3, "solid": 1.5}
 

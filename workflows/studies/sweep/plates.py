@@ -21,7 +21,7 @@ from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 _KEPT, _MASSES = 4, 256
 """Plates that are kept at a time, and balls' masses of each."""
