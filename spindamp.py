@@ -81,23 +81,23 @@ def run(scene: SceneLike = DEFAULT) -> Results:
         NoAnswer: the physics has none.
         TypeError: it is no scene.
     """
-    from workflows import pipeline
+    from workflows import running
 
-    return pipeline.run(scene)
+    return running.run(scene)
 
 
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
-    from workflows import parts, pipeline
+    from workflows import parts, running
 
-    return pipeline.run(parts.plate_only(opened(scene)))
+    return running.run(parts.plate_only(opened(scene)))
 
 
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
-    from workflows import parts, pipeline
+    from workflows import parts, running
 
-    return pipeline.run(parts.at_one_speed(opened(scene), rpm))
+    return running.run(parts.at_one_speed(opened(scene), rpm))
 
 
 def response(scene: SceneLike = DEFAULT) -> Response:

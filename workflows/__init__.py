@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
-    from workflows.pipeline import run
     from workflows.report.publish import load_results, save, save_report
     from workflows.results.document import document
     from workflows.results.files import dataset
+    from workflows.running import run
     from workflows.scene.file import SceneFile, load, parse, shipped
     from workflows.scene.scene import Scene
     from workflows.solve.records import Results
@@ -38,7 +38,7 @@ _HOMES = {
     "load": "workflows.scene.file",
     "load_results": "workflows.report.publish",
     "parse": "workflows.scene.file",
-    "run": "workflows.pipeline",
+    "run": "workflows.running",
     "save": "workflows.report.publish",
     "save_report": "workflows.report.publish",
     "shipped": "workflows.scene.file",

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects.effect import Effect
 from workflows.errors import one_line
 from workflows.scene import thicknesses
 from workflows.scene.cavity import PICTURE
 from workflows.scene.file import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
+from workflows.solve.structure_records import Theory
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:

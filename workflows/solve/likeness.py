@@ -21,7 +21,7 @@ from workflows.stages import Stages
 if TYPE_CHECKING:
     from fem import Given
     from fem.meshes.ladder import Planform
-    from workflows.decisions.decided import Decided
+    from workflows.solve.decided import Decided
     from workflows.solve.records import Floats, SpeedPoint
 
 _UNKNOWNS = 2000, 8000

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.decisions.decided import decide
 from workflows.errors import BadInput
 from workflows.results import resolved
 from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import needs
+from workflows.solve.decided import decide
 from workflows.stages import Stages
 from workflows.studies.design import holds, objective, search, verdict
 from workflows.studies.design import space as spaces

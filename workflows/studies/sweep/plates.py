@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from workflows.decisions import effects as rules
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import decide
-from workflows.decisions.effects import OF_THE_DAMPER, OF_THE_PLATE, Effect
+from workflows.effects import rules
+from workflows.effects.effect import Effect
+from workflows.effects.table import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import at_the_cavity, felt, plate_records, plate_stage
+from workflows.solve.answering import answering
+from workflows.solve.decided import decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.stages import Stages
