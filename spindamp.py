@@ -28,8 +28,9 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
-from workflows.scene.file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
+from workflows.scene.file import DEFAULT, SceneLike, load, opened, parse, shipped
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from workflows.solve.records import Results
     from workflows.studies.costs.ladder import Costs
     from workflows.studies.costs.switching import Switches
-    from workflows.studies.design.study import Designed
+    from workflows.studies.design.designed import Designed
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.records import Response
 

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from workflows.results.document import document
     from workflows.results.files import dataset
     from workflows.running import run
-    from workflows.scene.file import SceneFile, load, parse, shipped
+    from workflows.scene.file import load, parse, shipped
     from workflows.scene.scene import Scene
+    from workflows.scene.source import SceneFile
     from workflows.solve.records import Results
 
 _HOMES = {
@@ -31,7 +32,7 @@ _HOMES = {
     "NotAvailable": "workflows.errors",
     "Results": "workflows.solve.records",
     "Scene": "workflows.scene.scene",
-    "SceneFile": "workflows.scene.file",
+    "SceneFile": "workflows.scene.source",
     "SpindampError": "workflows.errors",
     "dataset": "workflows.results.files",
     "document": "workflows.results.document",

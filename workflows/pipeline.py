@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 from workflows.effects.effect import Effect
 from workflows.findings.of_the_damper import remarks
-from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.file import DEFAULT, SceneLike, opened
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import felt, needs, records
 from workflows.solve import plate_stage as plate

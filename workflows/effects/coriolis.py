@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from workflows.effects.definition import AT_REST, GIVEN, Case, Definition
 from workflows.effects.left_out import Called, LeftOut, everywhere
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:

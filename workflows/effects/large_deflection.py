@@ -10,8 +10,8 @@ import numpy as np
 
 from workflows.effects.definition import AT_REST, GIVEN, Assumption, Case, Definition, Refusal
 from workflows.effects.left_out import Called, LeftOut, everywhere
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:

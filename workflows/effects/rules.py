@@ -13,7 +13,7 @@ from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.meshes.ladder import Planform
-    from workflows.scene.file import SceneFile
+    from workflows.scene.source import SceneFile
 
 
 def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...] = NAMES) -> dict[str, Called]:

@@ -9,9 +9,9 @@ from workflows.effects.effect import Effect
 from workflows.errors import one_line
 from workflows.scene import thicknesses
 from workflows.scene.cavity import PICTURE
-from workflows.scene.file import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve.structure_records import Theory
 from workflows.wording import revolutions, significant
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene import cavity, thicknesses
-from workflows.scene.file import SceneFile
 from workflows.scene.proportions import disproportion
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     import fem

@@ -11,7 +11,7 @@ import numpy as np
 from workflows.effects.effect import Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve.records import CavityMode, Reduced
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from workflows.effects import rules
 from workflows.effects.effect import Effect
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import theorising
 from workflows.solve.answering import answering
 from workflows.solve.structure_records import Theory

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages

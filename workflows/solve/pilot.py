@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from workflows.effects.effect import Effect
 from workflows.errors import SpindampError
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, felt, likeness, needs, plate_records, reckoned
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import plate_stage as plate

@@ -10,7 +10,7 @@ import numpy as np
 from workflows.effects.left_out import LeftOut
 from workflows.effects.table import NAMES
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve.records import (
     SHAPES_AT_MOST,
     CavityMode,

@@ -12,8 +12,8 @@ from workflows.effects.left_out import LeftOut
 from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, needs, plate_records, theorising
 from workflows.solve.answering import answering
 from workflows.solve.decided import Decided

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from fem.theory.kind import Kind, kind
 from workflows.effects.effect import Effect
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import needs
 from workflows.solve import plate_stage as plate
 

@@ -16,7 +16,7 @@ from workflows.report import text as summary
 from workflows.report.mode_shape import Artist
 from workflows.results import curves
 from workflows.results import document as results_json
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import needs, pilot, records
 from workflows.solve.decided import Decided, decide
 from workflows.stages import Stages

@@ -10,7 +10,7 @@ import numpy as np
 from workflows import pipeline
 from workflows.errors import NoAnswer
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import felt, records
 from workflows.solve import plate_stage as plate

@@ -11,7 +11,7 @@ from workflows.effects.effect import Effect
 from workflows.effects.left_out import Called
 from workflows.effects.table import EFFECTS
 from workflows.errors import SpindampError
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import decide
 from workflows.solve.records import SpeedPoint

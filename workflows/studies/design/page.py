@@ -9,7 +9,7 @@ from workflows import wording
 from workflows.output import store
 from workflows.report import drawing, templating
 from workflows.studies.design import pictures, verdict
-from workflows.studies.design.study import Designed
+from workflows.studies.design.designed import Designed
 from workflows.studies.sweep import maps
 
 FILES = r"design\.json|best\.toml"

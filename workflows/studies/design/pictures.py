@@ -23,7 +23,7 @@ from workflows.wording import whole
 
 if TYPE_CHECKING:
     from workflows.studies.design.curves import Curve
-    from workflows.studies.design.study import Designed, Grid
+    from workflows.studies.design.designed import Designed, Grid
 
 
 def draw(found: Designed) -> list[Picture]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt, plate_records
 from workflows.solve import plate_stage as plate
 from workflows.solve.answering import answering

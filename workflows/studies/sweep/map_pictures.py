@@ -11,7 +11,7 @@ from workflows.report import drawing
 from workflows.report.drawing import Sheet
 from workflows.studies.sweep import labels, maps
 from workflows.studies.sweep.axes import SPEEDS
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep.quantities import HEADLINE
 from workflows.wording import significant
 
 if TYPE_CHECKING:

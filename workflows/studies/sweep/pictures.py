@@ -15,7 +15,7 @@ from workflows.report.drawing import Sheet
 from workflows.studies.sweep import labels, map_pictures, maps, table
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plans import SAMPLE
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep.quantities import HEADLINE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 from workflows.effects import rules
 from workflows.effects.effect import Effect
 from workflows.effects.table import OF_THE_DAMPER, OF_THE_PLATE
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, felt, plate_records, plate_stage
 from workflows.solve.answering import answering
 from workflows.solve.decided import decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.stages import Stages
+from workflows.studies.sweep.placed import Carried
 
 if TYPE_CHECKING:
     import fem
@@ -58,15 +59,6 @@ class Solved:
                 for point, number in zip(self.points, self.numbers, strict=True)
             )
         return self.carrying[key]
-
-
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """What carries a damper: its effects, a point for each speed that has an answer, and the plate's surface."""
-
-    effects: dict[str, Effect]
-    points: dict[float, SpeedPoint]
-    surface: Surface | None
 
 
 class Plates:
