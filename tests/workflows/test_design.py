@@ -12,8 +12,8 @@ import pytest
 
 import spindamp
 from damper import Working, work_bound, working
-from tests.workflows.browser import AXE, findings
-from tests.workflows.conftest import CHROMIUM, changed
+from tests.workflows.browser import AXE, CHROMIUM, findings
+from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.file import load, opened, parse
 from workflows.studies.design import (
@@ -200,7 +200,6 @@ def test_why_none_works(slow, here):
 
 
 def test_from_the_command_line(spindamp, slow, tmp_path):
-    from tests.workflows.conftest import write
 
     free = {"ball_material": ["steel"], "ball_diameter": ["2 mm", "4 mm", "5 mm"], "clearance": ["1 mm"]}
     scene = write(slow | {"design": FREE | free}, tmp_path / "a.toml")
@@ -211,7 +210,7 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     if CHROMIUM is not None and AXE is not None:
-        assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+        assert findings(tmp_path / "out" / "report.html") == []
     assert spindamp("check", tmp_path / "out" / "best.toml").status == 0
     wrong = spindamp("design", "structure")
     assert wrong.status == 2
@@ -220,7 +219,6 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
 
 def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     """None that keeps to the limits is bad input; none that works is no answer, and the results say why."""
-    from tests.workflows.conftest import write
 
     fixed = {"ball_material": ["steel"], "ball_diameter": ["4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
     limits = FREE | fixed | {"mass": "0.1 g"}

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
+from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
+from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import drawing, mode_picture, mode_shape
 from workflows.report import page as report
 from workflows.solve.records import Results
@@ -427,14 +427,14 @@ def test_pages_have_both_sheets_and_files_one(tmp_path: Path) -> None:
 @needs_chromium
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
 def test_a_phone_shows_them_whole(name: str, tmp_path: Path) -> None:
-    assert width_on_a_phone(pages(tmp_path)[name], tmp_path) <= PHONE
+    assert width_on_a_phone(pages(tmp_path)[name]) <= PHONE
 
 
 @needs_chromium
 @needs_axe
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
 def test_nothing_hinders_a_reader(name: str, tmp_path: Path) -> None:
-    assert findings(pages(tmp_path)[name], tmp_path) == []
+    assert findings(pages(tmp_path)[name]) == []
 
 
 def test_a_map_says_each_cell_once() -> None:

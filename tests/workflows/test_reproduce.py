@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import PHONE, needs_chromium, width_on_a_phone
+from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
 from workflows.studies.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
 from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
 
@@ -192,14 +191,14 @@ def test_slips_are_numbers(found: Reproduction) -> None:
 @needs_chromium
 def test_a_phone_shows_it_whole(found: Reproduction, tmp_path: Path) -> None:
     page.write(found, tmp_path / "out")
-    assert width_on_a_phone(tmp_path / "out" / "report.html", tmp_path) <= PHONE
+    assert width_on_a_phone(tmp_path / "out" / "report.html") <= PHONE
 
 
 @needs_chromium
 @needs_axe
 def test_nothing_hinders_a_reader(found: Reproduction, tmp_path: Path) -> None:
     page.write(found, tmp_path / "out")
-    assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+    assert findings(tmp_path / "out" / "report.html") == []
 
 
 def test_files(found: Reproduction, tmp_path: Path) -> None:

@@ -13,8 +13,7 @@ import xarray as xr
 
 import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import needs_chromium
+from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
 from workflows.results import crossings
 from workflows.scene.excitation import Excitation
@@ -343,4 +342,4 @@ def test_without_damping_there_is_no_verdict(monkeypatch):
 @needs_axe
 def test_nothing_hinders_a_reader(known, tmp_path):
     page.write(known, tmp_path / "out")
-    assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+    assert findings(tmp_path / "out" / "report.html") == []
