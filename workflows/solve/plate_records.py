@@ -73,7 +73,7 @@ def points(
     at_cavity: list[tuple[CavityMode, ...]],
 ) -> tuple[SpeedPoint, ...]:
     """Modes and what the damper feels at the speeds of these numbers in the sweep."""
-    from fem.accuracy.theory_error import over_speeds
+    from fem.accuracy.theory_over_speeds import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
