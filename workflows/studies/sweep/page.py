@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import wording
-from workflows.report import drawing, templating
+from workflows.report import palette, templating
 from workflows.studies.sweep import folder, labels, maps, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 
@@ -51,7 +51,7 @@ def render(data: xr.Dataset) -> str:
     return templating.page(
         "sweep.html.j2",
         {"significant": wording.significant, "fixed": wording.fixed},
-        drawing.shades_css(maps.SHADES),
+        palette.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
         headline=summary.spread(data) if "ST" in data else "",
