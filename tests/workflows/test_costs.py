@@ -15,13 +15,12 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.decisions.decided import decide
-from workflows.decisions.effects import NAMES, OF_THE_PLATE
-from workflows.effects.table import EFFECTS
+from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
 from workflows.scene.rotor import Accuracy
 from workflows.solve import pilot
+from workflows.solve.decided import decide
 from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
 from workflows.stages import Stages
 from workflows.studies.costs import dampers, page, pipelines, plates, plots, timing

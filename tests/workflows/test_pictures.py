@@ -20,7 +20,7 @@ import pytest
 import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.report import drawing, mode_picture, mode_shape
+from workflows.report import drawing, mode_picture, mode_shape, palette
 from workflows.report import page as report
 from workflows.solve.records import Results
 from workflows.studies.costs import page, plots
@@ -446,7 +446,7 @@ def test_a_map_says_each_cell_once() -> None:
     with drawing.style():
         figure, (axes,) = drawing.canvas(drawing.WIDE, 2.6)
         for n in k:
-            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=drawing.CATEGORIES[0], alpha=n / 300, lw=0)
+            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=palette.CATEGORIES[0], alpha=n / 300, lw=0)
         axes.set(xlim=(0, 60), ylim=(0, 5))
         drawn = drawing.svg(figure, drawing.WIDE, "map", "a map", live=True)
     moved, cells = re.findall(r'<g transform="translate\(0 ([\d.]+)\)">((?:\s*<path [^>]*/>)+)', drawn)[0]

@@ -15,6 +15,7 @@ from workflows.wording import fixed, significant, whole
 
 if TYPE_CHECKING:
     import fem
+    from fem.meshes.ladder import Planform
 
 _TIMED_SPEEDS = 5
 """Speeds solved by themselves; what all would take is reckoned from them."""
@@ -60,7 +61,7 @@ METHODS = (
 class Problem:
     """A plate to be solved for some modes at one speed [rad/s], without Coriolis forces and large deflection."""
 
-    form: fem.Rectangle | fem.Given
+    form: Planform
     plate: Callable[[Any], fem.Plate]
     rotor: fem.Rotor
     effects: fem.Effects

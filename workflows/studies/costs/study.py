@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import pipeline
-from workflows.decisions.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import felt, records
 from workflows.solve import plate_stage as plate
+from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Floats
 from workflows.stages import Stages

@@ -3,55 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from workflows.errors import BadInput, SpindampError, one_line
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt
 from workflows.solve.quantity import taken_over
-from workflows.solve.records import OwnFigures, Results, SpeedPoint
+from workflows.solve.records import OwnFigures, Results
 from workflows.studies.sweep import quantities, scenes
 from workflows.studies.sweep.keys import SPEEDS
+from workflows.studies.sweep.placed import QUICK, Carried, Placed, measured
 from workflows.studies.sweep.plans import Plan
-from workflows.studies.sweep.plates import Carried, Plates
+from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep.quantities import Block, Reasons
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
     from workflows.studies.sweep.quantities import Rows
-
-QUICK = {"sweeps": 4, "stay": 60}
-"""What the working range is measured with where a percent of it does not count."""
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Rows of the points from `begin` on, and the texts that their reasons count."""
-
-    begin: int
-    rows: Rows
-    reasons: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """The damper of a point on the structure that carries it."""
-
-    number: int
-    scene: Scene
-    carried: Carried
-    point: SpeedPoint
-    damper: ParticleDamper
-    release: tuple[float, float]
-
-    @property
-    def judged(self) -> ParticleDamper:
-        """The damper that a verdict speaks of."""
-        return damper_stage.judged(self.scene, self.carried.effects, self.point)
 
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
@@ -63,19 +36,6 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
         _measure(rows[each.number], each, known, QUICK if quick else {})
     _ring_down(rows, placed)
     return Block(begin, rows, tuple(reasons.texts))
-
-
-class Reasons:
-    """Texts by number, each once."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-
-    def number(self, text: str) -> int:
-        """Which one it is."""
-        if text not in self.texts:
-            self.texts.append(text)
-        return self.texts.index(text)
 
 
 def all_placed(
@@ -125,16 +85,6 @@ def place(number: int, scene: Scene, carried: Carried, omega: float, row: Any) -
 def said(error: SpindampError, source: SceneFile) -> str:
     """Why a point has no answer."""
     return one_line(str(error).removeprefix(f"{source.name}: "))
-
-
-def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:
-    """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
-    from damper import working
-
-    bare = replace(damper, damping_ratio=0.0)
-    if bare not in known:
-        known[bare] = working(bare, threads=1, **how)
-    return known[bare]
 
 
 def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:

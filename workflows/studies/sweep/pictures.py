@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.studies.sweep import labels, map_pictures, maps, table
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plans import SAMPLE
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep.quantities import HEADLINE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,12 +113,12 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
     for number, k in enumerate(places):
         values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
         label = None if series is None else labels.titled(data, series, k)
-        colour = drawing.CATEGORIES[number % len(drawing.CATEGORIES)]
+        colour = palette.CATEGORIES[number % len(palette.CATEGORIES)]
         axes.plot(
-            xs, np.where(values > 0, values, np.nan), color=colour, marker=drawing.MARKERS[number % 7], label=label
+            xs, np.where(values > 0, values, np.nan), color=colour, marker=palette.MARKERS[number % 7], label=label
         )
     if quantity == HEADLINE:
-        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=drawing.RULE, lw=0)
+        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=palette.RULE, lw=0)
     positive = data[quantity].isel(fixed).values
     spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
     axes.set(xlabel=labels.label(data, x), ylabel=NAMED[quantity], xscale=maps.scale(xs))
@@ -142,9 +142,9 @@ def _bars(data: xr.Dataset, sheet: Sheet) -> str:
     for axes, quantity in zip(panels, shown, strict=True):
         found = data.sel(quantity=quantity).isel({SPEEDS: k})
         totals = 100 * np.nan_to_num(found["ST"].values)
-        axes.barh(range(len(names)), totals, color=drawing.CATEGORIES[0], height=0.5)
+        axes.barh(range(len(names)), totals, color=palette.CATEGORIES[0], height=0.5)
         halves = 100 * np.nan_to_num(found["ST_conf"].values)
-        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=drawing.INK, elinewidth=1.0)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=palette.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
         axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
@@ -167,7 +167,7 @@ def _scattered(data: xr.Dataset, sheet: Sheet) -> str:
     some = slice(0, _DOTS)
     figure, panels = drawing.canvas(sheet, 2.4, max(len(keys), 1))
     for axes, name in zip(panels, keys, strict=False):
-        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=drawing.CATEGORIES[0], ms=2)
+        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=palette.CATEGORIES[0], ms=2)
         axes.set(xlabel=labels.label(data, name))
         known = values.values[np.isfinite(values.values) & (values.values > 0)]
         if known.size and known.max() > 10 * known.min():
