@@ -22,8 +22,16 @@ import spindamp
 from damper import ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
 from tests.benchmarks.damper_speed import scene
+from workflows.results.document import dumps
 
 RUNS = 5
+
+DIAGRAM: dict[str, Any] = {
+    "plate": {"length": 0.2, "width": 0.08, "thickness": 0.01},
+    "material": {"name": "steel"},
+    "rotor": {"speeds": {"start": "0 rpm", "stop": "17500 rpm", "count": 2000}},
+    "accuracy": {"frequency": 0.01},
+}
 
 
 def tasks() -> dict[str, Callable[[], Any]]:
@@ -31,6 +39,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
     plate = Plate(Rectangle(0.2, 0.08).mesh(4), 0.01, Material(182.6e9, 0.3, 7850.0))
     operators, bent = (assemble(plate, Rotor(0.1, 0.5), Effects(large_deflection=large)) for large in (False, True))
     damper = scene()
+    diagram, paper = spindamp.campbell(DIAGRAM), spindamp.run("paper")
     releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
     return {
         "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
@@ -39,6 +48,10 @@ def tasks() -> dict[str, Callable[[], Any]]:
         "six modes at 1000 speeds": lambda: campbell(operators, np.linspace(0.0, 1800.0, 1000)),
         "a ring-down of 100 cycles": lambda: ringdown(damper, (20e-3, 5e-3), 100),
         "200 ring-downs of 20 cycles": lambda: ringdowns(damper, releases, 20),
+        "the JSON of 2000 speeds": lambda: dumps(diagram),
+        "the data set of 2000 speeds": lambda: spindamp.dataset(diagram),
+        "the JSON of a run of the paper": lambda: dumps(paper),
+        "the data set of a run of the paper": lambda: spindamp.dataset(paper),
         "a run of the paper": lambda: spindamp.run("paper"),
     }
 
