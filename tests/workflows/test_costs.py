@@ -23,7 +23,7 @@ from workflows.solve import pilot
 from workflows.solve.decided import decide
 from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
 from workflows.stages import Stages
-from workflows.studies.costs import dampers, page, pipelines, plates, plots, timing
+from workflows.studies.costs import dampers, page, pipelines, plates, plots, speeds, timing
 from workflows.studies.costs.by_ivp import by_ivp
 from workflows.studies.costs.changes import changes
 from workflows.studies.costs.ladder import Costs, Ladder, Rung, measure
@@ -114,7 +114,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.METHODS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plates, "METHODS", few)
-        patch.setattr(plates, "SPEEDS", 20)
+        patch.setattr(speeds, "SPEEDS", 20)
         patch.setattr(plates, "SOLID_AT_MOST", 12_000)
         patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
         patch.setattr(pipelines, "FINEST", 1e-4)
@@ -297,7 +297,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
-    monkeypatch.setattr(plates, "SPEEDS", 7)
+    monkeypatch.setattr(speeds, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)

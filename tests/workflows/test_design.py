@@ -275,7 +275,7 @@ def placed_of(space, shares):
 
     rows = quantities.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(blocks.all_placed(space.solved_as, plan, 0, len(rows), Plates(), rows, quantities.Reasons()))
+    return list(blocks.all_placed(space.solved_as, plan, 0, Plates(), rows, quantities.Reasons()))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):

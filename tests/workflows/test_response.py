@@ -20,7 +20,7 @@ from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
 from workflows.solve.records import Mode, SpeedPoint
-from workflows.studies.response import band, files, page, study, told
+from workflows.studies.response import band, files, page, peaks, study, told
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -67,7 +67,7 @@ def test_a_known_structure(known):
     hertz = 200 * math.sqrt(1.01)
     assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
-    weak, strong = told.rows(known)
+    weak, strong = peaks.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
     omega = 2 * math.pi * hertz
     assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
@@ -79,7 +79,7 @@ def test_a_known_structure(known):
 
 
 def test_the_short_way_stands_beside(known):
-    for row in told.rows(known):
+    for row in peaks.rows(known):
         assert abs(row.difference) < 0.02
 
 
@@ -132,7 +132,7 @@ def test_a_moving_base():
     """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
     one = respond(read(changed('force = ["20 N", "2 N"]', 'base = "2 m/s^2"')))
     same = respond(read(changed('force = ["20 N", "2 N"]', 'force = "2 N"')))
-    (base,), (force,) = told.rows(one), told.rows(same)
+    (base,), (force,) = peaks.rows(one), peaks.rows(same)
     assert base.without == pytest.approx(force.without, rel=1e-9)
     assert base.mean == pytest.approx(1.01 * force.mean, rel=1e-9)  # on the ball too
 
@@ -307,7 +307,7 @@ orders = [3]
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (60, FEW_SPEEDS)
-    (row,) = told.rows(found)
+    (row,) = peaks.rows(found)
     omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
@@ -329,7 +329,7 @@ def test_a_floor_tuned_to_the_order():
         assert old in text
         text = text.replace(old, new)
     found = respond(read(text))
-    (row,) = told.rows(found)
+    (row,) = peaks.rows(found)
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
     assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")

@@ -35,15 +35,7 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
 
 
 def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
-    names = ("start", "stop", "count")
-    unknown = [name for name in value if name not in names]
-    if unknown:
-        listed = ", ".join(f"'{name}'" for name in unknown)
-        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 else ""
-        raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
-    for name in names:
-        if name not in value:
-            raise wrong(f"'{name}' is missing: expected start, stop and count")
+    _whole(value)
     start, stop = si(value["start"], units.ROTATION, info), si(value["stop"], units.ROTATION, info)
     count = value["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SPEEDS:
@@ -53,6 +45,19 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     if count == 1 and stop != start:
         raise wrong("count: expected at least 2, or stop equal to start: a single speed leaves stop out")
     return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
+
+
+def _whole(value: dict[str, object]) -> None:
+    """All three keys, and no other."""
+    names = ("start", "stop", "count")
+    unknown = [name for name in value if name not in names]
+    if unknown:
+        listed = ", ".join(f"'{name}'" for name in unknown)
+        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 else ""
+        raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
+    for name in names:
+        if name not in value:
+            raise wrong(f"'{name}' is missing: expected start, stop and count")
 
 
 _SPEEDS_SCHEMA = {

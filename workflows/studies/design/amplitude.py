@@ -22,8 +22,8 @@ from workflows.stages import Stages
 from workflows.studies.design import balance, crossed
 from workflows.studies.design.crossed import Crossed, Linear
 from workflows.studies.design.scored import Scored
+from workflows.studies.response.peaks import HELPS
 from workflows.studies.response.solved import Solved
-from workflows.studies.response.told import HELPS
 from workflows.studies.sweep.placed import Placed
 from workflows.wording import whole
 

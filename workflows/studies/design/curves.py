@@ -32,7 +32,7 @@ def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
     plan = space.plan(np.asarray(found.shares)[None])
     size = plans.size(plan)
-    placed = blocks.all_placed(space.source, plan, 0, size, Plates(), quantities.empty(size), Reasons())
+    placed = blocks.all_placed(space.source, plan, 0, Plates(), quantities.empty(size), Reasons())
     curves = []
     for each in placed:
         damper = each.judged

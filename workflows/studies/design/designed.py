@@ -13,7 +13,7 @@ from workflows.studies.design.holds import Holds
 from workflows.studies.design.scored import Found, Scored
 from workflows.studies.design.space import Space
 from workflows.studies.response import document as response_document
-from workflows.studies.response import told
+from workflows.studies.response import peaks
 from workflows.studies.response.records import Response
 from workflows.studies.sweep import plans
 
@@ -76,7 +76,7 @@ class Designed:
     @property
     def confirmed(self) -> float | None:
         """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in told.rows(self.response))
+        return None if self.response is None else max(row.mean for row in peaks.rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)

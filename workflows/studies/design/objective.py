@@ -27,7 +27,7 @@ def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list
     speeds = len(space.goal.speeds)
     rows, reasons = quantities.empty(plans.size(plan)), Reasons()
     placed: list[list[Placed]] = [[] for _ in shares]
-    for each in blocks.all_placed(space.solved_as, plan, 0, plans.size(plan), plates, rows, reasons):
+    for each in blocks.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
         placed[each.number // speeds].append(each)
     found = []
     for number, mine in enumerate(placed):

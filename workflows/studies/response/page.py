@@ -11,7 +11,7 @@ from workflows import wording
 from workflows.findings import worth
 from workflows.output import store
 from workflows.report import drawing, palette, templating
-from workflows.studies.response import files, plots, told
+from workflows.studies.response import files, peaks, plots, told
 from workflows.studies.response.document import document
 from workflows.studies.response.records import Response
 
@@ -54,11 +54,11 @@ def render(found: Response) -> str:
         {
             "through": through,
             "crossing": through.crossing,
-            "rows": [row for row in told.rows(found) if row.through is through],
+            "rows": [row for row in peaks.rows(found) if row.through is through],
             "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
             "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
             "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
-            "endured": told.endured(found, through),
+            "endured": peaks.endured(found, through),
         }
         for number, through in enumerate(found.passed)
     ]

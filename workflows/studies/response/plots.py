@@ -11,7 +11,7 @@ from workflows.findings import worth
 from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.results import curves
-from workflows.studies.response import told
+from workflows.studies.response import peaks
 from workflows.studies.response.records import Response, Through
 from workflows.wording import significant, whole
 
@@ -39,7 +39,7 @@ def campbell(found: Response, sheet: Sheet) -> str:
             small: dict[str, Any] = {"fontsize": 6.5, "color": palette.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
-            kinds = [row.regime for row in told.rows(found) if row.through is through]
+            kinds = [row.regime for row in peaks.rows(found) if row.through is through]
             for kind in dict.fromkeys(kinds):
                 _mark(axes, through, kind)
         for crossing, _ in found.idle:

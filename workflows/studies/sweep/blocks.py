@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`."""
     rows, reasons = quantities.empty(end - begin), Reasons()
-    placed = list(all_placed(source, plan, begin, end, plates, rows, reasons))
+    placed = list(all_placed(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
         _measure(rows[each.number], each, known, QUICK if quick else {})
@@ -39,9 +39,10 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
 
 
 def all_placed(
-    source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, rows: Rows, reasons: Reasons
+    source: SceneFile, plan: Plan, begin: int, plates: Plates, rows: Rows, reasons: Reasons
 ) -> Iterator[Placed]:
-    """The dampers of all points that have one; the others get a reason."""
+    """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
+    end = begin + len(rows)
     columns = plan.columns(begin, end)
     varied = [axis.key for axis in plan.axes]
     data = scenes.base(source, varied)
@@ -51,7 +52,7 @@ def all_placed(
     def values(number: int) -> tuple[Any, ...]:
         return tuple(columns[key.name][number] for key in others)
 
-    for given, numbers in groupby(range(end - begin), key=values):
+    for given, numbers in groupby(range(len(rows)), key=values):
         mine = list(numbers)
         try:
             changed = scenes.with_values(data, dict(zip(others, given, strict=True)))

@@ -43,28 +43,38 @@ def draw(data: xr.Dataset) -> list[Picture]:
         return [_picture(partial(_bars, data), _OF_BARS)]
     if SAMPLE in data.dims:
         return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
-    best = _best(data)
     numbers = _numeric(data)
     keys = [name for name in numbers if name != SPEEDS]
     wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
-    if len(wide) > 1:
-        x, y = wide[:2]
-        used = (x, y, map_pictures.panels(data, (x, y))[0])
-        shown = [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, (x, y))]
-        return [
-            _picture(
-                partial(map_pictures.draw, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
-                _caption(data, best, used, name) + map_pictures.in_words(data, best, x, y) * (name == HEADLINE),
-            )
-            for name in shown
-        ]
-    x = max(numbers, key=lambda name: data.sizes[name])
+    return _mapped(data, wide[0], wide[1]) if len(wide) > 1 else _along(data, numbers)
+
+
+def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
+    """Maps over two keys."""
+    best, used = _best(data), (x, y, map_pictures.panels(data, (x, y))[0])
+    return [
+        _picture(
+            partial(map_pictures.draw, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
+            _caption(data, best, used, name) + map_pictures.in_words(data, best, x, y) * (name == HEADLINE),
+        )
+        for name in _shown(data, (x, y))
+    ]
+
+
+def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
+    """Curves over the key with the most values, one for each value of the next."""
+    best, x = _best(data), max(numbers, key=lambda name: data.sizes[name])
     series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
     along = (x,) if series is None else (x, series)
-    shown = [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, along)]
     return [
-        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name)) for name in shown
+        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name))
+        for name in _shown(data, along)
     ]
+
+
+def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
+    """The headline, and what else varies along these keys."""
+    return [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, along)]
 
 
 def _picture(draw: Callable[[Sheet], str], caption: str) -> Picture:
