@@ -2,11 +2,16 @@
 
 Appends one line of JSON to FILE (benchmarks.jsonl) with the medians, the commit and the machine, and prints each beside
 the last line of the same machine. Nothing passes or fails by it; a machine that does something else beside is noisy.
+
+`python -m tests.benchmarks.track --beside TREE` runs the same tasks in turns with those of another tree of the project,
+a work tree of an earlier commit, say: one process each, a task of one after that of the other, so that what slows the
+machine slows both. It prints the medians and the median of the ratios, and between which half of these lie.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import platform
 import subprocess
 import sys
@@ -22,8 +27,17 @@ import spindamp
 from damper import ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
 from tests.benchmarks.damper_speed import scene
+from workflows.results.document import dumps
 
 RUNS = 5
+TURNS = 15
+
+DIAGRAM: dict[str, Any] = {
+    "plate": {"length": 0.2, "width": 0.08, "thickness": 0.01},
+    "material": {"name": "steel"},
+    "rotor": {"speeds": {"start": "0 rpm", "stop": "17500 rpm", "count": 2000}},
+    "accuracy": {"frequency": 0.01},
+}
 
 
 def tasks() -> dict[str, Callable[[], Any]]:
@@ -31,6 +45,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
     plate = Plate(Rectangle(0.2, 0.08).mesh(4), 0.01, Material(182.6e9, 0.3, 7850.0))
     operators, bent = (assemble(plate, Rotor(0.1, 0.5), Effects(large_deflection=large)) for large in (False, True))
     damper = scene()
+    diagram, paper = spindamp.campbell(DIAGRAM), spindamp.run("paper")
     releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
     return {
         "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
@@ -39,6 +54,10 @@ def tasks() -> dict[str, Callable[[], Any]]:
         "six modes at 1000 speeds": lambda: campbell(operators, np.linspace(0.0, 1800.0, 1000)),
         "a ring-down of 100 cycles": lambda: ringdown(damper, (20e-3, 5e-3), 100),
         "200 ring-downs of 20 cycles": lambda: ringdowns(damper, releases, 20),
+        "the JSON of 2000 speeds": lambda: dumps(diagram),
+        "the data set of 2000 speeds": lambda: spindamp.dataset(diagram),
+        "the JSON of a run of the paper": lambda: dumps(paper),
+        "the data set of a run of the paper": lambda: spindamp.dataset(paper),
         "a run of the paper": lambda: spindamp.run("paper"),
     }
 
@@ -71,5 +90,57 @@ def main(path: Path) -> None:
         file.write(json.dumps({"commit": commit, "machine": machine, "seconds": seconds}) + "\n")
 
 
+def answer() -> None:
+    """Do tasks by their names from standard input, and say the seconds of each."""
+    known = tasks()
+    print(json.dumps(list(known)), flush=True)
+    for line in sys.stdin:
+        began = time.perf_counter()
+        known[line.strip()]()
+        print(time.perf_counter() - began, flush=True)
+
+
+def opened(tree: Path) -> subprocess.Popen[str]:
+    """A process that does the tasks, of this file, with the code of a tree."""
+    command = [sys.executable, __file__, "--answer"]
+    environment = os.environ | {"PYTHONPATH": str(tree.resolve())}
+    return subprocess.Popen(
+        command, cwd=tree, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+
+
+def asked(process: subprocess.Popen[str], task: str) -> float:
+    """Seconds of one task."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    process.stdin.write(task + "\n")
+    process.stdin.flush()
+    return float(process.stdout.readline())
+
+
+def beside(tree: Path) -> None:
+    """This tree and another in turns."""
+    with opened(Path()) as mine, opened(tree) as other:
+        assert mine.stdout is not None
+        assert other.stdout is not None
+        names, _ = json.loads(mine.stdout.readline()), other.stdout.readline()
+        for name in names:
+            asked(mine, name), asked(other, name)
+            turns = np.array([(asked(mine, name), asked(other, name)) for _ in range(TURNS)])
+            here, there = 1e3 * np.median(turns, axis=0)
+            low, ratio, high = np.quantile(turns[:, 0] / turns[:, 1], (0.25, 0.5, 0.75))
+            print(f"{name}: {here:.1f} ms, {there:.1f} there: {ratio:.2f} times ({low:.2f} to {high:.2f})", flush=True)
+        for process in (mine, other):
+            process.communicate()
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "benchmarks.jsonl"))
+    match sys.argv[1:]:
+        case ["--answer"]:
+            answer()
+        case ["--beside", tree]:
+            beside(Path(tree))
+        case [name]:
+            main(Path(name))
+        case _:
+            main(Path("benchmarks.jsonl"))

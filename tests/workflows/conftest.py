@@ -14,9 +14,12 @@ from typing import Any
 import pytest
 
 from workflows.cli.entry import main
+from workflows.report import mode_shape
 from workflows.scene.file import SHIPPED
 
 Scene = dict[str, Any]
+
+READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,12 @@ def spindamp(
         return Outcome(status, found.out, found.err)
 
     return call
+
+
+@pytest.fixture(autouse=True)
+def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
+    monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
 
 
 @pytest.fixture

@@ -391,7 +391,7 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
-@pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run", True)])
+@pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run --json", True)])
 def test_the_theory_is_chosen_once(
     command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
@@ -402,7 +402,7 @@ def test_the_theory_is_chosen_once(
     plain = choosing.choose_theory
     monkeypatch.setattr(choosing, "choose_theory", lambda *a, **k: (calls.append(a[-1]), plain(*a, **k))[1])
     scene = changed(paper, plate__theory="auto", rotor__speeds=["500 rpm"], effects__coriolis=long)
-    assert spindamp(command, write(scene, Path("scene.toml"))).status == 0
+    assert spindamp(*command.split(), write(scene, Path("scene.toml"))).status == 0
     assert len(calls) == 1
 
 

@@ -52,14 +52,14 @@ def test_every_quantity_has_a_unit_and_a_meaning() -> None:
 
 def test_no_two_quantities_have_one_name_in_a_data_set(finished: Path) -> None:
     found = files.dataset(workflows.load_results(finished))
-    names = Counter(each.name for each in files.columns(SpeedPoint, [_full()], ("rpm",)))
+    names = Counter(each.name for each in files.columns(SpeedPoint, [_full()], "rpm"))
     assert set(found.variables) <= names.keys()
     assert max(names.values()) == 1, names.most_common(3)
 
 
 def test_columns_of_sweeps_are_those_of_runs() -> None:
     """By name and unit; a sweep adds what belongs to no speed of a run."""
-    known = {each.name: each.unit for each in files.columns(SpeedPoint, [_full()], ("rpm",))}
+    known = {each.name: each.unit for each in files.columns(SpeedPoint, [_full()], "rpm")}
     mine = {quantity.name: quantity.unit for quantity in QUANTITIES}
     own = mine.keys() - known.keys()
     assert own == {"grade", "best_damping_ratio", "best_amplitude", "ball_mass"}
@@ -110,12 +110,12 @@ def _full() -> Any:
 
 def test_every_number_of_the_document_is_in_the_data_set() -> None:
     """A number that each holds once, so that one missing, or one in the place of another, shows."""
-    from workflows.results.tree import tree
+    from workflows.results.tree import trees
 
     point = _full()
-    document = json.loads(json.dumps(tree(point)))
+    document = json.loads(json.dumps(trees(SpeedPoint, [point])[0]))
     numbers = sum(1 for _ in leaves(document))
-    columns = list(files.columns(SpeedPoint, [point], ("rpm",)))
+    columns = list(files.columns(SpeedPoint, [point], "rpm"))
     assert sum(column.values.size for column in columns) == numbers + 1  # the duration, which JSON leaves out
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(document, schema.of(SpeedPoint))

@@ -97,24 +97,30 @@ def test_document(known):
     assert found["dampers"][0]["range"][0] < found["dampers"][0]["range"][1]
 
 
-def test_files(known, tmp_path):
-    assert spindamp.save(known, tmp_path / "out") == tmp_path / "out"
-    names = {path.name for path in (tmp_path / "out").iterdir()}
+@pytest.fixture(scope="module")
+def written(known, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("response") / "out"
+    assert spindamp.save(known, folder) == folder
+    return folder
+
+
+def test_files(known, written):
+    names = {path.name for path in written.iterdir()}
     assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
-    with xr.open_dataset(tmp_path / "out" / "response.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(written / "response.nc", engine="h5netcdf") as data:
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
         assert list(data["start"].values) == ["up", "down", "random"]
         (through,) = known.passed
         np.testing.assert_array_equal(data["mean"].values[0], through.shaped(through.states.mean))
-    (table,) = (tmp_path / "out").glob("response_order_3*.csv")
+    (table,) = written.glob("response_order_3*.csv")
     with table.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 60 * 2 * 3
     assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
-    text = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 5
-    page.write(known, tmp_path / "out")  # into its own folder again
+    page.write(known, written)  # into its own folder again
 
 
 def test_same_bits(known):
@@ -340,6 +346,5 @@ def test_without_damping_there_is_no_verdict(monkeypatch):
 
 @needs_chromium
 @needs_axe
-def test_nothing_hinders_a_reader(known, tmp_path):
-    page.write(known, tmp_path / "out")
-    assert findings(tmp_path / "out" / "report.html") == []
+def test_nothing_hinders_a_reader(written):
+    assert findings(written / "report.html") == []

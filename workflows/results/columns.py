@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from operator import attrgetter, itemgetter
 from typing import Any
 
@@ -27,36 +29,75 @@ class Column:
     values: npt.NDArray[Any]
 
 
-def columns(kind: type, records: Sequence[Any], dims: tuple[str, ...], prefix: str = "") -> Iterator[Column]:
-    """Every quantity of records of a kind, those of its parts last; nothing where there is no record.
+@dataclass(frozen=True, eq=False)
+class _Listed:
+    """Records of a kind, or values, from anywhere in lists of lists, and where each stood.
+
+    Attributes:
+        each: those that there are.
+        at: their places, an array for each dimension.
+        shape: of a table that holds all.
+    """
+
+    each: Sequence[Any]
+    at: tuple[npt.NDArray[np.int64], ...]
+    shape: tuple[int, ...]
+
+    def known(self, what: Callable[[Any], Any]) -> _Listed:
+        """Something of each, where that is not None."""
+        values = list(map(what, self.each))
+        kept = [place for place, value in enumerate(values) if value is not None]
+        if len(kept) == len(values):
+            return _Listed(values, self.at, self.shape)
+        return _Listed([values[place] for place in kept], tuple(places[kept] for places in self.at), self.shape)
+
+    def within(self) -> _Listed:
+        """What stands in each, one dimension more."""
+        lengths = np.fromiter(map(len, self.each), np.int64, len(self.each))
+        inner = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+        outer = (np.repeat(places, lengths) for places in self.at)
+        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner), (*self.shape, lengths.max(initial=0)))
+
+    def table(self, nothing: float | str) -> npt.NDArray[Any]:
+        """The values as one array, filled up with what stands for nothing."""
+        table = np.full(self.shape, nothing, float if isinstance(nothing, float) else object)
+        table[self.at] = self.each
+        return table
+
+
+def columns(kind: type, records: Sequence[Any], along: str) -> Iterator[Column]:
+    """Every quantity of records of a kind, those of their parts last; nothing where there is no record.
 
     Args:
         kind: the class of the records.
-        records: lists of records, of lists of them, and so on, one level for each dimension; None where there is none.
-        dims: their dimensions.
-        prefix: of the names.
+        records: in their order.
+        along: the name of that dimension.
     """
-    if not any(True for _ in _known(records, len(dims))):
+    yield from _columns(kind, _Listed(records, (np.arange(len(records)),), (len(records),)), (along,), "")
+
+
+def _columns(kind: type, records: _Listed, dims: tuple[str, ...], prefix: str) -> Iterator[Column]:
+    if not records.each:
         return
     for entry in sorted(entries(kind), key=lambda entry: isinstance(entry.what, Part)):
-        values = _each(records, len(dims), attrgetter(entry.attribute))
+        values = records.known(attrgetter(entry.attribute))
         if isinstance(entry.what, Part):
-            inner = (*dims, entry.what.along) if entry.many else dims
-            yield from columns(entry.kind, values, inner, prefix + entry.what.prefix)
+            inner, along = (values.within(), (entry.what.along,)) if entry.many else (values, ())
+            yield from _columns(entry.kind, inner, (*dims, *along), prefix + entry.what.prefix)
+        elif entry.what.rows is not None:
+            yield from _quantity(entry, entry.what, values.within(), (*dims, entry.what.rows.along), prefix)
         else:
-            yield from _columns(entry, entry.what, values, dims, prefix)
+            yield from _quantity(entry, entry.what, values, dims, prefix)
 
 
-def _columns(
-    entry: Entry, quantity: Quantity, values: list[Any], dims: tuple[str, ...], prefix: str
+def _quantity(
+    entry: Entry, quantity: Quantity, values: _Listed, dims: tuple[str, ...], prefix: str
 ) -> Iterator[Column]:
-    dims = (*dims, quantity.rows.along) if quantity.rows is not None else dims
-    nothing = np.array("", object) if entry.kind is str else np.array(np.nan)
+    nothing = "" if entry.kind is str else math.nan
     for name, end in _names(entry, quantity, prefix):
-        each = values if end is None else _each(values, len(dims), itemgetter(end))
-        if not quantity.absent or any(True for _ in _known(each, len(dims))):
-            said = quantity.said(name, end)
-            yield Column(name, quantity.unit, said, dims, _table(each, len(dims), nothing))
+        each = values if end is None else values.known(itemgetter(end))
+        if not quantity.absent or each.each:
+            yield Column(name, quantity.unit, quantity.said(name, end), dims, each.table(nothing))
 
 
 def _names(entry: Entry, quantity: Quantity, prefix: str) -> list[tuple[str, int | None]]:
@@ -100,46 +141,3 @@ def headlines(kind: type, path: tuple[str, ...] = (), prefix: str = "") -> Itera
             for name, end in _names(entry, what, prefix):
                 value = float if entry.kind is tuple else entry.kind
                 yield Headline(name, what.unit, what.said(name, end), value, here if end is None else (*here, end))
-
-
-def _each(records: Any, depth: int, what: Callable[[Any], Any]) -> Any:
-    """Something of every record in lists of lists; None where there is no record."""
-    if records is None:
-        return None
-    return [_each(each, depth - 1, what) for each in records] if depth else what(records)
-
-
-def _known(records: Any, depth: int) -> Iterator[Any]:
-    """Every record, or value, that there is."""
-    if records is None:
-        return
-    if depth == 0:
-        yield records
-        return
-    for each in records:
-        yield from _known(each, depth - 1)
-
-
-def _table(values: list[Any], depth: int, nothing: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Lists of lists as one array, filled up with what stands for nothing."""
-    table = np.full(_shape(values, depth), nothing, nothing.dtype)
-    _fill(table, values)
-    return table
-
-
-def _shape(values: Any, depth: int) -> tuple[int, ...]:
-    """The least shape that holds lists of lists."""
-    if depth == 0:
-        return ()
-    found = values if values is not None else []
-    inner = [_shape(each, depth - 1) for each in found] or [(0,) * (depth - 1)]
-    return (len(found), *map(max, zip(*inner, strict=True)))
-
-
-def _fill(table: npt.NDArray[Any], values: Any) -> None:
-    """Write lists of lists into the corner of an array."""
-    for place, each in enumerate(values if values is not None else ()):
-        if table.ndim > 1:
-            _fill(table[place], each)
-        elif each is not None:
-            table[place] = each

@@ -6,8 +6,8 @@ import json
 from typing import Any
 
 from workflows.results import provenance, resolved
-from workflows.results.tree import number, tree
-from workflows.solve.records import Results, expect
+from workflows.results.tree import numbers, trees
+from workflows.solve.records import Results, SpeedPoint, expect
 
 SCHEMA_VERSION = 1
 
@@ -25,10 +25,10 @@ def document(results: Results) -> dict[str, Any]:
         "scene": resolved.scene(results.scene, results.effects, results.theory),
         **provenance.hashes(results),
         "versions": provenance.versions(),
-        "timings": {name: number(seconds) for name, seconds in results.timings.items()},
+        "timings": dict(zip(results.timings, numbers(list(results.timings.values())), strict=True)),
         "notes": list(results.notes),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in results.effects.items()},
-        "speeds": [tree(point) for point in results.speeds],
+        "speeds": trees(SpeedPoint, results.speeds),
     }
 
 

@@ -54,7 +54,7 @@ def _write_errors(results: Results, folder: Path) -> tuple[str, ...]:
     """Every frequency with its relative error and its parts, 0 for effects not left out. Returns the columns."""
     numbered = [(point.rpm, number, mode) for point in results.speeds for number, mode in enumerate(point.modes, 1)]
     table: dict[str, Any] = {"speed_rpm": [rpm for rpm, *_ in numbered], "mode": [number for _, number, _ in numbered]}
-    for each in columns(Mode, [mode for *_, mode in numbered], ("mode",)):
+    for each in columns(Mode, [mode for *_, mode in numbered], "mode"):
         if each.name.startswith(_ERRORS):
             left_out = each.name.removeprefix("error_") in results.effects
             table[each.name] = np.nan_to_num(each.values) if left_out else each.values
@@ -111,7 +111,7 @@ _Variable = tuple[tuple[str, ...], Any, dict[str, str]]
 
 def _variables(results: Results) -> dict[str, _Variable]:
     """Every quantity over speed by its name, all filled up to the same sizes."""
-    found = list(columns(SpeedPoint, results.speeds, (_SPEED,)))
+    found = list(columns(SpeedPoint, results.speeds, _SPEED))
     sizes: dict[str, int] = {}
     for each in found:
         sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
@@ -137,7 +137,7 @@ def _variable(column: Column, sizes: dict[str, int]) -> _Variable:
     missing = [(0, sizes[name] - length) for name, length in zip(column.dims, column.values.shape, strict=True)]
     nothing = np.nan if column.unit else ""
     units = {"units": column.unit} if column.unit else {}
-    values = np.pad(column.values, missing, constant_values=nothing)
+    values = np.pad(column.values, missing, constant_values=nothing) if np.any(missing) else column.values
     return column.dims, values, {**units, "long_name": column.meaning}
 
 
