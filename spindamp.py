@@ -28,8 +28,9 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
-from workflows.scene.file import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
+from workflows.scene.file import DEFAULT, SceneLike, load, opened, parse, shipped
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from workflows.solve.records import Results
     from workflows.studies.costs.ladder import Costs
     from workflows.studies.costs.switching import Switches
-    from workflows.studies.design.study import Designed
+    from workflows.studies.design.designed import Designed
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.records import Response
 
@@ -81,23 +82,23 @@ def run(scene: SceneLike = DEFAULT) -> Results:
         NoAnswer: the physics has none.
         TypeError: it is no scene.
     """
-    from workflows import pipeline
+    from workflows import running
 
-    return pipeline.run(scene)
+    return running.run(scene)
 
 
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
-    from workflows import parts, pipeline
+    from workflows import parts, running
 
-    return pipeline.run(parts.plate_only(opened(scene)))
+    return running.run(parts.plate_only(opened(scene)))
 
 
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
-    from workflows import parts, pipeline
+    from workflows import parts, running
 
-    return pipeline.run(parts.at_one_speed(opened(scene), rpm))
+    return running.run(parts.at_one_speed(opened(scene), rpm))
 
 
 def response(scene: SceneLike = DEFAULT) -> Response:

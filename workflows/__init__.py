@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
-    from workflows.pipeline import run
     from workflows.report.publish import load_results, save, save_report
     from workflows.results.document import document
     from workflows.results.files import dataset
-    from workflows.scene.file import SceneFile, load, parse, shipped
+    from workflows.running import run
+    from workflows.scene.file import load, parse, shipped
     from workflows.scene.scene import Scene
+    from workflows.scene.source import SceneFile
     from workflows.solve.records import Results
 
 _HOMES = {
@@ -31,14 +32,14 @@ _HOMES = {
     "NotAvailable": "workflows.errors",
     "Results": "workflows.solve.records",
     "Scene": "workflows.scene.scene",
-    "SceneFile": "workflows.scene.file",
+    "SceneFile": "workflows.scene.source",
     "SpindampError": "workflows.errors",
     "dataset": "workflows.results.files",
     "document": "workflows.results.document",
     "load": "workflows.scene.file",
     "load_results": "workflows.report.publish",
     "parse": "workflows.scene.file",
-    "run": "workflows.pipeline",
+    "run": "workflows.running",
     "save": "workflows.report.publish",
     "save_report": "workflows.report.publish",
     "shipped": "workflows.scene.file",

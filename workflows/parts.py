@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from workflows.errors import BadInput
-from workflows.scene.fields import FASTEST
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
+from workflows.scene.speeds import FASTEST
 from workflows.wording import whole
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from workflows.decisions.decided import Decided, decide
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.findings.of_the_damper import remarks
-from workflows.report.brief import Shown
-from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.file import DEFAULT, SceneLike, opened
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import felt, needs, records
 from workflows.solve import plate_stage as plate
+from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_stage import PlateAnswer
 from workflows.solve.records import Results, SpeedPoint
 from workflows.stages import Stages
@@ -38,7 +38,7 @@ def structure(
 ) -> Solved:
     """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
-    `decided`: what :func:`workflows.decisions.decided.decide` says of the source, where that is known.
+    `decided`: what :func:`workflows.solve.decided.decide` says of the source, where that is known.
 
     Raises:
         BadInput, NoAnswer: see :func:`workflows.solve.plate_stage.solve`.
@@ -63,7 +63,7 @@ def damped(found: Solved, stages: Stages) -> Solved:
 def results(found: Solved, stages: Stages) -> Results:
     """Gather what a run found, with the remarks it calls for."""
     answer = found.plate
-    gathered = Shown(
+    gathered = Results(
         scene=found.source.scene,
         effects=found.effects,
         speeds=found.points,

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from fem.operators.assembly import Operators
     from fem.plate.given import Plate
-    from fem.sweep.diagram import Campbell
     from fem.theory.discretisation import Discretisation
 
     Array = NDArray[np.float64]
@@ -42,45 +41,18 @@ MARGIN = 1.25
 LEFT = {"kirchhoff": (1.2, 1.2 * STRETCHED), "mindlin": (1.2, 1.2 * STRETCHED), "mindlin/held": (0.22, 0.5)}
 """Part of what the clamp does, in bending and in stretching, that a theory lacks at most."""
 
-STRAINED = 0.02
-"""Of the strain at the root: CalculiX on plates strained by 0.8 % had up to 0.017 of it in their first mode."""
-
 STRETCH, SLOPE, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
 
 
 def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
     """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
-    sloping = _sloping(operators)
+    slopes = sloping(operators)
     if np.iscomplexobj(shapes):
         parts = np.hstack([np.real(shapes), np.imag(shapes)])
         both = np.diag(doubt(operators, parts))
-        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues + sloping)
-    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues + sloping)
-
-
-def over_speeds(operators: Operators, diagram: Campbell) -> Array:
-    """The same of the modes at all speeds of a Campbell diagram, (k, count)."""
-    count, found = diagram.frequencies_hz.shape[1], []
-    strained = _strained(operators, diagram.omega)[:, None]
-    for part in diagram.parts:
-        squares, vectors = part.rates[:, :count] ** 2, part.vectors[:, :, :count]
-        if np.iscomplexobj(part.basis):  # of one speed by itself
-            found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
-            continue
-        energy = doubt(operators, part.basis)
-        doubted = np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real
-        found.append(doubted / squares + _sloping(operators))
-    return np.vstack(found) + strained
-
-
-def _strained(operators: Operators, omega: Array) -> Array:
-    """What stays uncertain of the stress that stiffens a plate at speeds (k,): a part of the strain at its root."""
-    plate, hub = operators.plate, operators.rotor.hub_radius
-    if kind(operators.model.theory) is Kind.SOLID or not operators.effects.stress_stiffening:
-        return np.zeros(omega.size)
-    reach = abs((hub + plate.sides[0]) ** 2 - hub**2)
-    return STRAINED * 0.5 * plate.material.density * omega**2 * reach / plate.material.youngs_modulus
+        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues + slopes)
+    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues + slopes)
 
 
 def doubt(operators: Operators, basis: Array) -> Array:
@@ -107,10 +79,10 @@ def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Arra
     model, plate = operators.model, operators.plate
     gradient = _gradient(model, plate, shapes)
     energy = 0.5 * _clamp(model, plate, gradient, LEFT["kirchhoff"]) + _thin(model, plate, gradient)
-    return np.asarray(np.diag(energy) / eigenvalues + _sloping(operators))
+    return np.asarray(np.diag(energy) / eigenvalues + sloping(operators))
 
 
-def _sloping(operators: Operators) -> float:
+def sloping(operators: Operators) -> float:
     """What plate theories are off where faces slope."""
     plate = operators.plate
     if kind(operators.model.theory) is Kind.SOLID:

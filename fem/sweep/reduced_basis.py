@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import polar
 
 from fem.linalg.lanczos import orthonormal, rounding
 
@@ -79,7 +80,9 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
     """Make the basis of a stiffness's real modes; the last of them only says what lies above the basis."""
     empty = np.empty((modes.shapes.shape[0], 0))
     shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
-    block, energy, _, _ = orthonormal(shapes, empty, empty, stiffness)
+    block, energy, _, coupling = orthonormal(shapes, empty, empty, stiffness)
+    back = polar(coupling)[0]  # to the modes: in a mixture the large representer of a soft one drowns a stiff one's
+    block, energy = block @ back, energy @ back
     images, representers = _columns(operators, modes, block, energy)
     return _project(operators, modes, block, images, representers, _uncertain(stiffness, block))
 

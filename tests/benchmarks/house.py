@@ -1,10 +1,11 @@
-"""The shape of the code: files, floors, circles, what is written twice, long functions, long lists of arguments.
+"""The shape of the code: files, floors, circles, rooms, what is written twice, long functions, long lists of arguments.
 
     python -m tests.benchmarks.house                # of this tree
     python -m tests.benchmarks.house OTHER HERE     # of several, side by side
 
 Floors are the modules on the longest chain of imports, a circle counting as one; in brackets with imports inside
-functions and for types. Twice means six lines of code in a row or more, docstrings and imports apart, that agree.
+functions and for types. A room is a folder or a file directly below the package, seen from outside. Twice means six
+lines of code in a row or more, docstrings and imports apart, that agree.
 """
 
 from __future__ import annotations
@@ -45,6 +46,18 @@ def imports(known: dict[str, ast.Module], *, everywhere: bool) -> Graph:
                 graph[name] |= {each if each in known else node.module for each in inner}
         graph[name] &= {each for each in known if "." in each and each != name}
     return graph
+
+
+def rooms(graph: Graph) -> Graph:
+    """Which folder or file directly below the package imports which other."""
+
+    def room(name: str) -> str:
+        return ".".join(name.split(".")[:2])
+
+    found: Graph = {room(name): set() for name in graph if "." in name}
+    for name in graph.keys() - set(PACKAGES):
+        found[room(name)] |= {room(each) for each in graph[name]} - {room(name)}
+    return found
 
 
 def reached(graph: Graph) -> Graph:
@@ -141,6 +154,8 @@ def measures(tree: Path, package: str) -> dict[str, str]:
         f"files of over {PAGE} lines": str(sum(page > PAGE for page in pages)),
         "floors": f"{floors(top)} ({floors(everywhere)})",
         "circles": f"{len(circles(top))} ({len(circles(everywhere))})",
+        "floors of rooms": f"{floors(rooms(top))} ({floors(rooms(everywhere))})",
+        "circles of rooms": f"{len(circles(rooms(top)))} ({len(circles(rooms(everywhere)))})",
         f"functions of over {LINES} lines": str(sum((each.end_lineno or 0) - each.lineno >= LINES for each in heads)),
         f"functions of over {ARGUMENTS} arguments": str(sum(arguments(each) > ARGUMENTS for each in heads)),
         f"functions of over {BRANCHES} branches": str(sum(branches(each) > BRANCHES for each in heads)),

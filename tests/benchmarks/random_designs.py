@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from workflows.scene.file import load
-from workflows.studies.design import search, space, study
+from workflows.studies.design import asked, search, study
 from workflows.studies.sweep import crew, fingerprint
 
 NEAR = 0.97
@@ -26,7 +26,7 @@ AT_ONCE = 64
 
 def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
     """Print how many of COUNT designs are better; return that number."""
-    free = space.of(load(scene))
+    free = asked.space(load(scene))
     sign = 1 if free.design.amplitude is not None else -1
     unit = 100.0 if sign > 0 else 1e3
     with crew.local() as workers:

@@ -104,6 +104,27 @@ def test_double_modes_are_found_whole():
     np.testing.assert_allclose(found[[0, 2]], found[[1, 3]], rtol=1e-2)
 
 
+@pytest.mark.parametrize("cells", [9, 12, 15])
+def test_a_soft_mode_does_not_drown_the_stiff_ones(cells):
+    """Under a huge point mass one basis answers all speeds, as tightly as rounding lets each mode, and is right."""
+    plate = Plate(
+        rectangle(0.2, 0.45, cells, 3 * cells // 2),
+        3.5e-4,
+        STEEL,
+        1000.0 * STEEL.density * 0.2 * 0.45 * 3.5e-4,
+        (0.2, 0.0),
+    )
+    operators = assemble(plate, Rotor(0.0, -1.2), Effects())
+    speeds = np.linspace(0.2, 1.0, 20)
+    found = campbell(operators, speeds, 5, tolerance=2e-7)
+    assert len(found.sizes) == len(found.parts) == 1
+    for row in (0, 9, 19):
+        modes = solve_modes(operators, speeds[row], 5)
+        uncertain = rounding(operators.at(speeds[row]), modes.shapes, modes.eigenvalues)
+        assert (found.bounds[row] <= 2e-7 + 4.0 * uncertain).all()
+        assert (np.abs(found.frequencies_hz[row] / modes.frequencies_hz - 1.0) <= found.bounds[row]).all()
+
+
 def test_a_thousand_speeds_for_the_factors_of_one(monkeypatch):
     """As many factorisations as one static and one modal solve, on a mesh whose six frequencies are good to 1e-3.
 
@@ -139,12 +160,13 @@ def test_families_and_branches_through_a_crossing():
 
 
 @pytest.mark.hard(
-    why="a point mass of a thousand plates: no small basis answers the speeds between",
+    why="a point mass of a thousand plates, and bases that may not grow: none answers the speeds between",
     keeps="speeds without a bound are solved by themselves; all bounds are within the tolerance and true",
 )
 @pytest.mark.parametrize("halvings", [0, 6])
 def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
     monkeypatch.setattr("fem.sweep.grow.answer.__defaults__", (halvings,))
+    monkeypatch.setattr("fem.sweep.grow.LARGEST", 2)
     mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
     plate = Plate(rectangle(0.2, 0.08, 6, 4).to_meshtri(), 0.004, STEEL, mass, (0.2, 0.0))
     operators = assemble(plate, Rotor(0.1, 0.5), Effects(), "kirchhoff/argyris")

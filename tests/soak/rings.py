@@ -10,7 +10,7 @@ import numpy as np
 
 from damper import Batch, Outcome, ParticleDamper, ringdown, ringdowns, sample
 from tests.soak.dice import Dice, power, sometimes
-from workflows.decisions.effects import resolve
+from workflows.effects.rules import resolve
 from workflows.scene.file import parse
 from workflows.solve.damper_stage import particle_damper
 from workflows.solve.felt import known_structure, released_at

@@ -1,53 +1,199 @@
-"""A real browser without a window that runs a page, with a script of the test's at its end."""
+"""A real browser without a window, started once: opens a page, runs a test's script in it, prints it.
+
+It is spoken to in the Chrome DevTools Protocol over a pipe (https://chromedevtools.github.io/devtools-protocol/).
+"""
 
 from __future__ import annotations
 
-import html
+import atexit
+import base64
+import fcntl
 import json
-import re
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import pytest
 
-from tests.workflows.conftest import PHONE, SOFTWARE_GL, chromium
+from tests.limits import HANG
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="needs chromium (Debian: apt-get install chromium)")
 
 AXE = find_spec("axe_core_python")
 needs_axe = pytest.mark.skipif(AXE is None, reason="needs axe-core-python")
 
+PHONE = 400
+"""Pixels across."""
 
-def driven(
-    page: Path, script: str, folder: Path, gl: tuple[str, ...] = SOFTWARE_GL, *more: str, width: int = 1000
-) -> Any:
-    """What a script returns that a page runs once it stands; it may wait (`await`).
+WIDE = 1000
 
-    Fails on whatever the page has to say on the console.
-    """
-    text = page.read_text(encoding="utf-8")
-    end = f"(async () => {{ {script} }})().then(found => {{ document.title = 'found: ' + JSON.stringify(found) }})"
-    copy = folder / "driven.html"
-    copy.write_text(text.replace("</body>", f"<script>{end}</script></body>"), encoding="utf-8")
-    arguments = ("--enable-logging=stderr", "--virtual-time-budget=4000", "--dump-dom")
-    done = chromium(folder / "profile", *arguments, f"--window-size={width},1600", *more, copy.as_uri(), gl=gl)
-    said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
-    assert not said, said
-    found = re.search(r"<title>found: (.*?)</title>", done.stdout, re.S)
-    assert found is not None, done.stderr[-2000:]
-    return json.loads(html.unescape(found[1]))
+SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""Flags by which WebGL is drawn without a graphics card."""
+
+NO_GL = ("--disable-gpu", "--disable-3d-apis")
+"""Flags by which it is not drawn at all."""
+
+WORDS = ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
 
 
-def findings(page: Path, folder: Path, *more: str) -> list[str]:
+class Browser:
+    """One process; commands go down its file 3, answers and events come up its file 4, each ended by a zero byte."""
+
+    def __init__(self, gl: tuple[str, ...]) -> None:
+        self.profile = tempfile.mkdtemp(prefix="browser-")
+        down, self.down = os.pipe()
+        self.up, up = os.pipe()
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (down, up)]
+        quiet = ("--headless", "--no-sandbox", "--hide-scrollbars", "--disable-background-networking")
+        arguments = (*quiet, *gl, "--remote-debugging-pipe", f"--user-data-dir={self.profile}", "about:blank")
+        self.process = subprocess.Popen(
+            [str(CHROMIUM), *arguments],
+            stderr=subprocess.DEVNULL,
+            pass_fds=(3, 4),
+            preexec_fn=lambda: [os.dup2(end, name) for end, name in zip(ends, (3, 4), strict=True)] and None,
+        )
+        for end in (down, up, *ends):
+            os.close(end)
+        self.last = 0
+        self.read = b""
+        self.events: list[dict[str, Any]] = []
+        atexit.register(self.close)
+
+    def ask(self, method: str, session: str | None = None, **given: Any) -> dict[str, Any]:
+        """The answer to a command."""
+        self.last += 1
+        message = {"id": self.last, "method": method, "params": given}
+        if session is not None:
+            message["sessionId"] = session
+        left = memoryview(json.dumps(message).encode() + b"\0")
+        while left:
+            left = left[os.write(self.down, left) :]
+        while (found := self.next()).get("id") != self.last:
+            self.events.append(found)
+        assert "error" not in found, (method, found["error"])
+        answer: dict[str, Any] = found["result"]
+        return answer
+
+    def wait(self, method: str, session: str) -> None:
+        """Until this happens in a page, or has happened."""
+        while not any(each.get("method") == method and each.get("sessionId") == session for each in self.events):
+            self.events.append(self.next())
+
+    def next(self) -> dict[str, Any]:
+        """The next answer or event."""
+        end = monotonic() + HANG
+        while b"\0" not in self.read:
+            ready, _, _ = select.select([self.up], [], [], max(end - monotonic(), 0))
+            assert ready, "the browser says nothing"
+            more = os.read(self.up, 1 << 20)
+            assert more, "the browser is gone"
+            self.read += more
+        first, _, self.read = self.read.partition(b"\0")
+        found: dict[str, Any] = json.loads(first)
+        return found
+
+    def close(self) -> None:
+        """End it; it ends by itself where its pipe does."""
+        os.close(self.down)
+        self.process.wait(HANG)
+        os.close(self.up)
+        shutil.rmtree(self.profile, ignore_errors=True)
+
+
+class Page:
+    """A page that stands in a browser."""
+
+    def __init__(self, browser: Browser, session: str) -> None:
+        self.browser, self.session = browser, session
+
+    def ask(self, method: str, **given: Any) -> dict[str, Any]:
+        """The answer to a command for this page."""
+        return self.browser.ask(method, self.session, **given)
+
+    def returned(self, script: str) -> Any:
+        """What a script returns; it may wait (`await`)."""
+        text = f"(async () => {{ {script} }})()"
+        found = self.ask("Runtime.evaluate", expression=text, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in found, found["exceptionDetails"]
+        return found["result"].get("value")
+
+    def words(self) -> list[dict[str, Any]]:
+        """Whatever it had to say on the console."""
+        mine = (each for each in self.browser.events if each.get("sessionId") == self.session)
+        return [each["params"] for each in mine if each.get("method") in WORDS]
+
+
+_running = cache(Browser)
+
+
+@contextmanager
+def opened(path: Path, *, width: int = WIDE, dark: bool = False, gl: tuple[str, ...] = SOFTWARE_GL) -> Iterator[Page]:
+    """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console."""
+    browser = _running(gl)
+    browser.events.clear()
+    home = browser.ask("Target.createBrowserContext")["browserContextId"]
+    target = browser.ask("Target.createTarget", url="about:blank", browserContextId=home)["targetId"]
+    session = browser.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+    page = Page(browser, session)
+    for domain in ("Page", "Runtime", "Log"):
+        page.ask(f"{domain}.enable")
+    page.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    page.ask("Emulation.setEmulatedMedia", features=[scheme])
+    page.ask("Page.navigate", url=path.as_uri())
+    browser.wait("Page.loadEventFired", session)
+    try:
+        yield page
+        said = page.words()
+        assert not said, said
+    finally:
+        browser.ask("Target.disposeBrowserContext", browserContextId=home)
+
+
+def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Any:
+    """What a script returns that a page runs once it stands."""
+    with opened(path, width=width, gl=gl) as page:
+        return page.returned(script)
+
+
+def findings(path: Path, *, dark: bool = False) -> list[str]:
     """What axe-core finds in a page that hinders readers, of any weight, on a screen as wide as a phone."""
     assert AXE is not None
     assert AXE.origin is not None
-    axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8").replace("</script", "<\\/script")
-    text = page.read_text(encoding="utf-8")
-    copy = folder / "checked.html"
-    copy.write_text(text.replace("</body>", f"<script>{axe}</script></body>"), encoding="utf-8")
+    axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8")
     look = "const { violations } = await axe.run(document, { resultTypes: ['violations'] });"
     look += (
         "return violations.map(v => [v.impact, v.id, ...v.nodes.slice(0, 3).map(n => n.html.slice(0, 90))].join(' '));"
     )
-    found: list[str] = driven(copy, look, folder, SOFTWARE_GL, *more, width=PHONE)
+    with opened(path, width=PHONE, dark=dark) as page:
+        page.ask("Runtime.evaluate", expression=axe)
+        found: list[str] = page.returned(look)
     return found
+
+
+def width_on_a_phone(path: Path) -> int:
+    """Pixels that a page is wide on a screen as wide as a phone."""
+    found: int = driven(path, "return document.documentElement.scrollWidth", width=PHONE)
+    return found
+
+
+def printed(path: Path) -> bytes:
+    """The page as PDF."""
+    with opened(path) as page:
+        return base64.b64decode(page.ask("Page.printToPDF", printBackground=True)["data"])
+
+
+def picture(path: Path, *, width: int) -> bytes:
+    """The page as PNG."""
+    with opened(path, width=width) as page:
+        return base64.b64decode(page.ask("Page.captureScreenshot")["data"])

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import copy
-import html
 import json
-import re
-import shutil
-import subprocess
 import tomllib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -17,17 +13,13 @@ from typing import Any
 
 import pytest
 
-from tests.limits import HANG
 from workflows.cli.entry import main
+from workflows.report import mode_shape
 from workflows.scene.file import SHIPPED
 
 Scene = dict[str, Any]
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="needs chromium (Debian: apt-get install chromium)")
-
-PHONE = 400
-"""Pixels across."""
+READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
 
 
 @dataclass(frozen=True)
@@ -53,6 +45,12 @@ def spindamp(
         return Outcome(status, found.out, found.err)
 
     return call
+
+
+@pytest.fixture(autouse=True)
+def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
+    monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
 
 
 @pytest.fixture
@@ -123,33 +121,3 @@ def document(finished: Path) -> dict[str, Any]:
     """Its results.json."""
     found: dict[str, Any] = json.loads((finished / "results.json").read_text(encoding="utf-8"))
     return found
-
-
-SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-"""Flags by which WebGL is drawn without a graphics card."""
-
-NO_GL = ("--disable-gpu", "--disable-3d-apis")
-"""Flags by which it is not drawn at all."""
-
-
-def chromium(profile: Path, *arguments: str, gl: tuple[str, ...] = SOFTWARE_GL) -> subprocess.CompletedProcess[str]:
-    """Run chromium without a window."""
-    quiet = ("--headless", "--no-sandbox", "--hide-scrollbars", "--disable-background-networking")
-    command = [str(CHROMIUM), *quiet, *gl, f"--user-data-dir={profile}", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
-
-
-def width_on_a_phone(page: Path, folder: Path) -> int:
-    """Pixels that a page is wide in a frame as wide as a phone: a window of chromium cannot be so narrow."""
-    frame = folder / "phone.html"
-    text = html.escape(page.read_text(encoding="utf-8"))
-    look = "document.title = 'wide: ' + phone.contentDocument.documentElement.scrollWidth"
-    frame.write_text(
-        f'<iframe id="phone" style="border: 0; width: {PHONE}px; height: 800px" srcdoc="{text}"></iframe>'
-        f"<script>phone.onload = () => {{ {look} }}</script>",
-        encoding="utf-8",
-    )
-    done = chromium(folder / "profile", "--dump-dom", frame.as_uri())
-    found = re.search(r"wide: (\d+)", done.stdout.partition("</head>")[0])
-    assert found is not None, done.stderr
-    return int(found[1])

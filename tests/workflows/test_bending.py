@@ -10,10 +10,11 @@ import pytest
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.deflection import bent
 from tests.workflows.conftest import Scene, changed
-from workflows.decisions import effects
 from workflows.effects import large_deflection as bending
+from workflows.effects import rules as effects
 from workflows.scene import plate_mesh
 from workflows.scene.file import SceneFile, load, parse
+from workflows.solve import theorising
 
 ELL = """
 [plate]
@@ -50,7 +51,7 @@ def test_an_unsymmetric_planform_calls_for_it_at_stagger_0(tmp_path: Path, rpm: 
     found = effects.of(source)["large_deflection"]
     assert found.on is on
     assert "rad" in found.why
-    theory = effects.theory(source.scene, plate_mesh.planform(source), found.on)
+    theory = theorising.theory(source.scene, plate_mesh.planform(source), found.on)
     assert theory is not None
     assert theory.name == "mindlin"
 
@@ -64,7 +65,7 @@ def test_a_staggered_plate_that_hardly_bends_does_not(paper: Scene) -> None:
 def test_with_it_thin_plates_are_mindlins(paper: Scene) -> None:
     alone = {"damper": None, "release": None, "rotor__speeds": ["100 rpm"]}
     thin = parse(changed(paper, plate__theory="auto", plate__thickness="0.1 mm", **alone))
-    assert [effects.theory(thin, None, on).name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
+    assert [theorising.theory(thin, None, on).name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])

@@ -12,11 +12,12 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows.decisions import effects
+from workflows.effects import rules as effects
 from workflows.errors import BadInput
 from workflows.results import resolved
 from workflows.scene import plate_mesh, thicknesses
 from workflows.scene.file import SceneFile, load, parse
+from workflows.solve import theorising
 
 TAPER: Scene = {
     "title": "taper",
@@ -80,7 +81,7 @@ def test_a_resolved_scene_is_the_same_scene() -> None:
     for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL)):
         scene = parse(given)
         decided = effects.resolve(scene)
-        again = parse(tomllib.loads(resolved.as_toml(scene, decided, effects.theory(scene))))
+        again = parse(tomllib.loads(resolved.as_toml(scene, decided, theorising.theory(scene))))
         assert again.plate is not None
         assert scene.plate is not None
         assert again.plate.thickness == scene.plate.thickness
@@ -98,7 +99,7 @@ def test_the_theory_goes_by_the_greatest_thickness() -> None:
     """Thin at the tip, stout at the root."""
     thin = {"x": [0, 0.2], "values": ["0.1 mm", "0.05 mm"]}
     stout = {"x": [0, 0.2], "values": ["30 mm", "0.1 mm"]}
-    found = [effects.theory(parse(changed(TAPER, plate__thickness=t))) for t in (thin, stout)]
+    found = [theorising.theory(parse(changed(TAPER, plate__thickness=t))) for t in (thin, stout)]
     assert [theory.name for theory in found if theory] == ["kirchhoff", "solid"]
 
 
@@ -218,7 +219,7 @@ def test_a_root_on_springs() -> None:
 
 def test_a_resolved_root_is_the_same_root() -> None:
     scene = parse(changed(TAPER, plate__root=ROOT))
-    again = parse(tomllib.loads(resolved.as_toml(scene, effects.resolve(scene), effects.theory(scene))))
+    again = parse(tomllib.loads(resolved.as_toml(scene, effects.resolve(scene), theorising.theory(scene))))
     assert again.plate is not None
     assert again.plate.root is not None
     assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)

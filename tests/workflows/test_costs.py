@@ -15,16 +15,15 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.decisions.decided import decide
-from workflows.decisions.effects import NAMES, OF_THE_PLATE
-from workflows.effects.table import EFFECTS
+from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
 from workflows.scene.rotor import Accuracy
 from workflows.solve import pilot
+from workflows.solve.decided import decide
 from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
 from workflows.stages import Stages
-from workflows.studies.costs import dampers, page, pipelines, plates, plots, timing
+from workflows.studies.costs import dampers, page, pipelines, plates, plots, speeds, timing
 from workflows.studies.costs.by_ivp import by_ivp
 from workflows.studies.costs.changes import changes
 from workflows.studies.costs.ladder import Costs, Ladder, Rung, measure
@@ -115,7 +114,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.METHODS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plates, "METHODS", few)
-        patch.setattr(plates, "SPEEDS", 20)
+        patch.setattr(speeds, "SPEEDS", 20)
         patch.setattr(plates, "SOLID_AT_MOST", 12_000)
         patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
         patch.setattr(pipelines, "FINEST", 1e-4)
@@ -298,7 +297,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
-    monkeypatch.setattr(plates, "SPEEDS", 7)
+    monkeypatch.setattr(speeds, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
@@ -392,7 +391,7 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
-@pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run", True)])
+@pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run --json", True)])
 def test_the_theory_is_chosen_once(
     command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
@@ -403,7 +402,7 @@ def test_the_theory_is_chosen_once(
     plain = choosing.choose_theory
     monkeypatch.setattr(choosing, "choose_theory", lambda *a, **k: (calls.append(a[-1]), plain(*a, **k))[1])
     scene = changed(paper, plate__theory="auto", rotor__speeds=["500 rpm"], effects__coriolis=long)
-    assert spindamp(command, write(scene, Path("scene.toml"))).status == 0
+    assert spindamp(*command.split(), write(scene, Path("scene.toml"))).status == 0
     assert len(calls) == 1
 
 

@@ -12,13 +12,23 @@ import pytest
 
 import spindamp
 from damper import Working, work_bound, working
-from tests.workflows.browser import AXE, findings
-from tests.workflows.conftest import CHROMIUM, changed
+from tests.workflows.browser import AXE, CHROMIUM, findings
+from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.file import load, opened, parse
-from workflows.studies.design import amplitude, balance, crossed, damping, objective, page, search, study, verdict
-from workflows.studies.design import space as spaces
-from workflows.studies.design.scored import Scored
+from workflows.studies.design import (
+    amplitude,
+    asked,
+    balance,
+    crossed,
+    damping,
+    objective,
+    page,
+    search,
+    study,
+    verdict,
+)
+from workflows.studies.design.scored import Found, Scored
 from workflows.studies.sweep import crew
 from workflows.studies.sweep.plates import Plates
 
@@ -38,7 +48,7 @@ def slow(structure):
 
 
 def space_of(scene, **design):
-    return spaces.of(opened(scene | {"design": scene["design"] | design}))
+    return asked.space(opened(scene | {"design": scene["design"] | design}))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
@@ -116,7 +126,7 @@ def test_limits_bound_and_cutoff(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = spaces.of(load("design"))
+    space = asked.space(load("design"))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
     (found,) = objective.scored(space, np.array([shares]), Plates(), quick=True)
     assert found.value == 0.0
@@ -126,9 +136,9 @@ def test_the_plates_thickness_is_room():
 def test_the_cutoff_is_that_of_the_damper():
     from workflows.studies.design import curves
 
-    space = spaces.of(load("design"))
+    space = asked.space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = search.Found(shares, objective.scored(space, shares[None], Plates(), quick=True)[0], 1)
+    found = Found(shares, objective.scored(space, shares[None], Plates(), quick=True)[0], 1)
     for each in curves.of(space, found, space.goal):
         assert damping.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, threads=1).cutoff
         assert each.damper.floor_tilt[0] > 1.0
@@ -190,7 +200,6 @@ def test_why_none_works(slow, here):
 
 
 def test_from_the_command_line(spindamp, slow, tmp_path):
-    from tests.workflows.conftest import write
 
     free = {"ball_material": ["steel"], "ball_diameter": ["2 mm", "4 mm", "5 mm"], "clearance": ["1 mm"]}
     scene = write(slow | {"design": FREE | free}, tmp_path / "a.toml")
@@ -201,7 +210,7 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     if CHROMIUM is not None and AXE is not None:
-        assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+        assert findings(tmp_path / "out" / "report.html") == []
     assert spindamp("check", tmp_path / "out" / "best.toml").status == 0
     wrong = spindamp("design", "structure")
     assert wrong.status == 2
@@ -210,7 +219,6 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
 
 def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     """None that keeps to the limits is bad input; none that works is no answer, and the results say why."""
-    from tests.workflows.conftest import write
 
     fixed = {"ball_material": ["steel"], "ball_diameter": ["4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
     limits = FREE | fixed | {"mass": "0.1 g"}
@@ -256,7 +264,7 @@ def shaken(structure):
 
 def at_the_crossing(scene, share=0.0):
     """A design of one free key at the first crossing, and its space."""
-    space = spaces.of(opened(scene))
+    space = asked.space(opened(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
     met = space.goal.met[0]
     return crossed.of(each.scene, each.carried.effects, each.point, met, *space.goal.ends), space
@@ -267,7 +275,7 @@ def placed_of(space, shares):
 
     rows = quantities.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(blocks.all_placed(space.solved_as, plan, 0, len(rows), Plates(), rows, blocks.Reasons()))
+    return list(blocks.all_placed(space.solved_as, plan, 0, Plates(), rows, quantities.Reasons()))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):
@@ -289,7 +297,7 @@ def test_one_of_amplitudes_and_excitation(slow, shaken):
 )
 def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     with pytest.raises(BadInput) as found:
-        spaces.of(opened(changed(shaken, **changes)))
+        asked.space(opened(changed(shaken, **changes)))
     assert says in str(found.value)
 
 
@@ -410,5 +418,5 @@ def test_why_none_helps(shaken, here):
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / scored.grows)
-        (again,) = score_of(spaces.of(opened(other)))(found.found.shares[None])
+        (again,) = score_of(asked.space(opened(other)))(found.found.shares[None])
         assert (again.grows < 1) is moves

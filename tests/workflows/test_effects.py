@@ -9,7 +9,7 @@ import pytest
 
 import workflows.effects
 from tests.workflows.conftest import Scene, changed
-from workflows.decisions import effects as rules
+from workflows.effects import rules
 from workflows.effects.table import EFFECTS
 from workflows.errors import BadInput
 from workflows.findings.assumptions import assumptions
@@ -17,7 +17,7 @@ from workflows.pipeline import run
 from workflows.scene.file import parse
 from workflows.scene.rotor import Effects
 
-SHARED = {"beams", "definition", "left_out", "table"}
+SHARED = {"beams", "definition", "effect", "left_out", "rules", "table"}
 """What several effects share."""
 
 

@@ -11,8 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.workflows.browser import driven
-from tests.workflows.conftest import needs_chromium
+from tests.workflows.browser import driven, needs_chromium
 from workflows.results import crossings
 from workflows.results.crossings import ENGINE_ORDERS
 
@@ -63,10 +62,8 @@ def test_a_crossing_at_a_speed_of_the_run_is_counted_once() -> None:
 
 
 @needs_chromium
-def test_the_campbell_diagram_says_what_the_results_say(
-    finished: Path, document: dict[str, Any], tmp_path: Path
-) -> None:
-    found = driven(finished / "report.html", POINT + "return every(document.querySelector('#campbell'))", tmp_path)
+def test_the_campbell_diagram_says_what_the_results_say(finished: Path, document: dict[str, Any]) -> None:
+    found = driven(finished / "report.html", POINT + "return every(document.querySelector('#campbell'))")
     modes = [
         (speed["rpm"], mode["frequency_hz"], number, mode)
         for speed in document["speeds"]
@@ -94,7 +91,7 @@ def test_the_campbell_diagram_says_what_the_results_say(
 
 
 @needs_chromium
-def test_a_click_shows_that_mode_in_motion(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
+def test_a_click_shows_that_mode_in_motion(finished: Path, document: dict[str, Any]) -> None:
     script = (
         POINT
         + """
@@ -113,7 +110,7 @@ def test_a_click_shows_that_mode_in_motion(finished: Path, document: dict[str, A
     return { found, keys: plate.querySelector('output').textContent };
     """
     )
-    found = driven(finished / "report.html", script, tmp_path)
+    found = driven(finished / "report.html", script)
     assert len(found["found"]) >= 10
     for rpm, hz, said, marked in found["found"]:
         assert f"at {rpm:,.0f} rpm: {hz:.2f} Hz".replace(",", "\u2009") in said
@@ -124,9 +121,9 @@ def test_a_click_shows_that_mode_in_motion(finished: Path, document: dict[str, A
 
 
 @needs_chromium
-def test_damping_and_books_say_what_the_results_say(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
+def test_damping_and_books_say_what_the_results_say(finished: Path, document: dict[str, Any]) -> None:
     script = POINT + "return ['#damping', '#books'].map(name => every(document.querySelector(name)))"
-    damping, books = driven(finished / "report.html", script, tmp_path)
+    damping, books = driven(finished / "report.html", script)
     curve = {
         (1e3 * point["amplitude"], 100 * point["damping_ratio"])
         for speed in document["speeds"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.decisions import effects
+from workflows.effects import rules as effects
 from workflows.errors import BadInput
 from workflows.results import provenance, resolved
 from workflows.scene.file import parse

@@ -13,7 +13,7 @@ import pytest
 import workflows
 from tests.workflows.conftest import Scene, changed, write
 from workflows import pipeline
-from workflows.decisions import effects as rules
+from workflows.effects import rules
 from workflows.errors import BadInput
 from workflows.scene.file import opened
 from workflows.solve import damper_stage, felt

@@ -16,11 +16,11 @@ import pytest
 import fem
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.decisions.decided import decide
 from workflows.errors import BadInput
 from workflows.scene.file import load, shipped
 from workflows.solve import likeness, needs, pilot, reckoned
 from workflows.solve import plate_stage as plate
+from workflows.solve.decided import decide
 from workflows.stages import Stages
 
 GB = 1e9

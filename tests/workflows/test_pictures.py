@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
-from workflows.report import drawing, mode_picture, mode_shape
+from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
+from tests.workflows.conftest import Outcome, Scene, changed, write
+from workflows.report import drawing, mode_picture, mode_shape, palette
 from workflows.report import page as report
 from workflows.solve.records import Results
 from workflows.studies.costs import page, plots
@@ -409,32 +409,34 @@ def study() -> Costs:
     return Costs(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
 
 
-def pages(tmp_path: Path) -> dict[str, Path]:
-    page.write_accuracy(study(), tmp_path / "accuracy")
-    page.write_effects(EFFECTS, tmp_path / "effects")
-    return {name: tmp_path / name / "report.html" for name in ("accuracy", "effects")}
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("pages")
+    page.write_accuracy(study(), folder / "accuracy")
+    page.write_effects(EFFECTS, folder / "effects")
+    return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 
-def test_pages_have_both_sheets_and_files_one(tmp_path: Path) -> None:
-    for name, path in pages(tmp_path).items():
+def test_pages_have_both_sheets_and_files_one(pages: dict[str, Path]) -> None:
+    for name, path in pages.items():
         page = path.read_text(encoding="utf-8")
         assert page.count('<svg class="wide-sheet"') == page.count('<svg class="narrow-sheet"') == 1
-        drawn = (tmp_path / name / f"{name}.svg").read_text(encoding="utf-8")
+        drawn = path.with_name(f"{name}.svg").read_text(encoding="utf-8")
         assert drawn.count("<svg") == 1
         assert "var(" not in drawn
 
 
 @needs_chromium
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
-def test_a_phone_shows_them_whole(name: str, tmp_path: Path) -> None:
-    assert width_on_a_phone(pages(tmp_path)[name], tmp_path) <= PHONE
+def test_a_phone_shows_them_whole(name: str, pages: dict[str, Path]) -> None:
+    assert width_on_a_phone(pages[name]) <= PHONE
 
 
 @needs_chromium
 @needs_axe
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
-def test_nothing_hinders_a_reader(name: str, tmp_path: Path) -> None:
-    assert findings(pages(tmp_path)[name], tmp_path) == []
+def test_nothing_hinders_a_reader(name: str, pages: dict[str, Path]) -> None:
+    assert findings(pages[name]) == []
 
 
 def test_a_map_says_each_cell_once() -> None:
@@ -444,7 +446,7 @@ def test_a_map_says_each_cell_once() -> None:
     with drawing.style():
         figure, (axes,) = drawing.canvas(drawing.WIDE, 2.6)
         for n in k:
-            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=drawing.CATEGORIES[0], alpha=n / 300, lw=0)
+            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=palette.CATEGORIES[0], alpha=n / 300, lw=0)
         axes.set(xlim=(0, 60), ylim=(0, 5))
         drawn = drawing.svg(figure, drawing.WIDE, "map", "a map", live=True)
     moved, cells = re.findall(r'<g transform="translate\(0 ([\d.]+)\)">((?:\s*<path [^>]*/>)+)', drawn)[0]

@@ -15,8 +15,8 @@ import pytest
 import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.records import GRIP, HIT, RELEASE, REVERSAL, RUB, START
-from tests.workflows.browser import driven
-from tests.workflows.conftest import Outcome, Scene, changed, chromium, needs_chromium, write
+from tests.workflows.browser import driven, needs_chromium, printed
+from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import figure_path, player
 from workflows.results import curves
 from workflows.solve import ball_path
@@ -184,7 +184,7 @@ def test_without_a_damper_that_moves_there_is_no_player(
 
 
 @needs_chromium
-def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, path: BallPath, tmp_path: Path) -> None:
+def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, path: BallPath) -> None:
     script = (
         START_JS
         + """
@@ -200,7 +200,7 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
              live: figure.classList.contains('live'), hidden: form.hidden };
     """
     )
-    found = driven(finished / "report.html", script, tmp_path)
+    found = driven(finished / "report.html", script)
     assert found["live"]
     assert not found["hidden"]
     assert found["radius"] == pytest.approx(1.0, rel=1e-3), "to scale"
@@ -218,7 +218,7 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
 
 
 @needs_chromium
-def test_it_plays_pauses_and_listens_to_keys(finished: Path, tmp_path: Path) -> None:
+def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
     script = (
         START_JS
         + """
@@ -238,7 +238,7 @@ def test_it_plays_pauses_and_listens_to_keys(finished: Path, tmp_path: Path) -> 
              spoken: form.time.getAttribute('aria-valuetext'), said: says.textContent };
     """
     )
-    found = driven(finished / "report.html", script, tmp_path)
+    found = driven(finished / "report.html", script)
     assert (found["playing"], found["pressed"], found["paused"]) == ("pause", "true", "play")
     assert 0 < found["played"] < found["cycle"]
     assert found["home"] == found["back"] == found["again"] == 0
@@ -262,8 +262,7 @@ def test_in_print_the_path_stands_without_its_player(finished: Path, tmp_path: P
     page = tmp_path / "printed.html"
     text = (finished / "report.html").read_text(encoding="utf-8")
     page.write_text(text.replace("@media print {", "@media all {", 1), encoding="utf-8")
-    found = driven(page, script, tmp_path)
+    found = driven(page, script)
     assert "block" in found["svg"]
     assert set(found["rest"]) == {"none"}
-    done = chromium(tmp_path / "profile", f"--print-to-pdf={tmp_path / 'out.pdf'}", (finished / "report.html").as_uri())
-    assert (tmp_path / "out.pdf").read_bytes().startswith(b"%PDF"), done.stderr
+    assert printed(finished / "report.html").startswith(b"%PDF")

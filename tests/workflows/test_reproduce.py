@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import PHONE, needs_chromium, width_on_a_phone
+from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
 from workflows.studies.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
 from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
 
@@ -189,26 +188,30 @@ def test_slips_are_numbers(found: Reproduction) -> None:
     assert abs(values["eq. (3)"]) > 0.1
 
 
+@pytest.fixture(scope="module")
+def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("reproduction") / "out"
+    page.write(found, folder)
+    return folder
+
+
 @needs_chromium
-def test_a_phone_shows_it_whole(found: Reproduction, tmp_path: Path) -> None:
-    page.write(found, tmp_path / "out")
-    assert width_on_a_phone(tmp_path / "out" / "report.html", tmp_path) <= PHONE
+def test_a_phone_shows_it_whole(written: Path) -> None:
+    assert width_on_a_phone(written / "report.html") <= PHONE
 
 
 @needs_chromium
 @needs_axe
-def test_nothing_hinders_a_reader(found: Reproduction, tmp_path: Path) -> None:
-    page.write(found, tmp_path / "out")
-    assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+def test_nothing_hinders_a_reader(written: Path) -> None:
+    assert findings(written / "report.html") == []
 
 
-def test_files(found: Reproduction, tmp_path: Path) -> None:
-    page.write(found, tmp_path / "out")
-    document = json.loads((tmp_path / "out" / "reproduce.json").read_text())
+def test_files(written: Path) -> None:
+    document = json.loads((written / "reproduce.json").read_text())
     assert {tuple(claim) for claim in document["claims"]} == {
         ("id", "source", "claim", "paper", "printed", "consistent", "verdict", "why")
     }
-    html = (tmp_path / "out" / "report.html").read_text()
+    html = (written / "report.html").read_text()
     assert not re.search(r"(src|href)=[\"'](https?:)?//", html)
     assert html.count('<svg class="wide-sheet"') == html.count('<svg class="narrow-sheet"') == 6
-    assert (tmp_path / "out" / "reproduce.csv").read_text().count("\n") >= len(VERDICTS)
+    assert (written / "reproduce.csv").read_text().count("\n") >= len(VERDICTS)

@@ -17,7 +17,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.decisions import effects
+from workflows.effects import rules as effects
 from workflows.results import provenance
 from workflows.scene.file import parse
 from workflows.solve.records import Results

@@ -13,15 +13,14 @@ import xarray as xr
 
 import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
-from tests.workflows.browser import findings, needs_axe
-from tests.workflows.conftest import needs_chromium
+from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
 from workflows.results import crossings
 from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
 from workflows.solve.records import Mode, SpeedPoint
-from workflows.studies.response import band, files, page, study, told
+from workflows.studies.response import band, files, page, peaks, study, told
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -68,7 +67,7 @@ def test_a_known_structure(known):
     hertz = 200 * math.sqrt(1.01)
     assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
-    weak, strong = told.rows(known)
+    weak, strong = peaks.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
     omega = 2 * math.pi * hertz
     assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
@@ -80,7 +79,7 @@ def test_a_known_structure(known):
 
 
 def test_the_short_way_stands_beside(known):
-    for row in told.rows(known):
+    for row in peaks.rows(known):
         assert abs(row.difference) < 0.02
 
 
@@ -98,24 +97,30 @@ def test_document(known):
     assert found["dampers"][0]["range"][0] < found["dampers"][0]["range"][1]
 
 
-def test_files(known, tmp_path):
-    assert spindamp.save(known, tmp_path / "out") == tmp_path / "out"
-    names = {path.name for path in (tmp_path / "out").iterdir()}
+@pytest.fixture(scope="module")
+def written(known, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("response") / "out"
+    assert spindamp.save(known, folder) == folder
+    return folder
+
+
+def test_files(known, written):
+    names = {path.name for path in written.iterdir()}
     assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
-    with xr.open_dataset(tmp_path / "out" / "response.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(written / "response.nc", engine="h5netcdf") as data:
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
         assert list(data["start"].values) == ["up", "down", "random"]
         (through,) = known.passed
         np.testing.assert_array_equal(data["mean"].values[0], through.shaped(through.states.mean))
-    (table,) = (tmp_path / "out").glob("response_order_3*.csv")
+    (table,) = written.glob("response_order_3*.csv")
     with table.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 60 * 2 * 3
     assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
-    text = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 5
-    page.write(known, tmp_path / "out")  # into its own folder again
+    page.write(known, written)  # into its own folder again
 
 
 def test_same_bits(known):
@@ -127,7 +132,7 @@ def test_a_moving_base():
     """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
     one = respond(read(changed('force = ["20 N", "2 N"]', 'base = "2 m/s^2"')))
     same = respond(read(changed('force = ["20 N", "2 N"]', 'force = "2 N"')))
-    (base,), (force,) = told.rows(one), told.rows(same)
+    (base,), (force,) = peaks.rows(one), peaks.rows(same)
     assert base.without == pytest.approx(force.without, rel=1e-9)
     assert base.mean == pytest.approx(1.01 * force.mean, rel=1e-9)  # on the ball too
 
@@ -302,7 +307,7 @@ orders = [3]
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (60, FEW_SPEEDS)
-    (row,) = told.rows(found)
+    (row,) = peaks.rows(found)
     omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
@@ -324,7 +329,7 @@ def test_a_floor_tuned_to_the_order():
         assert old in text
         text = text.replace(old, new)
     found = respond(read(text))
-    (row,) = told.rows(found)
+    (row,) = peaks.rows(found)
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
     assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
@@ -341,6 +346,5 @@ def test_without_damping_there_is_no_verdict(monkeypatch):
 
 @needs_chromium
 @needs_axe
-def test_nothing_hinders_a_reader(known, tmp_path):
-    page.write(known, tmp_path / "out")
-    assert findings(tmp_path / "out" / "report.html", tmp_path) == []
+def test_nothing_hinders_a_reader(written):
+    assert findings(written / "report.html") == []

@@ -120,6 +120,15 @@ def test_cycles_are_the_papers_quantities(document: dict[str, Any]) -> None:
         assert damper["intrinsic_sdc"] == pytest.approx(sdc[-1], rel=1e-9)
 
 
+def test_netcdf_is_the_data_set(finished: Path) -> None:
+    """As xarray itself writes it: same names, dimensions, types, attributes, missing numbers."""
+    import xarray as xr
+
+    read = xr.load_dataset(finished / "results.nc", engine="h5netcdf")
+    assert read.identical(workflows.dataset(workflows.load_results(finished)))
+    assert all(math.isnan(each.encoding["_FillValue"]) for each in read.values() if each.dtype.kind == "f")
+
+
 def test_netcdf_is_labelled_and_agrees(finished: Path, document: dict[str, Any]) -> None:
     import xarray as xr
 

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.browser import driven, findings, needs_axe
-from tests.workflows.conftest import PHONE, Outcome, Scene, changed, needs_chromium, width_on_a_phone, write
+from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
+from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.cli.entry import main
 from workflows.looking import page, screen, target, window
 from workflows.report.publish import load_results
@@ -93,9 +93,7 @@ def test_a_mesh_in_millimetres_is_asked_about(spindamp: View, tmp_path: Path) ->
     assert 'mesh_unit = "mm"?' in spindamp("view", large, "--out", "page.html").out
 
 
-def test_a_folder_shows_what_its_run_kept(
-    finished: Path, document: dict[str, Any], spindamp: View, tmp_path: Path
-) -> None:
+def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, Any], spindamp: View) -> None:
     speed = document["speeds"][2]
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
@@ -294,14 +292,14 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
       if (seen[4 * (y * canvas.width + x) + 3] > 127) { drawn++; left = Math.min(left, x); right = Math.max(right, x); }
     return { drawn, length: right - left + 1 };
     """
-    found = driven(path, script, tmp_path)
+    found = driven(path, script)
     mesh = meshio.read(MESHES / "plate_with_hole.msh")
     triangles = mesh.points[mesh.cells_dict["triangle"]][..., :2]
     (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
     area = 0.5 * np.abs(ax * by - ay * bx).sum()
     scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
     assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
-    assert width_on_a_phone(path, tmp_path) <= PHONE
+    assert width_on_a_phone(path) <= PHONE
 
 
 @needs_chromium
@@ -310,4 +308,4 @@ def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
     for number, sight in enumerate((target.of(str(turning)), target.of(str(MESHES / "plate_with_hole.msh")))):
         path = tmp_path / f"{number}.html"
         page.write(sight, path)
-        assert findings(path, tmp_path) == []
+        assert findings(path) == []

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.workflows.browser import driven
-from tests.workflows.conftest import NO_GL, chromium, needs_chromium
+from tests.workflows.browser import NO_GL, driven, needs_chromium, printed
 from workflows.report import packing, thinning, viewer
 from workflows.report.publish import load_results
 from workflows.solve.plate_records import SMOOTH
@@ -199,7 +198,7 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
 
 
 @needs_chromium
-def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
+def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) -> None:
     script = (
         START
         + COUNT_COLOURS
@@ -220,7 +219,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any], 
              remark: figure.querySelector('.viewer-remark').textContent };
     """
     )
-    found = driven(finished / "report.html", script, tmp_path)
+    found = driven(finished / "report.html", script)
     assert found["live"]
     assert found["moves"]
     assert found["remark"] == ""
@@ -232,7 +231,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any], 
 
 
 @needs_chromium
-def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
+def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, Any]) -> None:
     script = (
         START
         + COUNT_COLOURS
@@ -251,7 +250,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
     return { found, family, then: figure.querySelector('output').textContent.split(' ')[0] };
     """
     )
-    found = driven(finished / "report.html", script, tmp_path)
+    found = driven(finished / "report.html", script)
     rpm = [f"{speed['rpm']:,.0f}".replace(",", "\u2009") for speed in document["speeds"]]
     said = [
         f"{mode['family']} mode at {at} rpm: {mode['frequency_hz']:.2f} Hz"
@@ -264,10 +263,10 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
 
 
 @needs_chromium
-def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path, tmp_path: Path) -> None:
+def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path) -> None:
     script = START + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
-    said, hidden, still, moving = driven(finished / "report.html", script, tmp_path, NO_GL)
+    said, hidden, still, moving = driven(finished / "report.html", script, gl=NO_GL)
     assert "no WebGL2" in said
     assert hidden
     assert still == "block"
@@ -275,8 +274,7 @@ def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: P
 
 
 @needs_chromium
-def test_in_print_the_still_picture_stands(finished: Path, tmp_path: Path) -> None:
-    path = tmp_path / "report.pdf"
-    done = chromium(tmp_path / "profile", f"--print-to-pdf={path}", (finished / "report.html").as_uri())
-    assert path.read_bytes().startswith(b"%PDF"), done.stderr
-    assert b"/Subtype /Image" in path.read_bytes() or b"/Subtype/Image" in path.read_bytes()
+def test_in_print_the_still_picture_stands(finished: Path) -> None:
+    paper = printed(finished / "report.html")
+    assert paper.startswith(b"%PDF")
+    assert b"/Subtype /Image" in paper or b"/Subtype/Image" in paper

@@ -10,7 +10,7 @@ from workflows.scene import thicknesses
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 SLOPE = 1.3765
 """Of a uniform cantilever's first mode at the tip, over w/L."""

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from workflows.effects.definition import AT_REST, GIVEN, Case, Definition
 from workflows.effects.left_out import Called, LeftOut, everywhere
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.accuracy.coriolis import Turned
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 CELLS_PER_MODE = 10
 """Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.coriolis.UNCERTAIN`)."""

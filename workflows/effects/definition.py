@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from workflows.effects.left_out import Called
 
 if TYPE_CHECKING:
+    from fem.meshes.ladder import Planform
     from workflows.scene.damper import Damper
-    from workflows.scene.plate_mesh import Planform
     from workflows.scene.scene import Scene
 
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from workflows.effects.definition import AT_REST, GIVEN, Assumption, Case, Definition, Refusal
 from workflows.effects.left_out import Called, LeftOut, everywhere
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.accuracy.deflection import Bent
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 THINNER, LEAST = 0.88, 0.29
 """What the strain at the root does to the six lowest modes of a flat blade, by Poisson's ratio (times nu (1 + nu), the

@@ -12,7 +12,7 @@ from workflows.scene.scene import Scene
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 
 def called_for(case: Case) -> Called:

@@ -18,5 +18,8 @@ def _defined(name: str) -> Definition:
 EFFECTS = {name: _defined(name) for name in Effects.model_fields}
 """In the order of the scene's keys: those of the plate, then those of the ball."""
 
+NAMES = tuple(EFFECTS)
+"""Of all effects."""
+
 OF_THE_PLATE = tuple(name for name, kind in EFFECTS.items() if kind.of == "plate")
 OF_THE_DAMPER = tuple(name for name, kind in EFFECTS.items() if kind.of == "damper")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from workflows.findings import trust, worth
+from workflows.findings.of_the_floor import as_it_moves, tilt
 from workflows.findings.worth import AIR, ENDURED, Grade
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
@@ -17,9 +18,6 @@ _NEAR = 0.1
 
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
-
-_NOTABLE_TILT = 0.01
-"""Share of the drive from which on the tilt of the floor is worth a sentence."""
 
 _WORDS = {Grade.YES: "yes", Grade.MODESTLY: "modestly", Grade.HARDLY: "hardly", Grade.NO: "not"}
 
@@ -50,7 +48,7 @@ def answer(results: Results) -> Answer:
         _how_much(results, turning),
         _between(results, turning),
         _reach(results, turning),
-        _tilt(results, turning),
+        tilt(results, turning),
         _beside_the_paper(results),
         None if trust.met(results) else trust.sentence(results),
     )
@@ -138,31 +136,6 @@ def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     )
 
 
-def _tilt(results: Results, points: list[SpeedPoint]) -> str | None:
-    """What the tilt of the cavity's floor has to do with it."""
-    shares = [p.tilt_share for p in points]
-    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
-    if printed or max(map(abs, shares)) < _NOTABLE_TILT:
-        return None
-    sizes = sorted(map(abs, shares))
-    percent, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{_as_it_moves(results)}, the cavity's floor tilts"
-    if max(shares) <= 0:
-        return f"{begin} the other way, and the slope adds {percent} to the ball's drive, which these figures count in."
-    if min(shares) > 1:
-        return (
-            f"{begin} so far that it is the slope that drives the ball, with a pull of {percent} of the motion's own."
-        )
-    beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
-    return (
-        f"{begin} and the load pulls the ball back down the slope: these figures count in the {percent} of the ball's"
-        f" drive that this opposes{beyond}."
-    )
-
-
-def _as_it_moves(results: Results) -> str:
-    return "As the plate bends" if results.scene.structure is None else "As the structure moves"
-
-
 def _fed(points: list[SpeedPoint]) -> str | None:
     """Equations that do not conserve energy may drive the vibration instead of damping it."""
     fed = [
@@ -189,11 +162,11 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     figures = low.working
     if figures is None or math.isinf(figures.cutoff):
         return "No: the ball never moves", (
-            f"{_as_it_moves(results)}, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball"
+            f"{as_it_moves(results)}, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball"
             " down the slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
-        return "No: the ball never moves", tuple(part for part in (reach, _tilt(results, points)) if part)
+        return "No: the ball never moves", tuple(part for part in (reach, tilt(results, points)) if part)
     if damper is not None and damper.restitution == 1 and all(p.working and p.working.cutoff == 0 for p in points):
         along = "Along the bending direction it" if damper.friction else "It"
         return "No: the ball takes nothing", (
@@ -204,7 +177,7 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
         f"{_load(low).capitalize()} no damping by the ball was found at any of the amplitudes searched{known}"
         " which does not tell that there is none."
     )
-    return "Not found: whether the ball damps", tuple(part for part in (said, _tilt(results, points)) if part)
+    return "Not found: whether the ball damps", tuple(part for part in (said, tilt(results, points)) if part)
 
 
 def _beside_the_paper(results: Results) -> str | None:

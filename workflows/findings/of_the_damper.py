@@ -13,7 +13,7 @@ from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
 from workflows.scene import thicknesses
 from workflows.scene.cavity import beside
-from workflows.scene.checks import OSMIUM
+from workflows.scene.materials import OSMIUM
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve.records import Results
 from workflows.wording import significant, whole

@@ -8,6 +8,9 @@ from workflows.solve import felt
 from workflows.solve.records import Damping, Reduced, Results, SpeedPoint
 from workflows.wording import significant, span, whole
 
+_NOTABLE_TILT = 0.01
+"""Share of the drive from which on the tilt of the floor is worth a sentence."""
+
 
 def rung_down(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
     """The speeds at which the damper was simulated."""
@@ -160,3 +163,29 @@ def level_structure(results: Results) -> str | None:
         " the amplitude from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor"
         " without limit."
     )
+
+
+def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
+    """What the tilt of the cavity's floor has to do with the answer."""
+    shares = [p.tilt_share for p in points]
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    if printed or max(map(abs, shares)) < _NOTABLE_TILT:
+        return None
+    sizes = sorted(map(abs, shares))
+    percent, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{as_it_moves(results)}, the cavity's floor tilts"
+    if max(shares) <= 0:
+        return f"{begin} the other way, and the slope adds {percent} to the ball's drive, which these figures count in."
+    if min(shares) > 1:
+        return (
+            f"{begin} so far that it is the slope that drives the ball, with a pull of {percent} of the motion's own."
+        )
+    beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
+    return (
+        f"{begin} and the load pulls the ball back down the slope: these figures count in the {percent} of the ball's"
+        f" drive that this opposes{beyond}."
+    )
+
+
+def as_it_moves(results: Results) -> str:
+    """How a sentence on the tilt begins."""
+    return "As the plate bends" if results.scene.structure is None else "As the structure moves"

@@ -8,8 +8,8 @@ from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.looking.sight import Sight, of_plate
 from workflows.scene import file as scene_file
-from workflows.scene.fields import FASTEST
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
+from workflows.scene.speeds import FASTEST
 from workflows.solve import needs
 from workflows.stages import Stages
 from workflows.wording import whole

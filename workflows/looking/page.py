@@ -10,15 +10,13 @@ from workflows import wording
 from workflows.looking.sight import Sight
 from workflows.report import drawing, mesh_figure, templating, viewer
 
-_POINTS, _ROOM = 12_000, 600_000
-"""Points of a surface drawn on a page of its own, and bytes for its shapes."""
+_ROOM = viewer.Room(12_000, 600_000)
+"""What a page of its own has room for."""
 
 
 def view(sight: Sight, first: int = 0, mode: int = 0) -> viewer.View:
     """The viewer's data, that shows a mode (from 0) at a speed of the run first."""
-    return viewer.of_surface(
-        sight.surface, sight.speeds, sight.mark, sight.thickness, first, mode, most=_POINTS, room=_ROOM
-    )
+    return viewer.of_surface(sight.surface, sight.speeds, sight.mark, sight.thickness, (first, mode), _ROOM)
 
 
 def page(sight: Sight, first: int = 0, mode: int = 0) -> str:

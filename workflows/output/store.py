@@ -48,41 +48,56 @@ def check(folder: Path, names: str = "") -> Path:
         BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
     """
     try:
-        target = Path(os.path.realpath(folder))
-        if any(len(os.fsencode(part)) > _NAME_MAX for part in target.parts):
-            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
-        if folders.WINDOWS and any(map(_no_name, target.parts[1:])):
-            raise ValueError(f"no name may hold any of {_NO_LETTERS} or end in a dot or blank")
+        target = _resolved(folder)
         exists = target.exists() or target.is_symlink()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise BadInput(f"cannot be a folder: {reason}", key="--out", value=str(folder)) from error
     if exists and not target.is_dir():
-        raise BadInput("is a file: expected a folder", key="--out", value=str(folder))
+        problem: str | None = "is a file: expected a folder"
+    else:
+        problem = _not_to_be_replaced(target) or (_held(target, names) if exists else None)
+    if problem is not None:
+        raise BadInput(problem, key="--out", value=str(folder))
+    return target
+
+
+def _resolved(folder: Path) -> Path:
+    """The folder without links.
+
+    Raises:
+        OSError, ValueError: it has a name that no folder has.
+    """
+    target = Path(os.path.realpath(folder))
+    if any(len(os.fsencode(part)) > _NAME_MAX for part in target.parts):
+        raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
+    if folders.WINDOWS and any(map(_no_name, target.parts[1:])):
+        raise ValueError(f"no name may hold any of {_NO_LETTERS} or end in a dot or blank")
+    return target
+
+
+def _not_to_be_replaced(target: Path) -> str | None:
+    """What is against putting another folder in this one's place, be it there or not."""
     here = Path.cwd().resolve()
     if target == here or target in here.parents:
-        raise BadInput(
-            "expected a folder of its own, below the current one or elsewhere", key="--out", value=str(folder)
-        )
+        return "expected a folder of its own, below the current one or elsewhere"
     if os.path.ismount(target):
-        raise BadInput("is a disk of its own: expected a folder on it", key="--out", value=str(folder))
+        return "is a disk of its own: expected a folder on it"
     parent = next((p for p in target.parents if p.exists()), target.anchor)
     if not os.path.isdir(parent) or not os.access(parent, os.W_OK | os.X_OK):
-        raise BadInput(f"{parent} cannot be written", key="--out", value=str(folder))
-    if target.is_dir():
-        foreign = _foreign(target)
-        taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
-        if taken:
-            raise BadInput(
-                f"holds a {taken[0]} that no run of ours wrote: expected another folder", key="--out", value=str(folder)
-            )
-        if len(foreign) > _CARRIED_AT_MOST:
-            raise BadInput(
-                "holds too many files that are not results: expected a new folder or one with results",
-                key="--out",
-                value=str(folder),
-            )
-    return target
+        return f"{parent} cannot be written"
+    return None
+
+
+def _held(target: Path, names: str) -> str | None:
+    """What a folder holds that is against it."""
+    foreign = _foreign(target)
+    taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
+    if taken:
+        return f"holds a {taken[0]} that no run of ours wrote: expected another folder"
+    if len(foreign) > _CARRIED_AT_MOST:
+        return "holds too many files that are not results: expected a new folder or one with results"
+    return None
 
 
 @contextmanager

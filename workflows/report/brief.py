@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,11 @@ class Shown(Results):
         from workflows.report.plots import Plots
 
         return Plots(self)
+
+
+def shown(results: Results) -> Shown:
+    """The same results, which show themselves."""
+    return Shown(**{each.name: getattr(results, each.name) for each in fields(Results)})
 
 
 def text(results: Results) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.solve.records import Energy, Results
 from workflows.wording import amount
@@ -23,7 +23,7 @@ PARTS = (
 )
 """Parts of the books and what they are called."""
 
-_COLOURS = (drawing.CATEGORIES[5], drawing.CATEGORIES[2], drawing.CATEGORIES[1], drawing.CATEGORIES[3], drawing.RULE)
+_COLOURS = (palette.CATEGORIES[5], palette.CATEGORIES[2], palette.CATEGORIES[1], palette.CATEGORIES[3], palette.RULE)
 
 _BARS_AT_MOST = 40
 """Speeds that a picture has bars for."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.report.thinning import Indices
 from workflows.results import curves
@@ -16,7 +16,7 @@ from workflows.wording import amount
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS = (drawing.CATEGORIES[0], drawing.CATEGORIES[2])
+COLOURS = (palette.CATEGORIES[0], palette.CATEGORIES[2])
 """Along the axes 1 and 2."""
 
 LINED = 2.0
@@ -61,7 +61,7 @@ def cavity_path(results: Results, sheet: Sheet) -> str:
         for side in (-half, half):
             ball.axhline(side, color=COLOURS[i], lw=0.7, ls=(0, (4, 3)))
     at, axis = _hits(path)
-    ball.plot(1e3 * path.t[at], 1e3 * path.ball[at, axis], "o", ms=2.4, color=drawing.CATEGORIES[1], zorder=3)
+    ball.plot(1e3 * path.t[at], 1e3 * path.ball[at, axis], "o", ms=2.4, color=palette.CATEGORIES[1], zorder=3)
     _over_time(structure, path, path.structure)
     ball.set(title="Ball from the middle of its cavity, mm")
     structure.set(title="Structure at the cavity, mm", xlabel="time, ms")
@@ -95,13 +95,13 @@ def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius:
     from matplotlib.patches import Circle, Rectangle
 
     a, b = (1e3 * side for side in cavity)
-    axes.add_patch(Rectangle((-a / 2, -b / 2), a, b, fill=False, ec=drawing.INK, lw=1.3))
+    axes.add_patch(Rectangle((-a / 2, -b / 2), a, b, fill=False, ec=palette.INK, lw=1.3))
     begun = Circle((1e3 * path.ball[0, 0], 1e3 * path.ball[0, 1]), 1e3 * radius)
-    begun.set(fill=False, ec=drawing.MUTED, lw=0.8, ls=(0, (1.5, 2)))
+    begun.set(fill=False, ec=palette.MUTED, lw=0.8, ls=(0, (1.5, 2)))
     axes.add_patch(begun)
     way = path.ball[path.t <= path.t[0] + line]
     axes.plot(*(1e3 * way[_apart(way, _FINE * max(cavity))].T), color=COLOURS[0], lw=0.7)
-    axes.plot(*(1e3 * contacts(path, radius).T), "o", ms=2.4, color=drawing.CATEGORIES[1])
+    axes.plot(*(1e3 * contacts(path, radius).T), "o", ms=2.4, color=palette.CATEGORIES[1])
     axes.set(xlim=(-0.53 * a, 0.53 * a), ylim=(-0.53 * b, 0.53 * b), aspect="equal")
     axes.set(title="Cavity from above, mm", xlabel="axis 1, bending", ylabel="axis 2, across")
     axes.grid(visible=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from workflows.findings import worth
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.results import curves
 from workflows.solve.records import Results
 
@@ -35,7 +35,7 @@ def drawn(results: Results, sheet: Sheet) -> Figure | None:
     if not lines:
         return None
     figure, (axes,) = drawing.canvas(sheet, 3.1)
-    for line, figures, colour in zip(lines, felt, drawing.shades(len(lines)), strict=True):
+    for line, figures, colour in zip(lines, felt, palette.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
@@ -55,7 +55,7 @@ def drawn(results: Results, sheet: Sheet) -> Figure | None:
 def _beside(axes: Axes, limit: float | None) -> None:
     """What the air does, and the amplitude [m] up to which the plate endures."""
     low, high = (100 * ratio for ratio in worth.AIR)
-    axes.axhspan(low, high, color=drawing.RULE, lw=0)
+    axes.axhspan(low, high, color=palette.RULE, lw=0)
     axes.annotate(
         "air alone, turbine blades",
         (0.99, low),
@@ -64,7 +64,7 @@ def _beside(axes: Axes, limit: float | None) -> None:
         textcoords="offset points",
         ha="right",
         va="top",
-        color=drawing.MUTED,
+        color=palette.MUTED,
     )
     if limit is not None and 1e3 * limit < axes.get_xlim()[1]:
-        axes.axvline(1e3 * limit, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * limit, color=palette.INK, lw=0.8, ls=(0, (4, 3)))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.report.envelope import envelope, oscillations
 from workflows.results import curves
@@ -53,7 +53,7 @@ def campbell_drawn(results: Results, sheet: Sheet) -> Figure | None:
         axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
     meetings = crossings(results)
     met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
-    axes.plot(*met, "o", ms=2.4, color=drawing.INK, zorder=3)
+    axes.plot(*met, "o", ms=2.4, color=palette.INK, zorder=3)
     _table_two(axes, results)
     return figure
 
@@ -70,9 +70,9 @@ def velocity_drawn(results: Results, sheet: Sheet) -> Figure | None:
     if point is None or point.damping is None:
         return None
     figure, (axes,) = drawing.canvas(sheet, 2.5)
-    axes.axhline(0, color=drawing.MUTED, lw=0.5)
+    axes.axhline(0, color=palette.MUTED, lw=0.5)
     tracks = curves.velocity(point)
-    for track, colour in zip(tracks, drawing.CATEGORIES, strict=False):
+    for track, colour in zip(tracks, palette.CATEGORIES, strict=False):
         _oscillation(axes, track, colour, sheet)
     end = max(1e3 * float(track.x[-1]) for track in tracks)
     stop = point.damping.stopped
@@ -94,7 +94,7 @@ def capacity(results: Results, sheet: Sheet) -> str:
     figure, drawn = drawing.canvas(sheet, 3.1, panels)
     whole, part = drawn[0], drawn[-1]
     edges = _pieces(lines)
-    for line, damping, colour in zip(lines, dampings, drawing.shades(len(lines)), strict=True):
+    for line, damping, colour in zip(lines, dampings, palette.shades(len(lines)), strict=True):
         if panels == 2:
             _cycles(whole, line, 100 * line.y, edges, colour)
         _cycles(part, line, 100 * (line.y - damping.intrinsic_sdc), edges, colour)
@@ -127,8 +127,8 @@ def _families(tracks: list[Curve]) -> list[int]:
 
 def _branch(axes: Axes, track: Curve, kind: int) -> str:
     """One frequency over speed; its colour."""
-    colour = drawing.CATEGORIES[kind % len(drawing.CATEGORIES)]
-    marker = drawing.MARKERS[kind % len(drawing.MARKERS)] if len(track.x) <= 12 else ""
+    colour = palette.CATEGORIES[kind % len(palette.CATEGORIES)]
+    marker = palette.MARKERS[kind % len(palette.MARKERS)] if len(track.x) <= 12 else ""
     axes.plot(track.x, track.y, color=colour, marker=marker, clip_on=False)
     return colour
 
@@ -137,7 +137,7 @@ def _table_two(axes: Axes, results: Results) -> None:
     """The frequencies that the paper has at these speeds, if it has them."""
     known = [(point.rpm, row) for point in results.speeds if (row := paper.row(results.scene, point.load_g))]
     if known:
-        ring: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mfc": "none", "mec": drawing.INK, "mew": 0.8}
+        ring: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mfc": "none", "mec": palette.INK, "mew": 0.8}
         theirs = [row.frequency for _, row in known]
         axes.plot([rpm for rpm, _ in known], theirs, label="Table II", clip_on=False, zorder=4, **ring)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
@@ -158,7 +158,7 @@ def _oscillation(axes: Axes, track: Curve, colour: str, sheet: Sheet) -> None:
 
 def _stop(axes: Axes, stop: float, end: float) -> None:
     late = stop > 0.6 * end
-    axes.axvline(stop, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
+    axes.axvline(stop, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
     axes.annotate(
         "the ball comes to rest",
         (stop, 1.0),
@@ -197,7 +197,7 @@ def _title(whole: Axes, part: Axes, lines: list[Curve], results: Results) -> Non
     top = 100 * max(float(line.y.max()) for line in lines)
     if part is not whole and any(paper.row(results.scene, point.load_g) for point in results.speeds):
         low, high = (100 * value for value in paper.SDC_RANGE)
-        whole.axhspan(low, high, color=drawing.RULE, lw=0)
+        whole.axhspan(low, high, color=palette.RULE, lw=0)
         middle = (0.97, (low + high) / 2)
         whole.annotate("the paper’s range", middle, xycoords=("axes fraction", "data"), ha="right", va="center")
         top = max(top, high)
@@ -213,7 +213,7 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
         end = order * fastest / 60
         if end < 0.04 * highest:
             continue
-        axes.plot([0, fastest], [0, end], color=drawing.MUTED, lw=0.5, ls=(0, (1, 2)))
+        axes.plot([0, fastest], [0, end], color=palette.MUTED, lw=0.5, ls=(0, (1, 2)))
         if end <= 0.97 * highest:
             aside.append((order, end))
         else:
@@ -223,7 +223,7 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
 
 
 def _order(axes: Axes, order: int, x: float, y: float) -> None:
-    small: dict[str, Any] = {"fontsize": 6.5, "color": drawing.MUTED, "va": "center", "annotation_clip": False}
+    small: dict[str, Any] = {"fontsize": 6.5, "color": palette.MUTED, "va": "center", "annotation_clip": False}
     axes.annotate(f"{order}×", (x, y), (6, 0), textcoords="offset points", **small)
 
 

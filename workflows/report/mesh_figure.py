@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
@@ -54,13 +54,13 @@ def drawn(surface: Surface, mark: tuple[float, float] | None, root: str, sheet: 
     height = float(np.clip(inside * width / length, _LEAST, _MOST))
     figure, (axes,) = drawing.canvas(sheet, height + _BESIDE)
     if cells_are_drawn(surface, sheet):
-        _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), drawing.MUTED, 0.35)
-    _draw(axes, points, surface.outline, drawing.INK, 0.9)
-    _draw(axes, points, surface.root, drawing.CATEGORIES[0], 3.0)
-    axes.plot([], [], color=drawing.CATEGORIES[0], lw=3.0, label=root)
+        _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), palette.MUTED, 0.35)
+    _draw(axes, points, surface.outline, palette.INK, 0.9)
+    _draw(axes, points, surface.root, palette.CATEGORIES[0], 3.0)
+    axes.plot([], [], color=palette.CATEGORIES[0], lw=3.0, label=root)
     if mark is not None:
         x, y = (metres * value for value in mark)
-        axes.plot(x, y, "o", ms=7, mfc="none", mec=drawing.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
+        axes.plot(x, y, "o", ms=7, mfc="none", mec=palette.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)

@@ -19,6 +19,7 @@ from workflows.report import (
     figures,
     hover,
     mesh_figure,
+    palette,
     player,
     templating,
     viewer,
@@ -62,66 +63,88 @@ def draw(results: Results) -> Drawings:
             working=drawing.both(partial(figure_working.working, results)),
             books=drawing.both(partial(figure_books.books, results)),
             path=drawing.both(partial(figure_path.cavity_path, results)),
-            css=drawing.shades_css(len(results.speeds)),
+            css=palette.shades_css(len(results.speeds)),
             view=viewer.view(results),
         )
 
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    from markupsafe import Markup
-
     words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly)
-    shape = drawings.shape
     return templating.page(
         "report.html.j2",
         {word.__name__: word for word in words},
         drawings.css,
-        results=results,
-        scene=results.scene,
-        answer=answer.answer(results),
-        rows=[_row(results, point) for point in results.speeds],
-        errors=trust.worst(results),
-        error_parts=trust.PARTS,
-        mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
-        driven=_driven(results),
-        tilts=any(p.tilted for p in results.speeds),
-        has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
-        campbell=Markup(drawings.campbell),
-        mesh=Markup(drawings.mesh),
-        thick=_thick(results),
-        cells_drawn=results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
-        fast=any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
-        bands=any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
-        velocity=Markup(drawings.velocity),
-        capacity=Markup(drawings.capacity),
-        working=Markup(drawings.working),
-        books=Markup(drawings.books),
-        path=Markup(drawings.path),
-        playing=player.data(results) if drawings.path else "",
-        playing_script=templating.script("player.js"),
-        stretch=_stretch(results),
-        points={
+        **_said(results),
+        **_tabulated(results),
+        **_pictured(results, drawings),
+        **_of_the_mode(results, drawings),
+    )
+
+
+def _said(results: Results) -> dict[str, Any]:
+    """What there is in words: the answer, what was taken for granted, where it all comes from."""
+    return {
+        "results": results,
+        "scene": results.scene,
+        "answer": answer.answer(results),
+        "thick": _thick(results),
+        "held": mesh_figure.held(results.scene),
+        "assumptions": assumptions(results),
+        "versions": versions(),
+        "hashes": hashes(results),
+        "settings": _settings(resolved.scene(results.scene, results.effects, results.theory)),
+    }
+
+
+def _tabulated(results: Results) -> dict[str, Any]:
+    """What tables show, and the yardsticks beside it."""
+    return {
+        "rows": [_row(results, point) for point in results.speeds],
+        "errors": trust.worst(results),
+        "error_parts": trust.PARTS,
+        "mode_columns": min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        "driven": _driven(results),
+        "tilts": any(p.tilted for p in results.speeds),
+        "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
+        "air": worth.AIR,
+        "endured": worth.endured(results),
+        "strain": worth.ENDURED,
+    }
+
+
+def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
+    """The figures, the values under the pointer, and the player of the ball's path."""
+    from markupsafe import Markup
+
+    names = ("campbell", "mesh", "velocity", "capacity", "working", "books", "path")
+    return {name: Markup(getattr(drawings, name)) for name in names} | {
+        "points": {
             "campbell": hover.campbell(results) if drawings.campbell else "",
             "working": hover.working(results) if drawings.working else "",
             "books": hover.books(results) if drawings.books else "",
         },
-        hovering=templating.script("hover.js"),
-        air=worth.AIR,
-        endured=worth.endured(results),
-        strain=worth.ENDURED,
-        shown=next((p for p in results.speeds if p.damping and p.damping.history), None),
-        shape=None if shape is None else base64.b64encode(shape.png).decode(),
-        shape_remark="" if shape is None else shape.remark,
-        shape_point=_shape_point(results),
-        view=drawings.view,
-        script=templating.script("viewer.js"),
-        held=mesh_figure.held(results.scene),
-        assumptions=assumptions(results),
-        versions=versions(),
-        hashes=hashes(results),
-        settings=_settings(resolved.scene(results.scene, results.effects, results.theory)),
-    )
+        "hovering": templating.script("hover.js"),
+        "cells_drawn": results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
+        "fast": any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
+        "bands": any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
+        "shown": next((p for p in results.speeds if p.damping and p.damping.history), None),
+        "playing": player.data(results) if drawings.path else "",
+        "playing_script": templating.script("player.js"),
+        "stretch": _stretch(results),
+    }
+
+
+def _of_the_mode(results: Results, drawings: Drawings) -> dict[str, Any]:
+    """The first mode's picture, and the viewer in which every mode is turned."""
+    shape = drawings.shape
+    return {
+        "shape": None if shape is None else base64.b64encode(shape.png).decode(),
+        "shape_remark": "" if shape is None else shape.remark,
+        "shape_point": _shape_point(results),
+        "view": drawings.view,
+        "script": templating.script("viewer.js"),
+    }
 
 
 def _thick(results: Results) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.report import drawing, figure_working, figures, mesh_figure
+from workflows.report import drawing, figure_working, figures, mesh_figure, palette
 from workflows.scene import plate_mesh
 from workflows.solve.records import Floats, Results, shown
 from workflows.wording import amount
@@ -83,7 +83,7 @@ class Plots:
         plate = pv.PolyData(moved, np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel())
         plate["swing, of the largest"] = swing
         plotter.add_mesh(plate, cmap="plasma", show_edges=True, clim=(0.0, 1.0))
-        for edges, colour, width in ((surface.outline, "grey", 2), (surface.root, drawing.CATEGORIES[0], 6)):
+        for edges, colour, width in ((surface.outline, "grey", 2), (surface.root, palette.CATEGORIES[0], 6)):
             lines = np.column_stack([np.full(len(edges), 2), edges]).ravel()
             plotter.add_mesh(pv.PolyData(points, lines=lines), color=colour, line_width=width)
         said = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
@@ -106,7 +106,7 @@ class Plots:
         if figure is None:
             raise _without(needed)
         ticks.label(figure)
-        return drawing.coloured(figure, len(self.results.speeds)).axes[0]
+        return palette.coloured(figure, len(self.results.speeds)).axes[0]
 
 
 def _without(needed: str) -> BadInput:

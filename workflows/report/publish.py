@@ -6,13 +6,13 @@ import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 from workflows.errors import BadInput
 from workflows.output import store
 from workflows.report import page as report
-from workflows.report.brief import Shown
+from workflows.report.brief import shown
 from workflows.report.mode_shape import Artist
 from workflows.results import curves, kept
 from workflows.results import document as results_json
@@ -76,8 +76,7 @@ def load_results(folder: str | os.PathLike[str]) -> Results:
         BadInput: there is no run of ours.
         TypeError: not the name of a folder.
     """
-    found = kept.read(folder)
-    return Shown(**{field.name: getattr(found, field.name) for field in fields(found)})
+    return shown(kept.read(folder))
 
 
 @contextmanager

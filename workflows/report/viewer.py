@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,19 @@ from workflows.solve.records import Floats, Results, SpeedPoint, Surface, shown
 POINTS = 1200
 """Points of a surface in a page that has more to show."""
 
-_BYTES = 60_000
-"""What the vectors of the shapes may take there, before they are written as text."""
-
 _LEAST = 300
 """Points down to which a surface is thinned to make room for its shapes."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """What a page has room for: points of a surface, and bytes of its shapes' vectors before they are text."""
+
+    points: int = POINTS
+    bytes: int = 60_000
+
+
+IN_A_REPORT = Room()
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,7 @@ def view(results: Results) -> View | None:
         mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
     plate = results.scene.plate
     thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
-    return of_surface(results.surface, results.speeds, mark, thickness, shown(results.speeds))
+    return of_surface(results.surface, results.speeds, mark, thickness, (shown(results.speeds), 0))
 
 
 def of_surface(
@@ -61,10 +69,8 @@ def of_surface(
     speeds: tuple[SpeedPoint, ...] = (),
     mark: tuple[float, float] | None = None,
     thickness: float | None = None,
-    first: int = 0,
-    mode: int = 0,
-    most: int = POINTS,
-    room: int = _BYTES,
+    first: tuple[int, int] = (0, 0),
+    room: Room = IN_A_REPORT,
 ) -> View:
     """The viewer of a surface.
 
@@ -73,23 +79,21 @@ def of_surface(
         speeds: those of the run, which `surface.at` counts.
         mark: where the damper is (x, y) [m], if there is one.
         thickness: of the whole plate [m]; None where `surface` has it or it is not known.
-        first: which of the speeds is shown first, or the one kept next to it.
-        mode: which of its modes, from 0.
-        most: points to be drawn.
-        room: bytes that the vectors of the shapes may take.
+        first: which of the speeds is shown first, or the one kept next to it, and which of its modes, both from 0.
+        room: what the page has room for.
     """
     surface = surface.finer or surface
-    drawn = thinning.shown(surface, most)
+    drawn = thinning.shown(surface, room.points)
     shapes, behind = _shapes(surface, drawn.kept)
     found = packing.packed(np.concatenate([shapes, behind])) if len(shapes) else None
-    fit = most if found is None else max(_LEAST, room // (2 * max(found.rank, 1)))
-    if fit < len(drawn.kept) and fit < most:
-        return of_surface(surface, speeds, mark, thickness, first, mode, fit, room)
+    fit = room.points if found is None else max(_LEAST, room.bytes // (2 * max(found.rank, 1)))
+    if fit < len(drawn.kept) and fit < room.points:
+        return of_surface(surface, speeds, mark, thickness, first, replace(room, points=fit))
     data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
     data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
     if found is not None:
         data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
-        data["first"] = [int(np.argmin(np.abs(np.asarray(surface.at) - first))), mode]
+        data["first"] = [int(np.argmin(np.abs(np.asarray(surface.at) - first[0]))), first[1]]
         data["shapes"] = packing.vectors(found)
     return View(_for_a_page(data), len(surface.points), len(drawn.kept), found is not None)
 

@@ -16,13 +16,13 @@ from zipfile import BadZipFile
 import numpy as np
 import numpy.typing as npt
 
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects.effect import Effect
 from workflows.effects.left_out import LeftOut
 from workflows.errors import BadInput
 from workflows.scene.file import parse
 from workflows.scene.scene import Scene
 from workflows.solve import records
+from workflows.solve.structure_records import Theory
 
 NAME = "run.npz"
 VERSION = 2

@@ -5,18 +5,18 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects.effect import Effect
 from workflows.errors import one_line
 from workflows.scene import thicknesses
 from workflows.scene.cavity import PICTURE
-from workflows.scene.file import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
+from workflows.solve.structure_records import Theory
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 
 def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:

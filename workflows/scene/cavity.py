@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from workflows.scene.faults import ROUNDING
+
 if TYPE_CHECKING:
     from workflows.scene.damper import Damper
-
-_ROUNDING = 1e-9
-"""Relative slack of comparisons between lengths, which come from decimal text."""
 
 _FOIL = 1e-5 * 1000.0
 """Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
@@ -34,7 +33,7 @@ PICTURE = """\
 
 def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] | None:
     """Side 1 leaves a wall on either side of it."""
-    if damper.housing or damper.cavity[0] < thickness * (1 - _ROUNDING):
+    if damper.housing or damper.cavity[0] < thickness * (1 - ROUNDING):
         return None
     return "cavity", (
         f"side 1 lies along the bending direction, through the plate's thickness: expected less than {_mm(thickness)},"
@@ -47,9 +46,9 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
 
     The width counts as far as it lies on both sides of the place alike.
     """
-    if 2 * damper.radius >= reach * (1 - _ROUNDING):
+    if 2 * damper.radius >= reach * (1 - ROUNDING):
         return "radius", f"the ball does not fit between the root and its place: expected less than {_mm(reach / 2)}"
-    if damper.housing or damper.cavity[1] < room * (1 - _ROUNDING):
+    if damper.housing or damper.cavity[1] < room * (1 - ROUNDING):
         return None
     return "cavity", (
         f"side 2 lies across the plate: expected less than {_mm(room)}, the room at its place, another place (at),"
@@ -59,13 +58,13 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
 
 def beside(damper: Damper, thickness: float, width: float) -> int:
     """How many cavities, wall to wall, lie side by side in a section of the plate; at least one."""
-    layers, across = int(thickness / damper.cavity[0] + _ROUNDING), int(width / damper.cavity[1] + _ROUNDING)
+    layers, across = int(thickness / damper.cavity[0] + ROUNDING), int(width / damper.cavity[1] + ROUNDING)
     return max(layers, 1) * max(across, 1)
 
 
 def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -> tuple[str, str] | None:
     """The cavities of all balls lie between the root and the damper's place, in as many rows as it takes."""
-    most = beside(damper, thickness, width) * int(reach / (2 * damper.radius) + _ROUNDING)
+    most = beside(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
     if damper.housing or damper.count <= most:
         return None
     return "count", (

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from workflows.scene import checks as scene_checks
 from workflows.scene import materials
+from workflows.scene.faults import ROUNDING, fault
 from workflows.scene.fields import (
     Cycles,
     Density,
@@ -24,6 +24,9 @@ from workflows.scene.fields import (
 )
 from workflows.scene.table import Table
 
+HEAVIEST = 10.0
+"""Mass of all balls over the structure's up to which they damp it, and are not what is damped."""
+
 
 class Damper(Table):
     """Equal balls, each in a cavity of its own, moving in step.
@@ -37,7 +40,7 @@ class Damper(Table):
         description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
         " default: the middle of the tip",
     )
-    mass_ratio: Annotated[Number, Positive, Field(le=scene_checks.HEAVIEST)] | None = Field(
+    mass_ratio: Annotated[Number, Positive, Field(le=HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
     )
     mass: Annotated[Mass, Positive] | None = Field(None, description="mass of all balls together")
@@ -80,12 +83,48 @@ class Damper(Table):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return scene_checks.filled(data, "ball_material", materials.BALLS, ("ball_density",))
+        return materials.filled(data, "ball_material", materials.BALLS, ("ball_density",))
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
-        scene_checks.damper(self)
+        """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
+        given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise fault(
+                given[0] if given else "mass_ratio",
+                f"expected one of mass_ratio, mass, ball_density and ball_material{': leave one out' * bool(given)}",
+            )
+        if self.ball_density is not None:
+            materials.dense_enough("ball_density", self.ball_density)
+            if self.ball_density > materials.OSMIUM * (1 + ROUNDING):
+                raise fault(
+                    "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium: nothing is denser"
+                )
+        for side in self.cavity:
+            if side < 2 * self.radius * (1 - ROUNDING):
+                raise fault(
+                    "cavity",
+                    f"a ball of radius {self.radius:g} m does not fit: expected sides of at least"
+                    f" {2 * self.radius:g} m",
+                )
+        if self.floor_radius is not None:
+            self._hollow(self.floor_radius)
+        if self.rolling_friction > self.radius * (1 + ROUNDING):
+            raise fault(
+                "rolling_friction",
+                f"expected a length of at most the ball's radius, {self.radius:g} m: over it, this is the coefficient",
+            )
         return self
+
+    def _hollow(self, floor: tuple[float, float]) -> None:
+        """A hollow floor in which the ball finds room, and whose equations are not the paper's."""
+        if self.formulation == "printed":
+            raise fault("floor_radius", "the printed equations know a flat floor only: leave this out")
+        for radius, side in zip(floor, self.cavity, strict=True):
+            least = max(self.radius, side / 2)
+            if radius <= least * (1 + ROUNDING):
+                why = "half the cavity's side" if side / 2 > self.radius else "the ball's radius"
+                raise fault("floor_radius", f"expected more than {why}, {least:g} m")
 
     @property
     def balls(self) -> float | None:
@@ -109,5 +148,11 @@ class Release(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        scene_checks.release(self)
+        """One way of giving the release, and one that sets something in motion."""
+        given = [key for key in ("displacement", "acceleration", "ratio") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise fault(given[-1] if given else "displacement", "expected one of displacement, acceleration and ratio")
+        pair = self.displacement if self.displacement is not None else self.acceleration
+        if pair is not None and not any(pair):
+            raise fault(given[0], "expected a release that is not zero on both axes")
         return self

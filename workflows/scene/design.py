@@ -7,8 +7,8 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from workflows.errors import did_you_mean
-from workflows.scene import checks as scene_checks
 from workflows.scene import materials
+from workflows.scene.faults import fault
 from workflows.scene.fields import (
     Length,
     LengthPair,
@@ -16,8 +16,8 @@ from workflows.scene.fields import (
     Mass,
     NotNegative,
     Positive,
-    length,
     quantity_schema,
+    si,
     wrong,
 )
 from workflows.scene.table import Table
@@ -38,7 +38,7 @@ def _floor(value: object, info: ValidationInfo) -> float | str:
         return FLAT
     if isinstance(value, str) and (hint := did_you_mean(value, [FLAT])):
         raise wrong(f"expected '{FLAT}' or a length such as '8 mm'{hint}")
-    return length(value, info)
+    return si(value, LENGTH, info)
 
 
 def _materials(value: object) -> tuple[str, ...]:
@@ -99,12 +99,12 @@ class Design(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         if self.amplitude is not None and not 0 < self.amplitude[0] < self.amplitude[1]:
-            raise scene_checks.fault("amplitude", "expected a range of amplitudes above 0, ascending")
+            raise fault("amplitude", "expected a range of amplitudes above 0, ascending")
         free = ("ball_material", "ball_diameter", "clearance", "floor_radius", "count", "place")
         if not any(getattr(self, name) is not None for name in free):
-            raise scene_checks.fault("ball_diameter", f"nothing is free: expected one of {', '.join(free)}")
+            raise fault("ball_diameter", f"nothing is free: expected one of {', '.join(free)}")
         for name in ("ball_diameter", "clearance", "place"):
             given = getattr(self, name)
             if given is not None and (min(given) <= 0 or (len(given) == 2 and not given[0] < given[1])):
-                raise scene_checks.fault(name, "expected lengths above 0, of a range ascending")
+                raise fault(name, "expected lengths above 0, of a range ascending")
         return self

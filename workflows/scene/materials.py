@@ -5,7 +5,17 @@ Elastic constants and densities are those at room temperature. A ball needs a de
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+from workflows.scene.faults import ROUNDING, fault
+
+LIGHTEST = 10.0
+"""Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""
+
+OSMIUM = 22_600.0
+"""Density [kg/m^3] of the densest element."""
 
 
 @dataclass(frozen=True)
@@ -38,3 +48,22 @@ KNOWN = {
 
 PLATES = tuple(name for name, substance in KNOWN.items() if substance.youngs_modulus is not None)
 BALLS = tuple(KNOWN)
+
+
+def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...]) -> Any:
+    """A table with the numbers of the material that its key `name` holds; as it is where there is none (of `names`)."""
+    if not isinstance(data, Mapping) or data.get(name) is None:
+        return data
+    for number in numbers:
+        if number in data:
+            raise fault(number, f"{name} gives it: leave one out")
+    if not isinstance(data[name], str) or data[name] not in names:
+        return data
+    return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}
+
+
+def dense_enough(key: str, value: float) -> None:
+    """A density [kg/m^3] that something solid has."""
+    if value < LIGHTEST * (1 - ROUNDING):
+        meant = f": was '{value:g} g/cm^3' meant?" if value >= 0.1 else ""
+        raise fault(key, f"expected at least {LIGHTEST:g} kg/m^3, the lightest foam{meant}")

@@ -7,15 +7,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
-from workflows.scene import checks as scene_checks
 from workflows.scene import materials, units
+from workflows.scene.faults import ROUNDING, fault
 from workflows.scene.fields import (
-    Coefficients,
     Density,
     Length,
     LengthPair,
-    LengthRows,
-    Lengths,
     LengthUnit,
     Line,
     LineStiffness,
@@ -27,30 +24,12 @@ from workflows.scene.fields import (
     RotationalStiffness,
     name_of,
 )
+from workflows.scene.proportions import disproportion, in_millimetres
 from workflows.scene.table import Table
+from workflows.scene.thickness_table import Thickness, extremes
 
-
-class Thickness(Table):
-    """A thickness that varies over the planform, symmetric about the flat mid-surface.
-
-    A table over x and y, bilinear between its places; a polynomial in x and y; or a field of the mesh file. x and y are
-    the plate's (the mesh file's, where there is one).
-    """
-
-    x: Lengths | None = Field(None, description="of a table: places along x, ascending")
-    y: Lengths | None = Field(None, description="of a table: places across, ascending; left out: the same all across")
-    values: LengthRows | None = Field(None, description="of a table: for each x a list of the thicknesses at each y")
-    polynomial: Coefficients | None = Field(
-        None, description="coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"
-    )
-    field: Line | None = Field(
-        None, description="point data of the mesh file, in the unit of its coordinates, linear between its points"
-    )
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        scene_checks.thickness(self)
-        return self
+_SOFTEST = 1e4
+"""Modulus [Pa] below which a number is more likely one of GPa: gels end here, diamond has 1200 GPa."""
 
 
 class Root(Table):
@@ -97,8 +76,39 @@ class Plate(Table):
 
     @model_validator(mode="after")
     def _planform(self) -> Self:
-        scene_checks.planform(self)
+        """Either length and width, or a mesh; and thin enough to be called a plate."""
+        if self.tip_mass_at is not None and not self.tip_mass:
+            raise fault("tip_mass_at", "expected a tip_mass beside it")
+        if self.mesh is None and not isinstance(self.thickness, float) and self.thickness.field:
+            raise fault("thickness.field", "belongs to a mesh: name a mesh, or give a table or a polynomial")
+        if self.mesh is None and self.mesh_unit is not None:
+            raise fault("mesh_unit", "belongs to a mesh: leave this out, or name a mesh")
+        if self.mesh is None:
+            self._rectangle()
+        else:
+            self._from_a_file(self.mesh)
         return self
+
+    def _from_a_file(self, mesh: str) -> None:
+        for key in ("length", "width"):
+            if getattr(self, key) is not None:
+                raise fault(key, "the mesh gives the planform: leave this out, or leave out mesh")
+        if not mesh.strip() or "\0" in mesh:
+            raise fault("mesh", "expected the name of a mesh file")
+
+    def _rectangle(self) -> None:
+        for key in ("length", "width"):
+            if getattr(self, key) is None:
+                raise fault(key, "missing (or name a mesh instead of length and width)")
+        if self.length is not None and self.width is not None:
+            try:
+                least, greatest = extremes(self.thickness, self.length, self.width)
+            except ValueError as error:
+                raise fault("thickness", str(error)) from error
+            odd = disproportion(least, greatest, self.length, self.width)
+            if odd is not None:
+                key, problem = odd
+                raise fault(key, problem + in_millimetres(least, greatest, self.length, self.width))
 
     @property
     def mesh_scale(self) -> float:
@@ -129,9 +139,14 @@ class Material(Table):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return scene_checks.filled(data, "name", materials.PLATES, _NUMBERS)
+        return materials.filled(data, "name", materials.PLATES, _NUMBERS)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
-        scene_checks.material(self)
+        """A modulus and a density that something solid has."""
+        modulus = self.youngs_modulus
+        if modulus < _SOFTEST * (1 - ROUNDING):
+            meant = f": {modulus:g} is in Pa; was '{modulus:g} GPa' meant?" if modulus >= 0.1 else ""
+            raise fault("youngs_modulus", f"expected at least {_SOFTEST:g} Pa, of the softest rubber{meant}")
+        materials.dense_enough("density", self.density)
         return self

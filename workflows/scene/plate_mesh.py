@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene import cavity, thicknesses
-from workflows.scene.checks import disproportion
-from workflows.scene.file import SceneFile
+from workflows.scene.proportions import disproportion
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     import fem
-
-    Planform: TypeAlias = fem.Rectangle | fem.Given
+    from fem.meshes.ladder import Planform
 
 
 def planform(source: SceneFile) -> Planform:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from workflows.scene import checks as scene_checks
 from workflows.scene import units
+from workflows.scene.faults import ROUNDING, fault
 from workflows.scene.fields import (
     Acceleration,
     Angle,
@@ -18,9 +19,9 @@ from workflows.scene.fields import (
     Number,
     Positive,
     Slopes,
-    Speeds,
     Switch,
 )
+from workflows.scene.speeds import Speeds
 from workflows.scene.table import Table
 
 
@@ -59,7 +60,11 @@ class Rotor(Table):
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
-        scene_checks.rotor(self)
+        """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
+        if abs(self.stagger) > math.pi * (1 + ROUNDING):
+            raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
+        if abs(self.precone) > math.pi / 2 * (1 + ROUNDING):
+            raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
         return self
 
 

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from workflows.scene.thickness_table import extremes, thickness_at
+
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from fem.meshes.ladder import Planform
     from fem.meshes.thickness import Profile
     from workflows.scene.plate import Plate
-    from workflows.scene.plate_mesh import Planform
-
-GRID = 129
-"""Places along each side of a rectangle at which a thickness is looked at."""
 
 GAUSS = 24
 """Points along each side for integrals: exact for polynomials up to a degree of 47."""
@@ -28,28 +27,13 @@ def profile(plate: Plate, form: Planform | None = None) -> float | Profile:
     Raises:
         ValueError: it is a field of the mesh file, and the planform is not given.
     """
-    from fem.meshes.thickness import Bilinear, Polynomial
-
     given = plate.thickness
-    if isinstance(given, float):
-        return given
-    if given.polynomial is not None:
-        return Polynomial(given.polynomial)
-    if given.values is not None:
-        return Bilinear(given.x or (), given.y or (0.0,), given.values)
-    field = getattr(form, "thickness", None)
-    if field is None:
-        raise ValueError("a thickness from the mesh file needs the mesh")
-    found: Profile = field
-    return found
+    return given if isinstance(given, float) else given.profile(getattr(form, "thickness", None))
 
 
 def at(plate: Plate, place: tuple[float, float], form: Planform | None = None) -> float:
     """The thickness [m] at a place (x, y) [m] on the plate."""
-    if isinstance(plate.thickness, float):
-        return plate.thickness
-    known = profile(plate, form)
-    return known if isinstance(known, float) else known.near(place)
+    return thickness_at(plate.thickness, place, getattr(form, "thickness", None))
 
 
 def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, float]:
@@ -60,18 +44,14 @@ def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, fl
     """
     if isinstance(plate.thickness, float):
         return (plate.thickness,) * 3
+    if plate.length is not None and plate.width is not None:
+        least, greatest = extremes(plate.thickness, plate.length, plate.width)
+        return least, volume(plate)[0] / plate.length / plate.width, greatest
+    if form is None:
+        raise ValueError("the planform of a plate from a mesh is needed")
     from fem.meshes import thickness
 
-    known = profile(plate, form)
-    if plate.length is None or plate.width is None:
-        if form is None:
-            raise ValueError("the planform of a plate from a mesh is needed")
-        return thickness.spread(known, form.mesh(form.sizes[0]))
-    import numpy as np
-
-    x, y = np.linspace(0.0, plate.length, GRID), np.linspace(-0.5 * plate.width, 0.5 * plate.width, GRID)
-    values = np.asarray(thickness.of(known, np.stack(np.meshgrid(x, y, indexing="ij"))))
-    return float(values.min()), volume(plate)[0] / plate.length / plate.width, float(values.max())
+    return thickness.spread(profile(plate, form), form.mesh(form.sizes[0]))
 
 
 def slope_error(plate: Plate, form: Planform | None = None) -> float:

@@ -1,4 +1,4 @@
-"""The stages of a run, plate and damper, what they need of the machine, and the records that they hand on.
+"""The stages of a run: what is settled first, plate, damper; what they need of the machine, the records they hand on.
 
-May import decisions and scene, `fem` and `damper`.
+May import effects and scene, `fem` and `damper`.
 """

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve.records import CavityMode, Reduced
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.effects.table import EFFECTS
 from workflows.errors import BadInput
 from workflows.scene.damper import Damper

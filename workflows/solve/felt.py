@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.solve.records import CavityMode, Pendulum, Reduced, SpeedPoint, rpm

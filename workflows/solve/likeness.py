@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, needs, plate_records, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
     from fem import Given
-    from workflows.decisions.decided import Decided
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
+    from workflows.solve.decided import Decided
     from workflows.solve.records import Floats, SpeedPoint
 
 _UNKNOWNS = 2000, 8000

@@ -12,20 +12,20 @@ from math import inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import Decided
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.errors import SpindampError
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, felt, likeness, needs, plate_records, reckoned
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import plate_stage as plate
+from workflows.solve.answering import answering
+from workflows.solve.decided import Decided
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
     from workflows.solve.plate_records import Discrete
 
 _UNKNOWNS, PATIENCE = (4000, 16_000, 64_000), 5.0

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.decisions import effects as rules
-from workflows.decisions.theorising import Theory
 from workflows.effects.left_out import LeftOut
+from workflows.effects.table import NAMES
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve.records import (
     SHAPES_AT_MOST,
     CavityMode,
@@ -24,11 +23,12 @@ from workflows.solve.records import (
     Surface,
     rpm,
 )
+from workflows.solve.structure_records import Theory
 
 if TYPE_CHECKING:
     import fem
 
-_EFFECTS = tuple(name for name in rules.NAMES if name in ErrorParts.__annotations__)
+_EFFECTS = tuple(name for name in NAMES if name in ErrorParts.__annotations__)
 """Parts of an error that are what an effect left out would move."""
 
 SMOOTH, _PARTS = 900, 4
@@ -76,7 +76,7 @@ def points(
     at_cavity: list[tuple[CavityMode, ...]],
 ) -> tuple[SpeedPoint, ...]:
     """Modes and what the damper feels at the speeds of these numbers in the sweep."""
-    from fem.accuracy.theory_error import over_speeds
+    from fem.accuracy.theory_over_speeds import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))

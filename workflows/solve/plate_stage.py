@@ -7,25 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.decisions import theorising
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import Decided
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects.effect import Effect
 from workflows.effects.left_out import LeftOut
 from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import at_the_cavity, needs, plate_records
+from workflows.scene.source import SceneFile
+from workflows.solve import at_the_cavity, needs, plate_records, theorising
+from workflows.solve.answering import answering
+from workflows.solve.decided import Decided
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Diagram, SpeedPoint, Surface
+from workflows.solve.structure_records import Theory
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""

@@ -10,14 +10,14 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from fem.theory.kind import Kind, kind
-from workflows.decisions.effects import Effect
-from workflows.scene.file import SceneFile
+from workflows.effects.effect import Effect
+from workflows.scene.source import SceneFile
 from workflows.solve import needs
 from workflows.solve import plate_stage as plate
 
 if TYPE_CHECKING:
-    from workflows.decisions.decided import Decided
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
+    from workflows.solve.decided import Decided
 
 _GROWTH = {"kirchhoff": 1.3, "mindlin": 1.3, "solid": 1.5}
 

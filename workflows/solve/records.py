@@ -12,8 +12,7 @@ from typing import Annotated
 import numpy as np
 import numpy.typing as npt
 
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects.effect import Effect
 from workflows.scene.scene import Scene
 from workflows.solve.damper_records import (
     BallPath,
@@ -27,7 +26,7 @@ from workflows.solve.damper_records import (
     Pendulum,
 )
 from workflows.solve.quantity import Part, Quantity
-from workflows.solve.structure_records import CavityMode, ErrorParts, Mode, Reduced
+from workflows.solve.structure_records import CavityMode, ErrorParts, Mode, Reduced, Theory
 
 __all__ = [
     "SHAPES_AT_MOST",

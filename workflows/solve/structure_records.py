@@ -88,3 +88,16 @@ class CavityMode:
     slope: Annotated[Pair, Quantity("1/m", "of its floor")]
     drawn: Pair = (0.0, 0.0)
     pressed: float = 0.0
+
+
+@dataclass(frozen=True)
+class Theory:
+    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid.
+
+    The estimate is the largest of the modes asked for, on a coarse mesh, None where nothing was to be chosen; modes
+    have their own.
+    """
+
+    name: str
+    why: str
+    model_error: float | None = None

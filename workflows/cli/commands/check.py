@@ -15,11 +15,11 @@ def check(
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and what a run of it takes."""
     from workflows.cli.commands import kernels
-    from workflows.decisions.decided import decide
     from workflows.errors import NoAnswer
     from workflows.results import resolved
     from workflows.scene import file as scene_file
     from workflows.solve import needs, pilot
+    from workflows.solve.decided import decide
     from workflows.stages import Stages
 
     source = scene_file.load(scene)

@@ -11,7 +11,7 @@ import typer
 from workflows.cli.commands import kernels
 from workflows.output import store
 from workflows.scene import file as scene_file
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.stages import Stages
 
 

@@ -10,15 +10,15 @@ import typer
 
 from workflows import pipeline
 from workflows.cli.commands import kernels
-from workflows.decisions.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.output import store
 from workflows.report import text as summary
 from workflows.report.mode_shape import Artist
 from workflows.results import curves
 from workflows.results import document as results_json
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import needs, pilot, records
+from workflows.solve.decided import Decided, decide
 from workflows.stages import Stages
 
 _LONG = 60.0

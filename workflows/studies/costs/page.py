@@ -11,7 +11,7 @@ from typing import Any
 
 from workflows import wording
 from workflows.output import store
-from workflows.report import drawing, templating
+from workflows.report import drawing, palette, templating
 from workflows.studies.costs import plots
 from workflows.studies.costs.ladder import Costs, Ladder, Rung
 from workflows.studies.costs.plates import WITH_THEORY
@@ -35,7 +35,7 @@ def write_accuracy(found: Costs, out: Path) -> None:
     with store.replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
         (folder / "accuracy.svg").write_text(
-            drawing.standalone(plots.overview(first, asked, drawing.WIDE)), encoding="utf-8"
+            palette.standalone(plots.overview(first, asked, drawing.WIDE)), encoding="utf-8"
         )
         _write_csv(
             folder / "accuracy.csv",
@@ -62,7 +62,7 @@ def write_effects(found: Switches, out: Path) -> None:
     figure = drawing.both(partial(plots.effects, found))
     with store.replacing(out) as folder:
         (folder / "effects.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
-        (folder / "effects.svg").write_text(drawing.standalone(plots.effects(found, drawing.WIDE)), encoding="utf-8")
+        (folder / "effects.svg").write_text(palette.standalone(plots.effects(found, drawing.WIDE)), encoding="utf-8")
         times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
         _write_csv(
             folder / "effects.csv",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from workflows import pipeline
-from workflows.decisions.decided import decide
-from workflows.scene.file import SceneFile
 from workflows.scene.rotor import Accuracy
+from workflows.scene.source import SceneFile
 from workflows.solve import records
+from workflows.solve.decided import decide
 from workflows.solve.records import Results
 from workflows.stages import Stages, Step
 from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure

@@ -7,7 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from workflows import wording
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.studies.costs.ladder import Ladder
 from workflows.studies.costs.switching import Switched, Switches
@@ -30,9 +30,9 @@ _LONGEST, _LONGEST_IN_A_PANEL = 76, 32
 _SAID: dict[str, Any] = {
     "textcoords": "offset points",
     "va": "center",
-    "color": drawing.MUTED,
+    "color": palette.MUTED,
     "fontsize": 7,
-    "bbox": {"facecolor": drawing.PAPER, "edgecolor": "none", "pad": 1.0},
+    "bbox": {"facecolor": palette.PAPER, "edgecolor": "none", "pad": 1.0},
 }
 """How words instead of a bar are set."""
 
@@ -63,7 +63,7 @@ def effects(found: Switches, sheet: Sheet) -> str:
         figure, (left, right) = drawing.canvas(sheet, 0.9 + 0.34 * len(found.rows), 2)
         rows, least = found.rows[::-1], _least(found)
         for place, row in enumerate(rows):
-            colour = drawing.CATEGORIES[0] if row.on else drawing.CATEGORIES[6]
+            colour = palette.CATEGORIES[0] if row.on else palette.CATEGORIES[6]
             _change(left, place, row, colour, least, sheet)
             _time(right, place, row, colour)
         labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
@@ -81,7 +81,7 @@ def effects(found: Switches, sheet: Sheet) -> str:
             title="largest relative change of any quantity",
             xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
         )
-        left.axvline(found.asked, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
+        left.axvline(found.asked, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
         right.set(title="share of the run's time with it, %")
         return drawing.svg(figure, sheet, "effects", "What each effect changes and costs")
 
@@ -145,13 +145,13 @@ def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:
             axes.plot(
                 [max(row.error or 0.0, _SMALLEST) for row in rows],
                 [row.time_s or 0.0 for row in rows],
-                color=drawing.CATEGORIES[number % len(drawing.CATEGORIES)],
-                marker=drawing.MARKERS[number % len(drawing.MARKERS)],
-                ls="-" if number < len(drawing.CATEGORIES) else (0, (3, 2)),
+                color=palette.CATEGORIES[number % len(palette.CATEGORIES)],
+                marker=palette.MARKERS[number % len(palette.MARKERS)],
+                ls="-" if number < len(palette.CATEGORIES) else (0, (3, 2)),
                 lw=1.0,
                 label=method,
             )
     if asked is not None:
-        axes.axvline(asked, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(asked, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()

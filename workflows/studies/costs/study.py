@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows import pipeline
-from workflows.decisions.decided import Decided, decide
 from workflows.errors import NoAnswer
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve import felt, records
 from workflows.solve import plate_stage as plate
+from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Floats
 from workflows.stages import Stages
-from workflows.studies.costs import dampers, pipelines, plates
+from workflows.studies.costs import dampers, pipelines, plates, speeds
 from workflows.studies.costs.ladder import Costs, Ladder, Picked
 from workflows.studies.costs.plates import Problem
 
@@ -74,7 +74,7 @@ def _plate(source: SceneFile, decided: Decided, stages: Stages) -> tuple[list[La
         ladders, limits = plates.ladders(problem, step)
     linear = replace(operators, effects=plain, gyroscopic=None)
     with stages("speeds", 6) as step:
-        ladder, basis = plates.speeds(linear, problem.omega, count, step)
+        ladder, basis = speeds.speeds(linear, problem.omega, count, step)
     mesh = _chosen(solver, problem, limits)
     left_out = _left_out(operators.effects)
     said = [replace(ladder, reference=ladder.reference + left_out) for ladder in (*ladders, ladder)]

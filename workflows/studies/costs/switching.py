@@ -6,14 +6,14 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from workflows import pipeline
-from workflows.decisions import effects as rules
-from workflows.decisions.decided import decide
-from workflows.decisions.effects import Effect
+from workflows.effects import rules
+from workflows.effects.effect import Effect
 from workflows.effects.left_out import Called
 from workflows.effects.table import EFFECTS
 from workflows.errors import SpindampError
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import plate_stage as plate
+from workflows.solve.decided import decide
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
 from workflows.studies.costs.changes import changes

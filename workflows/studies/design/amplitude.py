@@ -17,14 +17,14 @@ from workflows.errors import BadInput
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.stages import Stages
 from workflows.studies.design import balance, crossed
 from workflows.studies.design.crossed import Crossed, Linear
 from workflows.studies.design.scored import Scored
+from workflows.studies.response.peaks import HELPS
 from workflows.studies.response.solved import Solved
-from workflows.studies.response.told import HELPS
-from workflows.studies.sweep.blocks import Placed
+from workflows.studies.sweep.placed import Placed
 from workflows.wording import whole
 
 _ASIDE = (-0.8, -0.4, 0.0, 0.4, 0.8)

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.studies.design.crossed import Crossed
-from workflows.studies.sweep import blocks
-from workflows.studies.sweep.blocks import QUICK
+from workflows.studies.sweep.placed import QUICK, measured
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
@@ -37,7 +36,7 @@ def speaks(system: ParticleDamper) -> bool:
 def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
     own = here.force / (2 * resting * here.system.stiffness[0])
-    figures = blocks.measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
     return max(hitting(figures, own, resting), rolling(here.system, own, resting))
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.results.crossings import Crossing
 from workflows.scene.scene import Scene
 from workflows.solve import damper_stage, felt

@@ -10,12 +10,13 @@ import numpy as np
 from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.space import Space
 from workflows.studies.sweep import blocks, plans, quantities
-from workflows.studies.sweep.blocks import Reasons
+from workflows.studies.sweep.placed import measured
 from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep.quantities import Reasons
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
-    from workflows.studies.design.search import Found
+    from workflows.studies.design.scored import Found
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +32,11 @@ def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
     plan = space.plan(np.asarray(found.shares)[None])
     size = plans.size(plan)
-    placed = blocks.all_placed(space.source, plan, 0, size, Plates(), quantities.empty(size), Reasons())
+    placed = blocks.all_placed(space.source, plan, 0, Plates(), quantities.empty(size), Reasons())
     curves = []
     for each in placed:
         damper = each.judged
-        figures = blocks.measured(damper, {}, reach=goal.high)
+        figures = measured(damper, {}, reach=goal.high)
         if figures.amplitude.size:
             curves.append(Curve(each.point.rpm, damper, figures))
     return curves

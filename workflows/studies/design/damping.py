@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from workflows.studies.design.scored import Scored
-from workflows.studies.sweep import blocks
-from workflows.studies.sweep.blocks import QUICK, Placed
+from workflows.studies.sweep.placed import QUICK, Placed, measured
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
@@ -46,7 +45,7 @@ class LeastDamping:
             return Scored(0.0, -lost, bound, worst, low, cutoff, why="the load holds the ball at rest")
         values = []
         for each, damper in dampers:
-            figures = blocks.measured(damper, {}, reach=high, **(QUICK if quick else {}))
+            figures = measured(damper, {}, reach=high, **(QUICK if quick else {}))
             values.append((*least(figures, low, high), each.point.omega))
         value, amplitude, speed = min(values)
         why = "" if value > 0 else "the ball takes nothing"

@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from workflows.studies.design import space as spaces
-from workflows.studies.design.search import Found
+from workflows.studies.design.scored import Found
 from workflows.studies.design.space import Space
 from workflows.studies.sweep.axes import Spread
 
 if TYPE_CHECKING:
-    from workflows.studies.design.scored import Scored
-    from workflows.studies.design.space import Floats
+    from workflows.studies.design.scored import Floats, Scored
 
 _HELD = 0.02
 """Share of a range from its end, and of a limit, from which on it counts as what holds the design."""

@@ -13,11 +13,12 @@ from workflows.studies.design import space as spaces
 from workflows.studies.design.scored import BEYOND, NONE, Scored
 from workflows.studies.design.space import Space
 from workflows.studies.sweep import blocks, plans, quantities
-from workflows.studies.sweep.blocks import Placed, Reasons
+from workflows.studies.sweep.placed import Placed
 from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep.quantities import Reasons
 
 if TYPE_CHECKING:
-    from workflows.studies.design.space import Floats
+    from workflows.studies.design.scored import Floats
 
 
 def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list[Scored]:
@@ -26,7 +27,7 @@ def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list
     speeds = len(space.goal.speeds)
     rows, reasons = quantities.empty(plans.size(plan)), Reasons()
     placed: list[list[Placed]] = [[] for _ in shares]
-    for each in blocks.all_placed(space.solved_as, plan, 0, plans.size(plan), plates, rows, reasons):
+    for each in blocks.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
         placed[each.number // speeds].append(each)
     found = []
     for number, mine in enumerate(placed):

@@ -6,7 +6,7 @@ import math
 
 from workflows.studies.design import words
 from workflows.studies.design.amplitude import LeastAmplitude
-from workflows.studies.design.search import Found
+from workflows.studies.design.scored import Found
 from workflows.studies.design.space import Space
 from workflows.wording import significant
 

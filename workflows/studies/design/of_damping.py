@@ -7,7 +7,7 @@ import math
 from workflows.findings.worth import AIR
 from workflows.studies.design import words
 from workflows.studies.design.damping import LeastDamping
-from workflows.studies.design.search import Found
+from workflows.studies.design.scored import Found
 from workflows.studies.design.space import Space
 from workflows.wording import significant
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from workflows import wording
 from workflows.output import store
-from workflows.report import drawing, templating
+from workflows.report import palette, templating
 from workflows.studies.design import pictures, verdict
-from workflows.studies.design.study import Designed
+from workflows.studies.design.designed import Designed
 from workflows.studies.sweep import maps
 
 FILES = r"design\.json|best\.toml"
@@ -52,7 +52,7 @@ def render(found: Designed) -> str:
     return templating.page(
         "design.html.j2",
         {},
-        drawing.shades_css(maps.SHADES),
+        palette.shades_css(maps.SHADES),
         title=found.space.source.scene.title,
         verdict=verdict.verdict(found.space, found.found),
         sentences=_sentences(found),

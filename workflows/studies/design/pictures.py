@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.studies.design import curves as curves_of
 from workflows.studies.design import damping
@@ -23,7 +23,7 @@ from workflows.wording import whole
 
 if TYPE_CHECKING:
     from workflows.studies.design.curves import Curve
-    from workflows.studies.design.study import Designed, Grid
+    from workflows.studies.design.designed import Designed, Grid
 
 
 def draw(found: Designed) -> list[Picture]:
@@ -75,9 +75,9 @@ def _curves(goal: LeastDamping, curves: list[Curve], sheet: Sheet) -> str:
         grid = np.geomspace(goal.low, goal.high, 30)
         bound = [damping.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
-    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=drawing.RULE, lw=0)
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=palette.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))

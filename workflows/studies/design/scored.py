@@ -1,12 +1,18 @@
-"""What a design is worth, and what any goal says of itself."""
+"""What a design is worth, the best that was found, and what any goal says of itself."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from workflows.studies.sweep.blocks import Placed
+from workflows.studies.sweep.placed import Placed
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float64]
 
 BEYOND, NONE = 100.0, 200.0
 """What a design loses that exceeds a limit, and one that makes no sense."""
@@ -52,6 +58,15 @@ class Scored:
     def works(self) -> bool:
         """Whether it is worth anything."""
         return not self.why
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best design: its shares, its worth with full figures, and how many were tried."""
+
+    shares: Floats
+    scored: Scored
+    evaluations: int
 
 
 class Goal(Protocol):

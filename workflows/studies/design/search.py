@@ -8,16 +8,15 @@ workers has no part in it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from workflows.studies.design.scored import Scored
+from workflows.studies.design.scored import Found, Scored
 from workflows.studies.design.space import Space
 
 if TYPE_CHECKING:
-    from workflows.studies.design.space import Floats
+    from workflows.studies.design.scored import Floats
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""
@@ -30,15 +29,6 @@ _BETTER, _LEAST = 1e-3, 1e9
 
 _LOCAL, _NEAR = 30, 0.08
 """Designs that the simplex may try for each range, and the size of its first, in shares."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """The best design: its shares, its worth with full figures, and how many were tried."""
-
-    shares: Floats
-    scored: Scored
-    evaluations: int
 
 
 def search(space: Space, score: Score, seed: int, progress: Callable[[str], None]) -> Found:

@@ -6,7 +6,7 @@ from workflows.studies.design import of_amplitude, of_damping, words
 from workflows.studies.design.amplitude import LeastAmplitude
 from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.holds import Holds
-from workflows.studies.design.search import Found
+from workflows.studies.design.scored import Found
 from workflows.studies.design.space import Space
 from workflows.wording import significant
 

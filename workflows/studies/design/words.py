@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from workflows.studies.design import space as spaces
-from workflows.studies.design.search import Found
+from workflows.studies.design.scored import Found
 from workflows.studies.design.space import Space
 from workflows.wording import whole
 

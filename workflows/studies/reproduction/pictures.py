@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCurve
@@ -52,11 +52,11 @@ def _velocity(found: Reproduction, sheet: Sheet) -> str:
         if damping is None or damping.history is None:
             continue
         for axis, name in enumerate("xy"):
-            colour = drawing.CATEGORIES[axis]
+            colour = palette.CATEGORIES[axis]
             axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
         if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=drawing.INK, lw=0.8, ls=(0, (4, 3)))
+            axes.axvline(1e3 * damping.stopped, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
     return drawing.svg(figure, sheet, "fig2", "Velocity of the structure over time")
@@ -71,7 +71,7 @@ def _capacity(family: Family, number: int, sheet: Sheet) -> str:
         high = max(high, 100 * SDC_RANGE[1])
     margin = 0.06 * (high - low)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        for curve, colour in zip(family[formulation], drawing.shades(len(family[formulation])), strict=True):
+        for curve, colour in zip(family[formulation], palette.shades(len(family[formulation])), strict=True):
             axes.plot(curve.amplitude_g, 100 * curve.sdc, color=colour, marker="o", ms=2.2, lw=1.1, label=curve.label)
         _guides(axes, family[formulation][0], number)
         axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
@@ -84,6 +84,6 @@ def _capacity(family: Family, number: int, sheet: Sheet) -> str:
 
 def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=drawing.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.axhline(own, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
     if number == 3:
-        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=drawing.RULE, lw=0)
+        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=palette.RULE, lw=0)

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows import pipeline
-from workflows.decisions.effects import Effect
+from workflows.effects.effect import Effect
 from workflows.scene import file as scene_file
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages

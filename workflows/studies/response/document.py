@@ -8,8 +8,9 @@ import numpy as np
 
 from workflows.findings import worth
 from workflows.results import provenance, resolved
+from workflows.studies.response.peaks import Row, endured, rows
 from workflows.studies.response.records import Response, Through
-from workflows.studies.response.told import Row, endured, rows, sentences
+from workflows.studies.response.told import sentences
 
 
 def document(found: Response) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from pathlib import Path
 from workflows import wording
 from workflows.findings import worth
 from workflows.output import store
-from workflows.report import drawing, templating
-from workflows.studies.response import files, plots, told
+from workflows.report import drawing, palette, templating
+from workflows.studies.response import files, peaks, plots, told
 from workflows.studies.response.document import document
 from workflows.studies.response.records import Response
 
@@ -35,11 +35,11 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
         (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
         files.dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
         files.write_csv(found, folder)
-        campbell = drawing.standalone(plots.campbell(found, drawing.WIDE))
+        campbell = palette.standalone(plots.campbell(found, drawing.WIDE))
         (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
         for number, through in enumerate(found.passed):
-            shades = drawing.shades(len(through.forces))
-            drawn = drawing.standalone(plots.response(found, through, str(number), shades, drawing.WIDE))
+            shades = palette.shades(len(through.forces))
+            drawn = palette.standalone(plots.response(found, through, str(number), shades, drawing.WIDE))
             (folder / f"response_{files.tag(through)}.svg").write_text(drawn, encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
     return out
@@ -49,16 +49,16 @@ def render(found: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
     from markupsafe import Markup
 
-    shades = drawing.shades(len(found.excitation.levels))
+    shades = palette.shades(len(found.excitation.levels))
     sections = [
         {
             "through": through,
             "crossing": through.crossing,
-            "rows": [row for row in told.rows(found) if row.through is through],
+            "rows": [row for row in peaks.rows(found) if row.through is through],
             "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
             "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
             "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
-            "endured": told.endured(found, through),
+            "endured": peaks.endured(found, through),
         }
         for number, through in enumerate(found.passed)
     ]
@@ -66,7 +66,7 @@ def render(found: Response) -> str:
     return templating.page(
         "response.html.j2",
         {word.__name__: word for word in words},
-        drawing.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
+        palette.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
         found=found,
         unit=found.excitation.unit,
         sentences=told.sentences(found),

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings import worth
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.results import curves
-from workflows.studies.response import told
+from workflows.studies.response import peaks
 from workflows.studies.response.records import Response, Through
 from workflows.wording import significant, whole
 
@@ -29,21 +29,21 @@ def campbell(found: Response, sheet: Sheet) -> str:
         figure, (axes,) = drawing.canvas(sheet, 3.3)
         tracks = curves.campbell(found.results)
         for number, track in enumerate(tracks):
-            axes.plot(track.x, track.y, color=drawing.CATEGORIES[number % len(drawing.CATEGORIES)], label=track.label)
+            axes.plot(track.x, track.y, color=palette.CATEGORIES[number % len(palette.CATEGORIES)], label=track.label)
         crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
         top = max((track.y.max() for track in tracks), default=0.0)
         top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=drawing.MUTED, lw=0.6, ls=(0, (1, 2)))
-            small: dict[str, Any] = {"fontsize": 6.5, "color": drawing.MUTED}
+            axes.plot([0, end], [0, order * end / 60], color=palette.MUTED, lw=0.6, ls=(0, (1, 2)))
+            small: dict[str, Any] = {"fontsize": 6.5, "color": palette.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
-            kinds = [row.regime for row in told.rows(found) if row.through is through]
+            kinds = [row.regime for row in peaks.rows(found) if row.through is through]
             for kind in dict.fromkeys(kinds):
                 _mark(axes, through, kind)
         for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=drawing.MUTED, ms=6)
+            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=palette.MUTED, ms=6)
         axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
         handles, labels = axes.get_legend_handles_labels()
         unique = dict(zip(labels, handles, strict=True))
@@ -60,7 +60,7 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
         c.rpm,
         c.frequency_hz,
         _MARKS[kind],
-        color=drawing.INK,
+        color=palette.INK,
         mfc="none",
         mew=0.8,
         ms=size,
@@ -103,7 +103,7 @@ def ratios(found: Response, through: Through, name: str, sheet: Sheet) -> str:
         for k in range(levels):
             for n in range(len(rpm) - 1):
                 strength = float(np.log10(0.5 * (ratio[n, k] + ratio[n + 1, k])) / reach)
-                colour = drawing.CATEGORIES[0] if strength < 0 else drawing.CATEGORIES[1]
+                colour = palette.CATEGORIES[0] if strength < 0 else palette.CATEGORIES[1]
                 axes.fill_between(rpm[n : n + 2], k - 0.45, k + 0.45, color=colour, alpha=min(abs(strength), 1.0), lw=0)
         axes.set_yticks(range(levels), [significant(force) for force in through.forces])
         axes.set(
@@ -124,7 +124,7 @@ def damping(found: Response, sheet: Sheet) -> str:
         return ""
     with drawing.style():
         figure, (axes,) = drawing.canvas(sheet, 3.0)
-        for through, colour in zip(shown, drawing.shades(len(shown)), strict=True):
+        for through, colour in zip(shown, palette.shades(len(shown)), strict=True):
             figures, c = through.figures, through.crossing
             some = figures.damping_ratio > 0
             label = f"order {c.order}, {whole(c.rpm)} rpm"
@@ -133,7 +133,7 @@ def damping(found: Response, sheet: Sheet) -> str:
             if np.isfinite(low) and np.isfinite(high):
                 axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
         air = [100 * ratio for ratio in worth.AIR]
-        axes.axhspan(*air, color=drawing.RULE, lw=0)
+        axes.axhspan(*air, color=palette.RULE, lw=0)
         least = 100 * min(through.figures.peak for through in shown) / 30
         axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
         axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
@@ -148,15 +148,15 @@ def path(found: Response, through: Through, name: str, sheet: Sheet) -> str:
         figure, panels = drawing.canvas(sheet, 2.4, 2)
         along, place = panels
         axis = through.axis
-        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=drawing.CATEGORIES[0], label="ball in its cavity")
+        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=palette.CATEGORIES[0], label="ball in its cavity")
         size = np.abs(taken.structure[:, axis]).max() or 1.0
         scale = np.abs(taken.ball[:, axis]).max() or 1.0
         along.plot(
-            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=drawing.MUTED, lw=0.8,
+            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=palette.MUTED, lw=0.8,
             label="structure, scaled",
         )  # fmt: skip
         along.set(xlabel="time, ms", ylabel="place, mm")
         along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=drawing.CATEGORIES[0], lw=0.8)
+        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=palette.CATEGORIES[0], lw=0.8)
         place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
         return drawing.svg(figure, sheet, f"path-{name}", "The ball's path in its cavity")

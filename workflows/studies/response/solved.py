@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import Decided, decide
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt, plate_records
 from workflows.solve import plate_stage as plate
+from workflows.solve.answering import answering
+from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import CavityMode, Floats, SpeedPoint, Surface
 from workflows.stages import Stages

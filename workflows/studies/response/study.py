@@ -12,7 +12,7 @@ from workflows.findings import worth
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt, needs
 from workflows.solve.records import Floats, Results, SpeedPoint, rpm
 from workflows.stages import Stages

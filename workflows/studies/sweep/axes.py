@@ -126,15 +126,18 @@ def _ranged(key: Key, values: str, gravity: float) -> Axis:
     if _bare(parts[0]) != _bare(parts[1]) and key.unit and first and second:
         raise ValueError("a number without a unit is in SI: give both the unit, or none")
     count = _count(parts[2]) if len(parts) == 3 else None
-    if law == "normal":
-        return _normal(key, first, second, count)
+    return _normal(key, first, second, count) if law == "normal" else _range(key, Spread(first, second, law), count)
+
+
+def _range(key: Key, spread: Spread, count: int | None) -> Axis:
+    """Values from the lower end to the higher; without a count, the range alone."""
+    first, second = spread.low, spread.high
     if second != first and count == 1:
         raise ValueError("a single value leaves STOP out: expected a COUNT from 2 on, or the value alone")
     if not second > first and not (second == first and count == 1):
         raise ValueError("expected a STOP above START")
-    if law == "log" and first <= 0:
+    if spread.law == "log" and first <= 0:
         raise ValueError("expected a START above 0 on a logarithmic range")
-    spread = Spread(first, second, law)
     at = np.linspace(0.0, 1.0, count) if count is not None else np.zeros(0)
     return Axis(key, _numbers(key, spread.at(at)), spread)
 

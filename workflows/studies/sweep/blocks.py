@@ -3,61 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from workflows.errors import BadInput, SpindampError, one_line
-from workflows.scene.file import SceneFile
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt
 from workflows.solve.quantity import taken_over
-from workflows.solve.records import OwnFigures, Results, SpeedPoint
+from workflows.solve.records import OwnFigures, Results
 from workflows.studies.sweep import quantities, scenes
 from workflows.studies.sweep.keys import SPEEDS
+from workflows.studies.sweep.placed import QUICK, Carried, Placed, measured
 from workflows.studies.sweep.plans import Plan
-from workflows.studies.sweep.plates import Carried, Plates
+from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep.quantities import Block, Reasons
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
     from workflows.studies.sweep.quantities import Rows
 
-QUICK = {"sweeps": 4, "stay": 60}
-"""What the working range is measured with where a percent of it does not count."""
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Rows of the points from `begin` on, and the texts that their reasons count."""
-
-    begin: int
-    rows: Rows
-    reasons: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """The damper of a point on the structure that carries it."""
-
-    number: int
-    scene: Scene
-    carried: Carried
-    point: SpeedPoint
-    damper: ParticleDamper
-    release: tuple[float, float]
-
-    @property
-    def judged(self) -> ParticleDamper:
-        """The damper that a verdict speaks of."""
-        return damper_stage.judged(self.scene, self.carried.effects, self.point)
-
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`."""
     rows, reasons = quantities.empty(end - begin), Reasons()
-    placed = list(all_placed(source, plan, begin, end, plates, rows, reasons))
+    placed = list(all_placed(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
         _measure(rows[each.number], each, known, QUICK if quick else {})
@@ -65,23 +38,11 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
     return Block(begin, rows, tuple(reasons.texts))
 
 
-class Reasons:
-    """Texts by number, each once."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-
-    def number(self, text: str) -> int:
-        """Which one it is."""
-        if text not in self.texts:
-            self.texts.append(text)
-        return self.texts.index(text)
-
-
 def all_placed(
-    source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, rows: Rows, reasons: Reasons
+    source: SceneFile, plan: Plan, begin: int, plates: Plates, rows: Rows, reasons: Reasons
 ) -> Iterator[Placed]:
-    """The dampers of all points that have one; the others get a reason."""
+    """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
+    end = begin + len(rows)
     columns = plan.columns(begin, end)
     varied = [axis.key for axis in plan.axes]
     data = scenes.base(source, varied)
@@ -91,7 +52,7 @@ def all_placed(
     def values(number: int) -> tuple[Any, ...]:
         return tuple(columns[key.name][number] for key in others)
 
-    for given, numbers in groupby(range(end - begin), key=values):
+    for given, numbers in groupby(range(len(rows)), key=values):
         mine = list(numbers)
         try:
             changed = scenes.with_values(data, dict(zip(others, given, strict=True)))
@@ -125,16 +86,6 @@ def place(number: int, scene: Scene, carried: Carried, omega: float, row: Any) -
 def said(error: SpindampError, source: SceneFile) -> str:
     """Why a point has no answer."""
     return one_line(str(error).removeprefix(f"{source.name}: "))
-
-
-def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:
-    """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
-    from damper import working
-
-    bare = replace(damper, damping_ratio=0.0)
-    if bare not in known:
-        known[bare] = working(bare, threads=1, **how)
-    return known[bare]
 
 
 def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:

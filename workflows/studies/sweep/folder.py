@@ -24,7 +24,7 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.output import store
 from workflows.output import swap as folders
-from workflows.studies.sweep.blocks import Block
+from workflows.studies.sweep.quantities import Block
 
 STUDY, SHARDS, LOCK = "study.json", "shards", ".lock"
 _ASIDE = ".partial-"

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.studies.sweep import labels, maps
 from workflows.studies.sweep.axes import SPEEDS
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep.quantities import HEADLINE
 from workflows.wording import significant
 
 if TYPE_CHECKING:
@@ -113,5 +113,5 @@ def _boundaries(axes: Axes, xs: Floats, ys: Floats, values: Floats) -> None:
     levels = [100 * AIR[0] / 10, 100 * AIR[0]]
     inside = [level for level in levels if np.nanmin(values) < level < np.nanmax(values)]
     if inside:
-        lines = axes.contour(xs, ys, values, inside, colors=drawing.INK, linewidths=1.0, linestyles="dashed")
+        lines = axes.contour(xs, ys, values, inside, colors=palette.INK, linewidths=1.0, linestyles="dashed")
         axes.clabel(lines, fmt=lambda level: significant(level, 2), fontsize=6.5)

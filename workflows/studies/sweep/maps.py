@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.wording import significant
 
@@ -50,7 +50,7 @@ def levels(tables: list[Floats], least: float = 0.02) -> list[float]:
 
 def spread(count: int) -> list[str]:
     """So many of the shades, from the first to the last."""
-    every = drawing.shades(SHADES)
+    every = palette.shades(SHADES)
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
@@ -61,8 +61,8 @@ def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
 
 def mark(axes: Any, x: float, y: float) -> None:
     """Mark the best point, also at the edge of a map."""
-    axes.plot(x, y, "o", color=drawing.PAPER, ms=8, mec=drawing.INK, mew=1.2, clip_on=False, zorder=5)
-    axes.plot(x, y, "x", color=drawing.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+    axes.plot(x, y, "o", color=palette.PAPER, ms=8, mec=palette.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=palette.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
 
 
 def colour_key(
@@ -76,7 +76,7 @@ def colour_key(
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
     if idle:
-        named.insert(0, Patch(facecolor="none", edgecolor=drawing.MUTED, lw=0.4, hatch=_HATCH, label=idle))
+        named.insert(0, Patch(facecolor="none", edgecolor=palette.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     where: dict[str, Any] = (
         {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
     )

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import wording
-from workflows.report import drawing, templating
-from workflows.studies.sweep import folder, maps, pictures, summary, uncertain
+from workflows.report import palette, templating
+from workflows.studies.sweep import folder, labels, maps, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def render(data: xr.Dataset) -> str:
     return templating.page(
         "sweep.html.j2",
         {"significant": wording.significant, "fixed": wording.fixed},
-        drawing.shades_css(maps.SHADES),
+        palette.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
         headline=summary.spread(data) if "ST" in data else "",
@@ -85,8 +85,7 @@ def _spreads(data: xr.Dataset) -> dict[str, str]:
     names = [str(name) for name in data["parameter"].values]
     ends = {name: (data[name].values.min(), data[name].values.max()) for name in names}
     return {
-        name: f"{summary.said(data, name, low)} to {summary.said(data, name, high)}"
-        for name, (low, high) in ends.items()
+        name: f"{labels.said(data, name, low)} to {labels.said(data, name, high)}" for name, (low, high) in ends.items()
     }
 
 
@@ -95,7 +94,7 @@ def _best(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None:
     if found["best"] is None:
         return None
     keys, values = found["best"]["keys"], found["best"]["values"]
-    words = {name: summary.said(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    words = {name: labels.said(data, name, value) for name, value in keys.items() if name != SPEEDS}
     numbers = {
         title: wording.significant(factor * values[name])
         for name, title, factor in _FIGURES

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing
+from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
 from workflows.studies.sweep import labels, map_pictures, maps, table
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plans import SAMPLE
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep.quantities import HEADLINE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,28 +43,38 @@ def draw(data: xr.Dataset) -> list[Picture]:
         return [_picture(partial(_bars, data), _OF_BARS)]
     if SAMPLE in data.dims:
         return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
-    best = _best(data)
     numbers = _numeric(data)
     keys = [name for name in numbers if name != SPEEDS]
     wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
-    if len(wide) > 1:
-        x, y = wide[:2]
-        used = (x, y, map_pictures.panels(data, (x, y))[0])
-        shown = [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, (x, y))]
-        return [
-            _picture(
-                partial(map_pictures.draw, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
-                _caption(data, best, used, name) + map_pictures.in_words(data, best, x, y) * (name == HEADLINE),
-            )
-            for name in shown
-        ]
-    x = max(numbers, key=lambda name: data.sizes[name])
+    return _mapped(data, wide[0], wide[1]) if len(wide) > 1 else _along(data, numbers)
+
+
+def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
+    """Maps over two keys."""
+    best, used = _best(data), (x, y, map_pictures.panels(data, (x, y))[0])
+    return [
+        _picture(
+            partial(map_pictures.draw, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
+            _caption(data, best, used, name) + map_pictures.in_words(data, best, x, y) * (name == HEADLINE),
+        )
+        for name in _shown(data, (x, y))
+    ]
+
+
+def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
+    """Curves over the key with the most values, one for each value of the next."""
+    best, x = _best(data), max(numbers, key=lambda name: data.sizes[name])
     series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
     along = (x,) if series is None else (x, series)
-    shown = [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, along)]
     return [
-        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name)) for name in shown
+        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name))
+        for name in _shown(data, along)
     ]
+
+
+def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
+    """The headline, and what else varies along these keys."""
+    return [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, along)]
 
 
 def _picture(draw: Callable[[Sheet], str], caption: str) -> Picture:
@@ -113,12 +123,12 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
     for number, k in enumerate(places):
         values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
         label = None if series is None else labels.titled(data, series, k)
-        colour = drawing.CATEGORIES[number % len(drawing.CATEGORIES)]
+        colour = palette.CATEGORIES[number % len(palette.CATEGORIES)]
         axes.plot(
-            xs, np.where(values > 0, values, np.nan), color=colour, marker=drawing.MARKERS[number % 7], label=label
+            xs, np.where(values > 0, values, np.nan), color=colour, marker=palette.MARKERS[number % 7], label=label
         )
     if quantity == HEADLINE:
-        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=drawing.RULE, lw=0)
+        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=palette.RULE, lw=0)
     positive = data[quantity].isel(fixed).values
     spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
     axes.set(xlabel=labels.label(data, x), ylabel=NAMED[quantity], xscale=maps.scale(xs))
@@ -142,9 +152,9 @@ def _bars(data: xr.Dataset, sheet: Sheet) -> str:
     for axes, quantity in zip(panels, shown, strict=True):
         found = data.sel(quantity=quantity).isel({SPEEDS: k})
         totals = 100 * np.nan_to_num(found["ST"].values)
-        axes.barh(range(len(names)), totals, color=drawing.CATEGORIES[0], height=0.5)
+        axes.barh(range(len(names)), totals, color=palette.CATEGORIES[0], height=0.5)
         halves = 100 * np.nan_to_num(found["ST_conf"].values)
-        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=drawing.INK, elinewidth=1.0)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=palette.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
         axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
@@ -167,7 +177,7 @@ def _scattered(data: xr.Dataset, sheet: Sheet) -> str:
     some = slice(0, _DOTS)
     figure, panels = drawing.canvas(sheet, 2.4, max(len(keys), 1))
     for axes, name in zip(panels, keys, strict=False):
-        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=drawing.CATEGORIES[0], ms=2)
+        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=palette.CATEGORIES[0], ms=2)
         axes.set(xlabel=labels.label(data, name))
         known = values.values[np.isfinite(values.values) & (values.values > 0)]
         if known.size and known.max() > 10 * known.min():

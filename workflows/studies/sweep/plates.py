@@ -8,20 +8,22 @@ from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from workflows.decisions import effects as rules
-from workflows.decisions.answering import answering
-from workflows.decisions.decided import decide
-from workflows.decisions.effects import OF_THE_DAMPER, OF_THE_PLATE, Effect
-from workflows.scene.file import SceneFile
+from workflows.effects import rules
+from workflows.effects.effect import Effect
+from workflows.effects.table import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, felt, plate_records, plate_stage
+from workflows.solve.answering import answering
+from workflows.solve.decided import decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.stages import Stages
+from workflows.studies.sweep.placed import Carried
 
 if TYPE_CHECKING:
     import fem
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 _KEPT, _MASSES = 4, 256
 """Plates that are kept at a time, and balls' masses of each."""
@@ -57,15 +59,6 @@ class Solved:
                 for point, number in zip(self.points, self.numbers, strict=True)
             )
         return self.carrying[key]
-
-
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """What carries a damper: its effects, a point for each speed that has an answer, and the plate's surface."""
-
-    effects: dict[str, Effect]
-    points: dict[float, SpeedPoint]
-    surface: Surface | None
 
 
 class Plates:

@@ -1,4 +1,4 @@
-"""The headline numbers of a point: one row, and what each of its columns is."""
+"""The headline numbers of a point: one row, and what each of its columns is; and a block of rows."""
 
 from __future__ import annotations
 
@@ -42,6 +42,9 @@ QUANTITIES = (
 )
 """Columns in the order of files."""
 
+HEADLINE = "best_damping_ratio"
+"""What the best point has most of: the damping ratio within what the plate endures."""
+
 _REASON = ("reason", "i4")
 
 ROW = np.dtype([(quantity.name, quantity.kind) for quantity in QUANTITIES] + [_REASON])
@@ -49,6 +52,28 @@ ROW = np.dtype([(quantity.name, quantity.kind) for quantity in QUANTITIES] + [_R
 
 NUMBERS = tuple(quantity.name for quantity in QUANTITIES)
 UNGRADED = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Rows of the points from `begin` on, and the texts that their reasons count."""
+
+    begin: int
+    rows: Rows
+    reasons: tuple[str, ...]
+
+
+class Reasons:
+    """Texts by number, each once."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+
+    def number(self, text: str) -> int:
+        """Which one it is."""
+        if text not in self.texts:
+            self.texts.append(text)
+        return self.texts.index(text)
 
 
 def empty(count: int) -> Rows:

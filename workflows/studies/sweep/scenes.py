@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from workflows.errors import BadInput
-from workflows.scene.file import SceneFile, parse
+from workflows.scene.file import parse
+from workflows.scene.source import SceneFile
 from workflows.studies.sweep import key_data
 from workflows.studies.sweep.keys import CLEARANCE, SPEEDS, Data, Key, Value
 

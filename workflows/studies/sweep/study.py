@@ -17,16 +17,17 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.output import signals
-from workflows.scene.file import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.file import DEFAULT, SceneLike, opened
+from workflows.scene.source import SceneFile
 from workflows.solve import needs
 from workflows.stages import Stages
 from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, key_data, plans, scenes, table
 from workflows.studies.sweep import uncertain as doubts
-from workflows.studies.sweep.blocks import Block
 from workflows.studies.sweep.crew import Crew
 from workflows.studies.sweep.folder import Folder
 from workflows.studies.sweep.plans import Plan
 from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep.quantities import Block
 
 if TYPE_CHECKING:
     import xarray as xr

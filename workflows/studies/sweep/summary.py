@@ -8,25 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.scene.design import FLAT
 from workflows.studies.sweep import plans, quantities, uncertain
 from workflows.studies.sweep.axes import SPEEDS
+from workflows.studies.sweep.labels import said
+from workflows.studies.sweep.quantities import HEADLINE
 from workflows.wording import significant
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_SHOWN = {
-    "m": (1e3, "mm"),
-    "kg": (1e3, "g"),
-    "rad/s": (30 / math.pi, "rpm"),
-    "rad": (180 / math.pi, "deg"),
-    "1": (1.0, ""),
-}
-"""How units of coordinates are shown: a factor, and the unit's name."""
-
-HEADLINE = "best_damping_ratio"
-"""What the best point has most of: the damping ratio within what the plate endures."""
 
 
 def document(data: xr.Dataset) -> dict[str, Any]:
@@ -96,19 +85,3 @@ def _uncertain(data: xr.Dataset) -> list[str]:
     ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], (data.sizes[SPEEDS] - 1) // 2)
     shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
     return [f"{spread(data)}; of its variance each has, with all it acts together with:", f"  {', '.join(shares)}"]
-
-
-def said(data: xr.Dataset, name: str, value: Any) -> str:
-    """A value of a key in words."""
-    if isinstance(value, str):
-        return value
-    if not math.isfinite(value):
-        return FLAT
-    factor, unit = shown_unit(data, name)
-    return f"{significant(factor * float(value), 4)} {unit}".rstrip()
-
-
-def shown_unit(data: xr.Dataset, name: str) -> tuple[float, str]:
-    """The unit that people have for a key: its factor from SI, and its name."""
-    unit = str(data[name].attrs.get("units", "1"))
-    return _SHOWN.get(unit, (1.0, unit))

@@ -17,8 +17,8 @@ from workflows.studies.sweep.quantities import QUANTITIES
 if TYPE_CHECKING:
     import xarray as xr
 
-    from workflows.studies.sweep.blocks import Block
     from workflows.studies.sweep.plans import Plan
+    from workflows.studies.sweep.quantities import Block
 
 Along: TypeAlias = dict[str, tuple[str, list[Value]]]
 """The values of every axis, and the dimension that they lie along."""

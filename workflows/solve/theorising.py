@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.scene.file import SceneFile
+from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
+from workflows.solve.structure_records import Theory
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
@@ -22,29 +23,23 @@ def model(theory: str, scene: Scene) -> str:
     return "mindlin/held" if theory == "mindlin" and clamped else theory
 
 
-@dataclass(frozen=True)
-class Theory:
-    """The plate theory used, why, and an estimate of its own relative error in frequency against a solid.
+def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
+    """The plate theory of a scene: as given, or chosen; None without a plate.
 
-    The estimate is the largest of the modes asked for, on a coarse mesh, None where nothing was to be chosen; modes
-    have their own.
+    `form`: the plate's planform, needed where that is a mesh.
+
+    Raises:
+        ValueError: the planform is a mesh, and is not given.
     """
-
-    name: str
-    why: str
-    model_error: float | None = None
-
-
-def theory(scene: Scene, form: Planform | None, large_deflection: bool) -> Theory:
-    """The theory of a scene with a plate: as given, or chosen."""
     given = scene.plate
     if given is None:
-        raise ValueError("the scene has no plate")
+        return None
+    if form is None and given.mesh is not None:
+        raise ValueError("the planform of a plate from a mesh is needed")
     if given.theory != "auto":
         return Theory(given.theory, "asked for by the scene")
     from fem import Effects
     from fem.accuracy.choose_theory import choose_theory
-    from workflows.scene import plate_mesh
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)

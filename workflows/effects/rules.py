@@ -2,48 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from workflows.decisions import theorising
-from workflows.decisions.theorising import Theory
 from workflows.effects.definition import Case
-from workflows.effects.left_out import Called, LeftOut
-from workflows.effects.table import EFFECTS, OF_THE_DAMPER, OF_THE_PLATE
+from workflows.effects.effect import Effect
+from workflows.effects.left_out import Called
+from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from workflows.scene.file import SceneFile
-    from workflows.scene.plate_mesh import Planform
-
-__all__ = ["NAMES", "OF_THE_DAMPER", "OF_THE_PLATE", "Effect", "called_for", "of", "resolve", "theory"]
-
-NAMES = tuple(EFFECTS)
-"""Of all effects."""
-
-
-@dataclass(frozen=True)
-class Effect:
-    """Whether an effect is simulated, why (not), and what it would move where it is not, as far as that is known."""
-
-    on: bool
-    why: str
-    left_out: LeftOut | None = field(default=None, repr=False, compare=False)
-
-
-def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
-    """The plate theory of a scene; None without a plate. `form`: its planform, needed where that is a mesh.
-
-    Raises:
-        ValueError: the planform is a mesh, and is not given.
-    """
-    plate = scene.plate
-    if plate is None:
-        return None
-    if form is None and plate.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
-    return theorising.theory(scene, form, large_deflection)
+    from fem.meshes.ladder import Planform
+    from workflows.scene.source import SceneFile
 
 
 def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...] = NAMES) -> dict[str, Called]:

@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from workflows.decisions import effects as rules
-from workflows.decisions.answering import answering
-from workflows.decisions.effects import Effect
-from workflows.decisions.theorising import Theory
+from workflows.effects import rules
+from workflows.effects.effect import Effect
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
+from workflows.solve import theorising
+from workflows.solve.answering import answering
+from workflows.solve.structure_records import Theory
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
-    from workflows.scene.plate_mesh import Planform
+    from fem.meshes.ladder import Planform
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,4 +53,4 @@ def decide(source: SceneFile, stages: Stages) -> Decided:
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), answering(source):
         found = rules.resolve(scene, source.name, form)
-        return Decided(form, found, rules.theory(scene, form, found["large_deflection"].on), sha256)
+        return Decided(form, found, theorising.theory(scene, form, found["large_deflection"].on), sha256)

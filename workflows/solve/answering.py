@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from workflows.errors import NoAnswer
 from workflows.scene import thicknesses
-from workflows.scene.file import SceneFile
+from workflows.scene.source import SceneFile
 from workflows.wording import significant, whole
 
 _BORNE = 0.1

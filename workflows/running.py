@@ -1,0 +1,21 @@
+"""A run as Python calls it: results that show themselves."""
+
+from __future__ import annotations
+
+from workflows import pipeline
+from workflows.report.brief import Shown, shown
+from workflows.scene.file import DEFAULT, SceneLike
+from workflows.stages import Stages
+
+
+def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Shown:
+    """The whole of a run, nothing written.
+
+    Args:
+        scene: the name of a shipped scene, the path of a file, a dict, a Scene or what `load` returns.
+        stages: the clock to go by, if not one of its own.
+
+    Raises:
+        BadInput, NoAnswer, TypeError: see :func:`workflows.pipeline.run`.
+    """
+    return shown(pipeline.run(scene, stages))

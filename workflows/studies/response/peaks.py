@@ -1,0 +1,103 @@
+"""What a forced response amounts to: a row for each crossing and force, at its largest mean amplitude."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workflows.findings import worth
+from workflows.studies.response.records import Response, Through, peak
+
+HELPS = 0.99
+"""Amplitude over that without the ball up to which the ball is said to help: less is next to nothing."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A crossing under one force, at the speed and from the start at which the mean amplitude is largest.
+
+    Attributes:
+        without: largest amplitude without the ball, whatever the speed [m]; the same in each of the others.
+        least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
+        smallest: mean at the same speed from the start from which it is smallest [m].
+        stress_without, stress_with: at the root [Pa], None where it is not known.
+        short, difference: amplitude by the short way, and over the mean less 1; None where it does not speak of this.
+    """
+
+    through: Through
+    force: float
+    rpm: float
+    frequency: float
+    without: float
+    least: float
+    mean: float
+    rms: float
+    greatest: float
+    error: float
+    smallest: float
+    regime: str
+    hits_per_cycle: float
+    power_in: float
+    power_lost: float
+    short: float | None
+    stress_without: float | None
+    stress_with: float | None
+
+    @property
+    def ratio(self) -> float:
+        """Mean amplitude with the ball over the one without."""
+        return self.mean / self.without
+
+    @property
+    def difference(self) -> float | None:
+        """The short way's amplitude over the true one, less 1."""
+        return None if self.short is None else self.short / self.mean - 1
+
+
+def rows(found: Response) -> list[Row]:
+    """All crossings under all forces."""
+    return [_row(found, through, k) for through in found.passed for k in range(len(through.forces))]
+
+
+def _row(found: Response, through: Through, force: int) -> Row:
+    speed, start = peak(through, force)
+    states = through.states
+
+    def at(name: str) -> float:
+        return float(through.shaped(getattr(states, name))[speed, force, start])
+
+    without = float(np.abs(through.shaped(states.without))[:, force].max())
+    short = float(through.short[speed, force, start])
+    stress = root_stress(found, through)
+    return Row(
+        through=through,
+        force=through.forces[force],
+        rpm=float(through.omega[speed]) * 30 / np.pi,
+        frequency=through.crossing.order * float(through.omega[speed]) / (2 * np.pi),
+        without=without,
+        **{name: at(name) for name in ("least", "mean", "rms", "greatest", "error")},
+        smallest=float(through.shaped(states.mean)[speed, force].min()),
+        regime=str(through.shaped(states.regime)[speed, force, start]),
+        hits_per_cycle=at("hits_per_cycle"),
+        power_in=at("power_in"),
+        power_lost=at("power_lost"),
+        short=short if np.isfinite(short) else None,
+        stress_without=None if stress is None else stress * without,
+        stress_with=None if stress is None else stress * at("greatest"),
+    )
+
+
+def root_stress(found: Response, through: Through) -> float | None:
+    """At the root per amplitude at the cavity, in the first bending mode [Pa/m]."""
+    material, strain = found.results.scene.material, found.strain_per_amplitude
+    if material is None or strain is None or through.crossing.family != "flap" or through.crossing.branch != 0:
+        return None
+    return material.youngs_modulus * strain
+
+
+def endured(found: Response, through: Through) -> float | None:
+    """Amplitude at the cavity that the root endures [m]; None where it is not known."""
+    if root_stress(found, through) is None or not found.strain_per_amplitude:
+        return None
+    return worth.ENDURED / found.strain_per_amplitude
