@@ -93,13 +93,14 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     _check_size(rows, start)
     runs = np.zeros(len(rows), LEVEL)
     axes, clocks, windows = runs["axes"], runs["clock"], runs["cycle"]
-    axes["half_gap"] = half_gap(rows)
+    axes["half_gap"] = half = half_gap(rows)
     for i, name in enumerate(("u", "v", "s", "w", "spin")):
         axes[name] = start[:, i]
-    outside = abs(axes["s"]) > axes["half_gap"] + 1e-12 * rows["ball_radius"][:, None]
+    place: Floats = axes["s"]
+    outside = abs(place) > half + 1e-12 * rows["ball_radius"][:, None]
     if outside.any():
-        raise ValueError(f"ball_position {axes['s'][outside][0]:g} m lies outside the cavity")
-    axes["s"] = np.clip(axes["s"], -axes["half_gap"], axes["half_gap"])
+        raise ValueError(f"ball_position {place[outside][0]:g} m lies outside the cavity")
+    axes["s"] = np.clip(place, -half, half)
 
     runs["laws"] = laws = laws_of(rows)
     omega = stuck_frequency(rows)

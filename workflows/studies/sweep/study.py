@@ -206,7 +206,7 @@ def rows(study: Study, place: Folder, begin: int, end: int) -> Block:
         part = block.rows[start:stop].copy()
         texts += [text for text in block.reasons if text not in texts]
         numbers = np.array([*(texts.index(text) for text in block.reasons), -1])
-        part["reason"] = numbers[part["reason"]]
+        part["reason"] = np.take(numbers, part["reason"])
         parts.append(part)
     return Block(begin, np.concatenate(parts), tuple(texts))
 
