@@ -61,7 +61,7 @@ class RingDown:
         impacts: number of wall hits.
         events: number of events of any kind.
         peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
-            shape (n + 1,) [s].
+            shape (n + 1,) [s]; none in a run that ends within the first half of one.
         peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
         last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
         rested: whether the ball came to rest for good, or only trembles.

@@ -37,5 +37,5 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
         omega = rpm * math.pi / 30
         if not 0 <= omega <= FASTEST:
             most = FASTEST * 30 / math.pi
-            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=rpm)
+            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=f"{rpm:g}")
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

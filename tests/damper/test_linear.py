@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from damper import Harmonic, Mode, ParticleDamper, RingDown, ringdown
+from damper.records import HIT
 from tests.compiler import needs_compiler, some
 from tests.damper.lagrangian import Lagrangian
 
@@ -109,6 +110,47 @@ def test_against_the_lagrangian(seed: int) -> None:
         scale = abs(books.initial) + abs(books.work)
         assert books.final == pytest.approx(one.final, abs=1e-9 * scale)
         assert books.work == pytest.approx(one.work, abs=1e-9 * scale)
+
+
+def test_a_coordinate_that_stays_is_a_constant_force_on_the_ball() -> None:
+    """A mode too heavy to move holds the floor at a slope: the ball falls by 5/7 of G θ, and bounces by e."""
+    load, slope, half, e = 2.2e5, 1e-4, 0.049, 0.5
+    along = [Mode(mass=1e9, stiffness=1e11, shape=shape) for shape in ((1.0, 0.0), (0.0, 1.0))]
+    leans = Mode(mass=1e12, stiffness=1e-12, shape=(0.0, 0.0), slope=(slope, 0.0))
+    damper = ParticleDamper(
+        modal_mass=1e9,
+        stiffness=(1e11, 1e11),
+        ball_mass=1e-3,
+        ball_radius=1e-3,
+        cavity=(2 * half + 2e-3, 0.1),
+        centrifugal_acceleration=load,
+        restitution=e,
+        modes=(*along, leans),
+    )
+    run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(0.0, 0.0, 1.0), keep_events=True)
+    assert run.rows is not None
+    hits = run.rows["time"][run.rows["kind"] == HIT]
+    fall = math.sqrt(2 * half / (5 / 7 * load * slope))
+    expected = fall + np.cumsum([0.0, *(2 * fall * e**k for k in range(1, 5))])
+    np.testing.assert_allclose(hits[:5], expected, rtol=1e-9)
+    assert run.energy.initial - run.energy.final == pytest.approx(1e-3 * load * slope * half, rel=1e-9)
+    assert abs(run.energy.residual) < 1e-12 * run.energy.impact
+
+
+def test_a_force_slower_than_the_run_has_no_peaks_yet() -> None:
+    """Velocity maxima are counted by the force's cycles: the first stands within the first half of one."""
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(1.0, 1.0),
+        ball_mass=1e-3,
+        ball_radius=1.0,
+        cavity=(4.0, 4.0),
+        centrifugal_acceleration=1.0,
+        restitution=0.5,
+    )
+    for share, peaks in ((0.45, 0), (0.55, 1)):
+        force = Harmonic(frequency=share * damper.stuck_frequency / 10, force=(1.0, 0.0))
+        assert len(ringdown(damper, (0.0, 0.0), 10, harmonic=force).peak_times) == peaks
 
 
 if __name__ == "__main__":

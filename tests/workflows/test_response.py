@@ -5,6 +5,7 @@ import dataclasses
 import json
 import math
 import tomllib
+from functools import partial
 
 import jsonschema
 import numpy as np
@@ -20,6 +21,8 @@ from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
 from workflows.solve.records import Mode, SpeedPoint
+from workflows.stages import Stages
+from workflows.studies.design import amplitude
 from workflows.studies.response import band, files, page, peaks, study, told
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
@@ -171,14 +174,15 @@ def test_what_response_needs(text, says):
 
 
 def test_no_crossing():
-    found = respond(read(changed("orders = [3]", "orders = [1]")))
-    assert told.sentences(found) == [
-        "No engine order asked for crosses a mode between 3000 and 5000 rpm.",
-        "Order 1 would meet the first mode near 12060 rpm.",
-    ]
-    assert json.loads(page.dumps(found))["crossings"] == []
-    assert "<figure>" in page.render(found)
-    assert not files.dataset(found).data_vars
+    """Nothing to follow, and nothing to design for: both say so alike. 201 Hz are 12060 revolutions a minute."""
+    source = read(changed("orders = [3]", "orders = [1]"))
+    for asked in (respond, partial(amplitude.of, stages=Stages())):
+        with pytest.raises(BadInput) as caught:
+            asked(source)
+        assert str(caught.value).endswith(
+            "[excitation] orders = [1]: no order crosses a mode between 3000 and 5000 rpm;"
+            " order 1 would meet the first mode near 12060 rpm"
+        )
 
 
 def test_crossings_beyond_the_speeds():

@@ -224,6 +224,22 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
         "at most 10 times the structure's mass, 1 kg; these weigh 1000 kg",
     ),
     (
+        {
+            "damper__mass_ratio": None,
+            "damper__ball_material": "steel",
+            "damper__radius": "60 mm",
+            "damper__cavity": ["0.13 m", "0.13 m"],
+            "damper__count": 2,
+        },
+        "[damper] ball_material = 'steel'",
+        "these weigh 14.2",
+    ),
+    (
+        {"damper__count": 10**9},
+        "[damper] count = 1000000000",
+        "expected at most 143239 of radius 0.001 m that weigh 0.006 kg together",  # 0.006 / (4.18879e-9 · 10)
+    ),
+    (
         {"damper__radius": "25 cm", "damper__cavity": ["60 cm", "60 cm"]},
         "[damper] radius = '25 cm'",
         "the ball is larger than its distance from the axis, 0.2 m",

@@ -135,8 +135,10 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
 
     with monkeypatch.context() as patch:
         patch.setattr(os, call, full)
-        with pytest.raises(BadInput, match="No space left on device; what is finished stays"):
-            complete(asked, tmp_path / "out")
+        patch.chdir(tmp_path)
+        says = r"^--out = 'out': cannot be written: No space left on device; what is finished stays"
+        with pytest.raises(BadInput, match=says):
+            complete(asked, Path("out"))
     assert not list((tmp_path / "out" / "shards").glob(".partial*"))
     assert complete(asked, tmp_path / "out") == undisturbed
 

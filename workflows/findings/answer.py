@@ -16,6 +16,9 @@ from workflows.wording import significant, span, whole
 _NEAR = 0.1
 """Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
 
+_BELOW = 0.8
+"""Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
+
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
@@ -52,7 +55,9 @@ def answer(results: Results) -> Answer:
         _beside_the_paper(results),
         None if trust.met(results) else trust.sentence(results),
     )
-    verdict = "No verdict: the equations as printed do not conserve energy" if printed else _verdict(grades)
+    verdict = _verdict(grades) + _if_it_grips(results, turning)
+    if printed:
+        verdict = "No verdict: the equations as printed do not conserve energy"
     return Answer(verdict, tuple(part for part in parts if part))
 
 
@@ -84,13 +89,27 @@ def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
     return text[0].upper() + text[1:]
 
 
+def _if_it_grips(results: Results, points: list[SpeedPoint]) -> str:
+    """What a verdict rests on where the ball rolls only on a floor that grips better than the walls."""
+    needed = [(worth.grip(results, p, found), p) for p in points if (found := worth.best(results, p)) is not None]
+    most, at = max(needed, key=lambda pair: pair[0])
+    damper = results.scene.damper
+    if damper is None or most <= damper.friction:
+        return ""
+    return (
+        f", if the ball rolls without slip, which takes a friction of {significant(most, 2)} {_load(at)}:"
+        f" {damper.friction:g} is given for the walls"
+    )
+
+
 def _how_much(results: Results, points: list[SpeedPoint]) -> str:
     found = [(b, p) for p in points if (b := worth.best(results, p)) is not None]
     top, at = max(found, key=lambda pair: pair[0].damping_ratio)
     share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
-        f"At its best, {_load(at)} and an amplitude of {_millimetres(top.amplitude)} mm, the ball damps like a damping"
-        f" ratio of {_percent(top.damping_ratio)} %: it takes {_percent(share)} % of the vibration's energy in a cycle."
+        f"At its best, at {_speed(at)} and an amplitude of {_millimetres(top.amplitude)} mm, the ball damps like a"
+        f" damping ratio of {_percent(top.damping_ratio)} %: it takes {_percent(share)} % of the vibration's energy in"
+        " a cycle."
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
@@ -115,9 +134,19 @@ def _between(results: Results, points: list[SpeedPoint]) -> str | None:
         said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
         ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
-    held = [f"{_load(p)} below {_millimetres(w.cutoff)} mm" for p, w in ends if w.cutoff > 0]
+    held = [
+        f"{_load(p)} below {_millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}" for p, w in ends if w.cutoff > 0
+    ]
     rests = f" The load holds it at rest {', '.join(held)}." if held else ""
     return f"At least half of its best is left {', '.join(ranges)}.{rests}"
+
+
+def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
+    """Down to where a ball in motion goes on, far below what sets it off, as one in a hollow floor may."""
+    if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
+        return ""
+    last = point.damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * point.reduced.f1_hz) ** 2
+    return f" (one in motion goes on down to {_millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 
 def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -162,7 +191,7 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     figures = low.working
     if figures is None or math.isinf(figures.cutoff):
         return "No: the ball never moves", (
-            f"{as_it_moves(results)}, the cavity's floor tilts, and at {low.load_g:.0f} g the load pulls the ball"
+            f"{as_it_moves(results)}, the cavity's floor tilts, and {_load(low)} the load pulls the ball"
             " down the slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
@@ -204,8 +233,8 @@ def _beside_the_paper(results: Results) -> str | None:
 
 
 def _load(point: SpeedPoint) -> str:
-    """Where in the range of loads, within a sentence."""
-    return f"at {whole(point.load_g)} g" if point.load_g > 0 else "at rest"
+    """Where in the range of speeds, within a sentence."""
+    return f"at {whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
 
 
 def _speed(point: SpeedPoint) -> str:

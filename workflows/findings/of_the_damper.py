@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from workflows.findings import of_the_floor, worth
+from workflows.findings import of_the_ball, of_the_floor, worth
 from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
 from workflows.scene import thicknesses
@@ -56,7 +56,7 @@ def _held(results: Results) -> str | None:
     lift = significant(1e3 * math.hypot(*damping.release))
     needed = significant(1e3 * own.cutoff, 2)
     return (
-        f"From {point.load_g:.0f} g on, this scene's release of {lift} mm does not set the ball rolling, which takes"
+        f"From {whole(point.rpm)} rpm on, this scene's release of {lift} mm does not set the ball rolling, which takes"
         f" {needed} mm there: those ring-downs show the structure alone."
     )
 
@@ -187,6 +187,7 @@ def _two_axes(results: Results) -> str | None:
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.divergence,
     _capped,
+    of_the_ball.at_rest,
     _nothing_released,
     _held,
     of_the_floor.leaning_load,
@@ -200,6 +201,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _books,
     _work_bound,
     _assumed_damping,
+    of_the_ball.lent,
     _impossible_ball,
     _rows,
     _rolling,

@@ -70,6 +70,20 @@ def grade(results: Results, point: SpeedPoint) -> Grade:
     return Grade.MODESTLY if found.damping_ratio >= AIR[0] / 10 else Grade.HARDLY
 
 
+def grip(results: Results, point: SpeedPoint, found: Best) -> float:
+    """Friction on the floor that pure rolling needs at the best amplitude, over the normal load; 0 without a load.
+
+    A rolling ball lags behind its floor by 5/7 of what drives it, u'' + G κ u: friction gives it the other 2/7, and
+    holds it against 5/7 of the rolling resistance.
+    """
+    damper = results.scene.damper
+    if damper is None or point.reduced is None or point.load_g == 0:
+        return 0.0
+    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * found.amplitude
+    resistance = damper.rolling_friction / damper.radius if results.effects["rolling_resistance"].on else 0.0
+    return (2 * drive / (point.omega**2 * point.radius) + 5 * resistance) / 7
+
+
 def endured(results: Results) -> float | None:
     """Amplitude at the cavity that strains the plate's root by what metals endure [m]; None without a plate."""
     strain = root_strain(results, 1.0)

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from workflows.errors import BadInput
 from workflows.results import curves
 from workflows.scene.scene import Scene
 from workflows.solve.records import Mode, Results, SpeedPoint
+from workflows.wording import whole
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 """Multiples of the rotation's frequency that are looked at in any scene."""
@@ -72,6 +74,16 @@ def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossi
         for low, high in pairwise(track)
         if (met := _between(order, labels[branch], low, high)) is not None
     ]
+
+
+def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str) -> BadInput:
+    """That no order crosses a mode between the lowest and the highest of these points, and where it would."""
+    low, high = min(point.rpm for point in points), max(point.rpm for point in points)
+    problem = f"no order crosses a mode between {whole(low)} and {whole(high)} rpm"
+    for order in orders:
+        rpm = beyond(points, order)
+        problem += "" if rpm is None else f"; order {order} would meet the first mode near {whole(rpm)} rpm"
+    return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
 
 
 def beyond(points: Sequence[SpeedPoint], order: int) -> float | None:

@@ -5,9 +5,12 @@ Each check raises with the key to look at, ``table.key``; lengths are in m.
 
 from __future__ import annotations
 
+import math
+
 from workflows.scene import cavity
 from workflows.scene.damper import HEAVIEST, Damper, Release
 from workflows.scene.faults import ROUNDING, fault
+from workflows.scene.materials import LIGHTEST
 from workflows.scene.plate import Plate
 from workflows.scene.thickness_table import thickness_at
 
@@ -20,6 +23,8 @@ def on_the_plate(plate: Plate, damper: Damper | None, release: Release | None) -
         _on_a_rectangle(plate, (plate.length, plate.width), damper)
     elif damper is not None and isinstance(plate.thickness, float):
         _refused(cavity.through_the_thickness(damper, plate.thickness))
+    if damper is not None:
+        _number(damper, damper.balls)
     if release is not None and plate.length is not None:
         _displaced(release, plate.length, "the plate's length")
 
@@ -59,9 +64,23 @@ def within(radius: float, damper: Damper, release: Release | None) -> None:
 def weight(damper: Damper, structure: float) -> None:
     """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
     if damper.balls is not None and damper.balls > HEAVIEST * structure:
-        key = "mass" if damper.mass is not None else "ball_density"
+        key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
         raise fault(
             f"damper.{key}",
             f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
             f" {damper.balls:g} kg",
+        )
+    _number(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
+
+
+def _number(damper: Damper, mass: float | None) -> None:
+    """No more balls than share their mass [kg], where it is known, and are each as heavy as foam at least."""
+    if mass is None or damper.count == 1:
+        return
+    most = max(int(mass / (4 / 3 * math.pi * damper.radius**3 * LIGHTEST)), 1)
+    if damper.count > most:
+        raise fault(
+            "damper.count",
+            f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together: more would be"
+            f" lighter than {LIGHTEST:g} kg/m^3, the lightest foam",
         )

@@ -35,7 +35,10 @@ SMOOTH, _PARTS = 900, 4
 """Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
 
 _NOTHING = 1e-7
-"""Part of a shape's largest displacement that no picture shows."""
+"""Part of a shape's largest displacement below which there is rounding alone."""
+
+_BITS = 15
+"""Of a shape's largest displacement in pictures, which have 16 with its sign."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +142,9 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int],
 
     kept = _kept(len(numbers))
     unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
-    found = _shaped(operators, operators.plate.mesh, displacement(operators, unknowns), kept)
+    shapes = np.array(displacement(operators, unknowns))
+    shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
+    found = _shaped(operators, operators.plate.mesh, shapes, kept)
     return replace(found, finer=_finer(operators, unknowns, kept))
 
 
@@ -154,7 +159,7 @@ def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, kept: tuple[int, .
 def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) -> Surface | None:
     """The surface with each side of a cell in as many parts as `SMOOTH` points allow; None where that is one.
 
-    For pictures: in single precision, and without what rounding leaves.
+    For pictures: no more digits than these show.
     """
     from fem.operators.between_vertices import between
 
@@ -164,8 +169,9 @@ def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) ->
     if parts < 2:
         return None
     found = between(operators, unknowns, parts)
-    shapes = found.displacement
-    shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
+    largest = np.abs(found.displacement).max(axis=(1, 2), keepdims=True)
+    step = np.ldexp(1.0, np.frexp(largest)[1] - _BITS)
+    shapes = np.round(found.displacement / step) * step + 0.0  # which has no -0
     small = shapes.astype(np.complex64 if np.iscomplexobj(shapes) else np.float32)
     return replace(_shaped(operators, found.mesh, small, kept), lines=found.lines)
 

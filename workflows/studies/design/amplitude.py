@@ -144,6 +144,8 @@ def of(source: SceneFile, stages: Stages) -> LeastAmplitude:
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
     met = crossings.of_points(solved.across(), excitation.orders)
+    if not met:
+        raise crossings.unmet(solved.across(), excitation.orders, source.name)
     alone = []
     for crossing in met:
         (point,) = solved.at(np.array([crossing.omega]))

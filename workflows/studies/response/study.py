@@ -44,7 +44,8 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     blade. Each damper has the modes that yield most along its axes, and the one that is crossed.
 
     Raises:
-        BadInput: no damper, no excitation, no range of speeds; see also :func:`workflows.pipeline.run`.
+        BadInput: no damper, no excitation, no range of speeds, no order that crosses a mode within it; see also
+            :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
     excitation = checked(source)
@@ -53,8 +54,11 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     source = shaken(source)
     solved = Solved(source, stages)
     points = solved.across()
+    met = crossings.of_points(points, excitation.orders)
+    if not met:
+        raise crossings.unmet(points, excitation.orders, source.name)
     passed, idle = [], []
-    for crossing in crossings.of_points(points, excitation.orders):
+    for crossing in met:
         found = _through(solved, crossing, excitation)
         if isinstance(found, str):
             idle.append((crossing, found))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from workflows.findings import worth
-from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.studies.response.peaks import HELPS, Row, endured, root_stress, rows
 from workflows.studies.response.records import Response, Through
@@ -14,22 +13,12 @@ from workflows.wording import significant, whole
 
 def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
-    if not found.passed and not found.idle:
-        low, high = found.results.speeds[0].rpm, found.results.speeds[-1].rpm
-        none = f"No engine order asked for crosses a mode between {whole(low)} and {whole(high)} rpm."
-        return [none, *_beyond(found)]
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
         said.append(f"{place(crossing)}: nothing to follow, {why}.")
     return said
-
-
-def _beyond(found: Response) -> list[str]:
-    """Where orders would meet the first mode at other speeds."""
-    near = [(order, crossings.beyond(found.results.speeds, order)) for order in found.excitation.orders]
-    return [f"Order {order} would meet the first mode near {whole(rpm)} rpm." for order, rpm in near if rpm is not None]
 
 
 _UNDAMPED = (

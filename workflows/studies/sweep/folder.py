@@ -43,10 +43,12 @@ class Folder:
 
     Attributes:
         path: where it is.
+        given: the same as it was asked for.
         key: digest of what is computed and of the code that does it.
     """
 
     path: Path
+    given: Path
     key: str
 
     def shard(self, number: int) -> Path:
@@ -77,7 +79,7 @@ class Folder:
         """
         out = io.BytesIO()
         np.savez(out, key=np.array(self.key), begin=block.begin, rows=block.rows, reasons=np.array(block.reasons, "U"))
-        with writing(self.path):
+        with writing(self.given):
             write_whole(self.shard(number), out.getvalue())
 
     def read(self, number: int) -> Block:
@@ -116,7 +118,7 @@ def opened(path: Path, key: str, identity: dict[str, Any]) -> Iterator[Folder]:
     try:
         _clear(target)
         _settle(target, path, key, identity)
-        yield Folder(target, key)
+        yield Folder(target, path, key)
     finally:
         lock.release()
 
