@@ -88,7 +88,7 @@ def test_known_digits(formulation: Formulation, impacts: int, final: float, roll
         assert run.energy.rolling / run.energy.initial == pytest.approx(rolling, abs=6e-12)
 
 
-@pytest.mark.parametrize("seed", some(26, without=2))
+@pytest.mark.parametrize("seed", some(14, without=2))
 @pytest.mark.parametrize("slips", [False, True])
 def test_random_scene(seed: int, slips: bool) -> None:
     """Same events at the same times over 15 cycles; over fewer where the motion is too chaotic for as many."""

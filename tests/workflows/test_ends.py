@@ -50,8 +50,8 @@ def endless(tmp_path: Path) -> Path:
         (signal.SIGINT, 130, 0.35),
         (signal.SIGTERM, 143, 0.35),
         (signal.SIGHUP, 129, 0.35),
-        (signal.SIGINT, 130, 3.0),
-        (signal.SIGTERM, 143, 3.0),
+        (signal.SIGINT, 130, 2.0),
+        (signal.SIGTERM, 143, 2.0),
     ],
 )
 def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
