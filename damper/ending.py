@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
+from damper.keeping import write_peak
+from damper.peaks import close
 
 if TYPE_CHECKING:
     from damper.arrays import Record
+    from damper.tables import Tables
 
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
@@ -25,7 +28,17 @@ TREMOR = 1e-7
 
 
 @kernel
-def fade(it: Record, drive: float) -> None:
+def end_cycle(it: Record, tables: Tables, drive: float) -> bool:
+    """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
+    if not write_peak(it, tables):
+        return False
+    _fade(it, drive)
+    close(it.cycle, it.clock.last_motion)
+    return True
+
+
+@kernel
+def _fade(it: Record, drive: float) -> None:
     """At a velocity maximum, end a run soon in which nothing more will happen that counts.
 
     Either the ball, a cycle long, hit no wall and rolled away next to nothing, on a structure whose largest drive is at

@@ -9,10 +9,10 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.detect import look, schedule
-from damper.ending import DONE, FULL, PAUSED, fade, settle_down
+from damper.ending import DONE, FULL, PAUSED, end_cycle, settle_down
 from damper.flight import begin, increments, structure, viscous_loss
-from damper.keeping import full, write_event, write_peak
-from damper.peaks import close, pass_time, resume, watch
+from damper.keeping import full, write_event
+from damper.peaks import pass_time, resume, watch
 from damper.records import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, START, STUCK
 from damper.resolve import hit, roll, roll_on, rub, settle, slip
 from damper.slip import spend
@@ -147,10 +147,8 @@ def _restart(i: int, kind: int, before: float, it: Record, tables: Tables) -> No
 def _observe(it: Record, tables: Tables, time: float) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
     while watch(it, it.clock.watched, time):
-        if not write_peak(it, tables):
+        if not end_cycle(it, tables, _strongest_drive(it)):
             return False
-        fade(it, _strongest_drive(it))
-        close(it.cycle, it.clock.last_motion)
     pass_time(it, time)
     return True
 

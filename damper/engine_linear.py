@@ -9,11 +9,11 @@ import numpy as np
 from damper.compiled import kernel
 from damper.demand import account
 from damper.drive import strongest_drive
-from damper.ending import DONE, FULL, PAUSED, fade, settle_down
+from damper.ending import DONE, FULL, PAUSED, end_cycle, settle_down
 from damper.guards import seek
 from damper.jumps import let_go, read, resolve
-from damper.keeping import full, write_event, write_peak
-from damper.peaks import close, pass_time, resume
+from damper.keeping import full, write_event
+from damper.peaks import pass_time, resume
 from damper.records import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
 from damper.series import expand
 from damper.slip import spend
@@ -142,10 +142,8 @@ def _record(i: int, kind: int, before: float, it: Record, tables: Tables) -> Non
 def _observe(it: Record, tables: Tables, time: float) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
     while watch(it, it.clock.watched, time):
-        if not write_peak(it, tables):
+        if not end_cycle(it, tables, strongest_drive(it)):
             return False
-        fade(it, strongest_drive(it))
-        close(it.cycle, it.clock.last_motion)
     pass_time(it, time)
     return True
 

@@ -58,7 +58,11 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
 
 
 def number(name: str, value: object) -> float:
-    """The value as a float. Raises ValueError, naming it, for text, a truth value or anything else."""
+    """The value as a float.
+
+    Raises:
+        ValueError: it is text, a truth value or anything else; named.
+    """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ValueError(f"{name} must be a number, got {value!r}")
     try:
@@ -68,14 +72,22 @@ def number(name: str, value: object) -> float:
 
 
 def whole(name: str, value: object) -> int:
-    """The value as a whole number from 1 on. Raises ValueError, naming it, for anything else."""
+    """The value as a whole number from 1 on.
+
+    Raises:
+        ValueError: it is anything else; named.
+    """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
         raise ValueError(f"{name} must be a whole number of at least 1, got {value!r}")
     return int(value)
 
 
 def table(name: str, values: npt.ArrayLike) -> Floats:
-    """The values as an array. Raises ValueError, naming them, where they are not numbers or too large for one."""
+    """The values as an array.
+
+    Raises:
+        ValueError: they are not numbers, or too large for one; named.
+    """
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -83,14 +95,22 @@ def table(name: str, values: npt.ArrayLike) -> Floats:
 
 
 def pair(name: str, value: object) -> tuple[float, float]:
-    """The value as two floats. Raises ValueError, naming it, where it is not two numbers."""
+    """The value as two floats.
+
+    Raises:
+        ValueError: it is not two numbers; named.
+    """
     if not isinstance(value, tuple | list | np.ndarray) or len(value) != 2:
         raise ValueError(f"{name} must be two numbers, along x and y, got {value!r}")
     return number(name, value[0]), number(name, value[1])
 
 
 def validate(rows: Parameters) -> None:
-    """Raise ValueError, naming field and value, where a quantity has no physical sense."""
+    """Look whether every quantity makes physical sense.
+
+    Raises:
+        ValueError: one does not; field and value are named.
+    """
     for name in ("modal_mass", "stiffness", "ball_mass", "ball_radius"):
         _require(rows[name] > 0, name, rows[name], "positive")
     for name in (

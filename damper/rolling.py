@@ -169,9 +169,7 @@ def _root(axis: Record, law: Record, order: int, low: float, high: float, tau: f
         bend = 0.5 * step * motion[order + 2] / slope if order < _ACCELERATION else 0.0
         if abs(bend) < 0.5:
             step /= 1.0 + bend
-        new = tau + step
-        if not low < new < high:
-            new = 0.5 * (low + high)
+        new = tau + step if low < tau + step < high else 0.5 * (low + high)
         if abs(new - tau) <= 4e-16 * new:
             return new
         tau = new

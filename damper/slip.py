@@ -153,8 +153,7 @@ def _zero(axis: Record, law: Record, order: int, target: float, low: float, high
         else:
             high = tau
         new = tau - f / motion[rate] if motion[rate] != 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
+        new = new if low < new < high else 0.5 * (low + high)
         if abs(new - tau) <= 4e-16 * new:
             return new
         tau = new

@@ -123,11 +123,15 @@ def choose_mesh(
         if between and len(search.largest) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.unknowns(fine)
-        following = next_size(planform, fine, float(errors.max()) / tolerance, room)
+        following = next_size(planform, fine, float(errors.max()) / tolerance, _room(search.meshes, fine, most))
         if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
         coarse, fine = fine, following
+
+
+def _room(meshes: Tried, size: int, most: int | None) -> float:
+    """How many times the unknowns of a mesh a finer one may have."""
+    return min(_most(meshes.theory), most or np.inf) / meshes.unknowns(size)
 
 
 def _trust(search: Estimates) -> float:

@@ -42,6 +42,9 @@ if TYPE_CHECKING:
 RIGHT = 1e-9
 """Relative error of a squared frequency at a speed between two known ones that counts as none."""
 
+ROUNDED = 1e-7
+"""One up to which it is rounding, if twice as many speeds have not halved it."""
+
 
 def reduce_over(
     operators: Operators,
@@ -126,6 +129,7 @@ class _Family:
         omega = self._diagram.omega
         fresh = {k: self._solve(k, masses[k]) for k in {0, omega.size - 1}}
         known: dict[int, tuple[float, Array]] = {}
+        before = np.inf
         while True:
             known |= fresh
             nodes = sorted(known)
@@ -135,8 +139,10 @@ class _Family:
             values[nodes], motions[:, nodes] = [known[k][0] for k in nodes], self._motion @ solved
             fresh = {k: self._solve(k, masses[k]) for k in _between(omega**2, nodes)}
             right = max(RIGHT, 4.0 * self._rounding(values[nodes], solved))
-            if all(abs(values[k] / value - 1.0) <= right for k, (value, _) in fresh.items()):
+            wrong = max((abs(values[k] / value - 1.0) for k, (value, _) in fresh.items()), default=0.0)
+            if wrong <= right or 0.5 * before < wrong <= ROUNDED:
                 return values, motions
+            before = wrong
 
     def _rounding(self, values: Array, shapes: Array) -> float:
         """What double precision leaves uncertain of some squared frequencies (k,) with shapes (n, k), relatively."""

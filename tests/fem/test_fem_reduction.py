@@ -17,6 +17,7 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
+from fem.reduction.over_speeds import _Family
 
 TIP = (0.2, 0.0)
 
@@ -125,3 +126,21 @@ def test_over_speeds_refuses():
         reduce_over(operators, diagram, TIP)
     with pytest.raises(ValueError, match="does not lie on the plate"):
         reduce_over(operators, diagram, (0.3, 0.0), ball_mass=0.1)
+
+
+@pytest.mark.parametrize("cells", [5, 7, 9])
+def test_over_speeds_solves_no_more_for_rounding(monkeypatch, cells):
+    """What rounding leaves between a speed solved and one in between is none the less for more speeds solved."""
+    solved = []
+    plain = _Family._solve
+    monkeypatch.setattr(_Family, "_solve", lambda self, k, mass: (solved.append(k), plain(self, k, mass))[1])
+    mesh = rectangle(0.00345, 0.00305, cells, cells).to_meshtri()
+    plate = Plate(mesh, 1e-6, Material(6.13e9, -0.4144, 434.0), 1.83e-10, (0.00345, 0.0))
+    operators = assemble(plate, Rotor(0.01325, -0.6685), Effects(), "kirchhoff")
+    diagram = campbell(operators, np.linspace(0.14, 0.71, 101), 4)
+    found = reduce_over(operators, diagram, (0.00345, 0.0), mass_ratio=1.5e-3)
+    assert len(solved) <= 24
+    for k in (0, 37, 100):
+        one = reduce_at(operators, float(diagram.omega[k]), (0.00345, 0.0), mass_ratio=1.5e-3)
+        assert found[k].f1_hz == pytest.approx(one.f1_hz, rel=1e-7)
+        assert pytest.approx(one.M1, rel=1e-5) == found[k].M1

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from workflows.cli.entry import main
-from workflows.report import mode_shape
+from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
 
 Scene = dict[str, Any]
@@ -51,6 +51,12 @@ def spindamp(
 def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
     monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without their figures, which take most of a report's time and are not looked at."""
+    monkeypatch.setattr(drawing, "both", lambda _: "")
 
 
 @pytest.fixture

@@ -16,6 +16,8 @@ from workflows.findings import worth
 from workflows.findings.answer import answer
 from workflows.solve.records import Results, SpeedPoint
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 BASE = """
 title = "words"
 [structure]

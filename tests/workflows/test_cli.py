@@ -20,6 +20,8 @@ from workflows.cli import entry as cli
 from workflows.cli.commands import COMMANDS
 from workflows.errors import NoAnswer
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 USAGE = [
     ((), "missing command: expected one of run, campbell, "),
     (("rnu",), "rnu"),

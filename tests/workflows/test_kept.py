@@ -13,6 +13,8 @@ import spindamp
 import workflows
 from tests.workflows.conftest import Scene, changed
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def test_what_comes_back_is_what_was_written(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
     """Every number of results.json, its picture of the mode, and the page made anew."""

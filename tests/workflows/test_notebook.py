@@ -23,6 +23,8 @@ from workflows.report import publish
 from workflows.results import curves
 from workflows.solve.records import Results
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -22,6 +22,8 @@ from workflows.scene.schema import schema
 from workflows.solve import theorising
 from workflows.stages import Stages
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 ROOT = Path(__file__).parents[2]
 PUBLISHED = Path(workflows.__file__).with_name("scene.schema.json")
 

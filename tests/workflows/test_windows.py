@@ -31,6 +31,8 @@ from workflows.output import signals, store
 from workflows.output import swap as folders
 from workflows.solve import needs
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def _publish(folder: Path, text: str) -> None:
     with store.replacing(folder) as scratch:

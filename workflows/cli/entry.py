@@ -59,17 +59,26 @@ def _run(arguments: list[str] | None) -> int:
         _silence("stdout")
         return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
-        usage = getattr(error, "format_message", None)
-        if usage is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT:
-            return _fail(one_line(usage()), BAD_INPUT)
-        if os.environ.get("SPINDAMP_DEBUG"):
+        if os.environ.get("SPINDAMP_DEBUG") and _usage(error) is None:
             raise
-        return _fail(
-            f"a defect of ours: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
-            " what SPINDAMP_DEBUG=1 shows",
-            DEFECT,
-        )
+        return _misused_or_defect(error)
     return status if isinstance(status, int) else DONE
+
+
+def _usage(error: Exception) -> str | None:
+    """What typer says of options and arguments that make no sense; None where that is not what is wrong."""
+    said = getattr(error, "format_message", None)
+    return one_line(said()) if said is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT else None
+
+
+def _misused_or_defect(error: Exception) -> int:
+    if (usage := _usage(error)) is not None:
+        return _fail(usage, BAD_INPUT)
+    return _fail(
+        f"a defect of ours: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
+        " what SPINDAMP_DEBUG=1 shows",
+        DEFECT,
+    )
 
 
 def _fail(message: str, status: int) -> int:

@@ -8,20 +8,18 @@ import numpy as np
 
 from workflows.report import drawing, palette
 from workflows.report.drawing import Sheet
+from workflows.solve.quantity import Quantity, entries
 from workflows.solve.records import Energy, Results
 from workflows.wording import amount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PARTS = (
-    ("structure", "structure"),
-    ("rolling", "rolling"),
-    ("impact", "wall hits"),
-    ("slip", "slip"),
-    ("final", "left"),
+_LEFT, *_LOST = (
+    (each.name, each.what.short) for each in entries(Energy) if isinstance(each.what, Quantity) and each.what.short
 )
-"""Parts of the books and what they are called."""
+PARTS = (*_LOST, _LEFT)
+"""Parts of the books and what the record calls them: what was lost, first to the structure, then what is left."""
 
 _COLOURS = (palette.CATEGORIES[5], palette.CATEGORIES[2], palette.CATEGORIES[1], palette.CATEGORIES[3], palette.RULE)
 

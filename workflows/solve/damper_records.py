@@ -83,11 +83,11 @@ class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
     initial: Annotated[float, Quantity("J", "at the release")]
-    final: Annotated[float, Quantity("J", "left at the end")]
-    structure: Annotated[float, Quantity("J", "lost to the structure's own damping")]
-    rolling: Annotated[float, Quantity("J", "lost to rolling resistance")]
-    impact: Annotated[float, Quantity("J", "lost in hits of the walls")]
-    slip: Annotated[float, Quantity("J", "lost to slip on the floor")]
+    final: Annotated[float, Quantity("J", "left at the end", short="left")]
+    structure: Annotated[float, Quantity("J", "lost to the structure's own damping", short="structure")]
+    rolling: Annotated[float, Quantity("J", "lost to rolling resistance", short="rolling")]
+    impact: Annotated[float, Quantity("J", "lost in hits of the walls", short="wall hits")]
+    slip: Annotated[float, Quantity("J", "lost to slip on the floor", short="slip")]
     residual: Annotated[float, Quantity("J", "not explained by the books")]
 
     @property
@@ -140,9 +140,11 @@ class BallPath:
 class Damping:
     """One ring-down. Arrays hold a value per vibration cycle.
 
-    `stopped` is when the ball came to rest for good [s], None where it did not (yet). `modal_energies` [J] are those
-    left at the end in the plate's modes, by number, where they are simulated. `history` and `path` are kept at the
-    speed that the pictures show; there is no path of a ball that never moves.
+    What has no annotation is not published, but serves pictures and findings: `stopped` is when the ball came to rest
+    for good [s], None where it did not (yet); `ball_mass` that of all balls [kg]; `release` the displacement at the
+    release along the damper's axes [m]. `modal_energies` [J] are those left at the end in the plate's modes, by number,
+    where they are simulated. `history` and `path` are kept at the speed that the pictures show; there is no path of a
+    ball that never moves.
     """
 
     outcome: str

@@ -31,6 +31,7 @@ class Quantity:
         unit: of a number, "1" where it has none; empty for a text.
         meaning: in words; empty where the name says it.
         name: under which it is published, if not that of the field.
+        short: what the key of a picture calls it; empty where none does.
         alone: its name where it stands beside those of other records, if not that of the field.
         ends: what tells the two of a pair apart.
         rows: the list that an array is a column of.
@@ -45,6 +46,7 @@ class Quantity:
     unit: str
     meaning: str = ""
     name: str = ""
+    short: str = ""
     alone: str = ""
     ends: tuple[str, str] = ("x", "y")
     rows: Rows | None = None
