@@ -60,11 +60,13 @@ def test(arguments):
         ("mypy", [PYTHON, "-m", "mypy"]),
         ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
     ]
-    kernels = subprocess.Popen([PYTHON, "-m", "tests.kernels_ready"], cwd=ROOT)  # mypy takes one core
+    ready = [PYTHON, "-m", "tests.kernels_ready"]
+    kernels = [subprocess.Popen([*ready, engine], cwd=ROOT) for engine in ("level", "linear")]  # mypy takes one core
     failed = []
     for name, command in steps:
         if name == "pytest":
-            kernels.wait()  # each of its processes would compile them
+            for each in kernels:
+                each.wait()  # each process of pytest would compile them
         print(f"\n== {name}", flush=True)
         if call(*command) != 0:
             failed.append(name)

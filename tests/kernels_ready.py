@@ -1,25 +1,41 @@
-"""Compile the damper's kernels once, before several processes that would all do it: `python -m tests.kernels_ready`."""
+"""Compile the damper's kernels once, before several processes that would all do it: `python -m tests.kernels_ready`.
+
+With the name of an engine only what it needs: `level` or `linear`.
+"""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
-from damper import Harmonic, backbone, forced, ringdown, ringdowns, sample, stepped_ringdown, working
+from damper import Harmonic, ParticleDamper, backbone, forced, ringdown, ringdowns, sample, stepped_ringdown, working
 from tests.benchmarks.flights_speed import level
 
 
-def main() -> None:
-    """Move a ball in every way that has kernels of its own."""
+def moved(damper: ParticleDamper) -> None:
+    """Move a ball in every way that has kernels of its own and needs no force."""
+    sample(ringdown(damper, (1e-3, 0.0), 3, keep_events=True), [1e-4])
+    ringdowns(damper, [(1e-3, 0.0)], 3)
+    working(damper)
+
+
+def on_level_floors() -> None:
+    """The paper's engine, and what is made of a motion that a force keeps up."""
     paper = level()
-    force = Harmonic(paper.stuck_frequency, (5.0, 0.0))
-    for damper in (paper, replace(paper, floor_tilt=(5.0, 5.0))):
-        sample(ringdown(damper, (1e-3, 0.0), 3, keep_events=True), [1e-4])
-        ringdowns(damper, [(1e-3, 0.0)], 3)
-        working(damper)
-    forced(paper, [force])
+    moved(paper)
+    forced(paper, [Harmonic(paper.stuck_frequency, (5.0, 0.0))])
     backbone(paper)
     stepped_ringdown(paper, (1e-3, 0.0), 3)
 
 
+def on_any_floor() -> None:
+    """The engine of linear flights."""
+    moved(replace(level(), floor_tilt=(5.0, 5.0)))
+
+
+ENGINES = {"level": on_level_floors, "linear": on_any_floor}
+
+
 if __name__ == "__main__":
-    main()
+    for name in sys.argv[1:] or ENGINES:
+        ENGINES[name]()
