@@ -6,7 +6,7 @@ import math
 
 from workflows.errors import BadInput
 from workflows.scene.source import SceneFile
-from workflows.scene.speeds import FASTEST
+from workflows.scene.speeds import FASTEST, typed
 from workflows.wording import whole
 
 
@@ -37,5 +37,5 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
         omega = rpm * math.pi / 30
         if not 0 <= omega <= FASTEST:
             most = FASTEST * 30 / math.pi
-            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=f"{rpm:g}")
+            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=typed(rpm))
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -29,7 +29,7 @@ USAGE = [
     (("run", "a", "b"), "b"),
     (("check",), "SCENE"),
     (("ringdown", "--rpm", "fast"), "--rpm"),
-    (("ringdown", "--rpm", "-5"), "--rpm = -5.0: expected a rotation speed"),
+    (("ringdown", "--rpm", "-5"), "--rpm = -5: expected a rotation speed"),
     (("ringdown", "--rpm", "nan"), "--rpm"),
     (("ringdown", "campbell"), "[damper]: the table is missing"),
     (("campbell", "structure"), "[plate]: the table is missing"),

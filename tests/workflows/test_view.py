@@ -123,12 +123,12 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: View, t
         (("nothere",), "nothere: no such scene"),
         (("structure",), "view needs a plate"),
         ((".",), "holds no results.json"),
-        ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100.0: a mesh alone has no speeds"),
+        ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100: a mesh alone has no speeds"),
         ((MESHES / "make.py",), "not a readable mesh file"),
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
         ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
         ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),
-        (("paper", "--rpm", "-1"), "--rpm = -1.0: expected a rotation speed between 0"),
+        (("paper", "--rpm", "-1"), "--rpm = -1: expected a rotation speed between 0"),
     ],
 )
 def test_what_cannot_be_looked_at(arguments: tuple[object, ...], said: str, spindamp: View) -> None:

@@ -84,12 +84,12 @@ def _work_bound(results: Results) -> str | None:
             system = ringdowns.particle_damper(results.scene, results.effects, point)
             amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
             bound = work_bound(system, amplitude)
-            bounds.append((bound, point.load_g))
+            bounds.append((bound, point.rpm))
     if all(bound > 1 for bound, _ in bounds):
         return None  # nothing takes more than all there is
     limits = [
-        f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(load)} g"
-        for bound, load in bounds
+        f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm"
+        for bound, rpm in bounds
     ]
     ends = limits if len(limits) == 1 else [limits[0], limits[-1]]
     return (

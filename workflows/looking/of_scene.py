@@ -9,7 +9,7 @@ from workflows.errors import BadInput
 from workflows.looking.sight import Sight, of_plate
 from workflows.scene import file as scene_file
 from workflows.scene.source import SceneFile
-from workflows.scene.speeds import FASTEST
+from workflows.scene.speeds import FASTEST, typed
 from workflows.solve import needs
 from workflows.stages import Stages
 from workflows.wording import whole
@@ -39,5 +39,5 @@ def _at(source: SceneFile, rpm: float) -> SceneFile:
     omega = rpm * math.pi / 30
     if not 0 <= omega <= FASTEST:
         most = whole(FASTEST * 30 / math.pi)
-        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=rpm)
+        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=typed(rpm))
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -10,6 +10,7 @@ from workflows.looking.mesh_facts import facts
 from workflows.report import mesh_figure
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
+from workflows.scene.speeds import typed
 from workflows.solve.records import SpeedPoint, Surface
 from workflows.wording import amount
 
@@ -67,7 +68,7 @@ def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
     at = sight.surface.at
     if not at:
         if rpm is not None:
-            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=rpm)
+            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
         return 0, 0
     kept = [sight.speeds[number].rpm for number in at]
     row = (len(at) - 1) // 2
@@ -75,7 +76,7 @@ def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
         row = min(range(len(at)), key=lambda k: abs(kept[k] - rpm))
         if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
             shown = ", ".join(map(amount, kept))
-            raise BadInput(f"expected a speed with shapes: {shown} rpm", key="--rpm", value=rpm)
+            raise BadInput(f"expected a speed with shapes: {shown} rpm", key="--rpm", value=typed(rpm))
     count = sight.surface.shapes.shape[1]
     if not 1 <= mode <= count:
         raise BadInput(f"expected a mode from 1 to {count}", key="--mode", value=mode)

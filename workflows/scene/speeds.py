@@ -16,6 +16,11 @@ FASTEST = 1e5
 """Largest rotation speed taken [rad/s]: above it no plate holds, and rounding would answer for physics."""
 
 
+def typed(rpm: float) -> float:
+    """A speed as somebody types it: 4500, where the command line has made 4500.0 of it."""
+    return int(rpm) if float(rpm).is_integer() else rpm
+
+
 def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
