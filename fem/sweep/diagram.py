@@ -116,7 +116,7 @@ def campbell(
         raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
     check_count(operators, count)
     check_damping(damping_ratio)
-    if operators.effects.large_deflection or _hardly_any(asked.size, count):
+    if operators.effects.large_deflection or hardly_any(asked.size, count):
         parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states))
     else:
         found = _below_critical(operators, asked, count, tolerance, damping_ratio)
@@ -137,7 +137,7 @@ def campbell(
     )
 
 
-def _hardly_any(speeds: int, count: int) -> bool:
+def hardly_any(speeds: int, count: int) -> bool:
     """Whether so few speeds are asked for that each is best solved by itself."""
     return speeds == 1 or (count > FEW and speeds <= count)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
+from workflows.solve.fill import of_each
 from workflows.solve.records import SHAPES_AT_MOST
 
 if TYPE_CHECKING:
@@ -158,21 +159,9 @@ def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool =
 
 def unknowns(model: str, mesh: Any) -> float:
     """How many a theory has on a mesh, those at the clamped root included."""
-    from fem.theory.kirchhoff import is_rectangles
-
-    name, _, layers = model.partition("/")
-    quads = mesh.t.shape[0] == 4
-    if name == "kirchhoff" and quads and not is_rectangles(mesh):
-        mesh, quads = mesh.to_meshtri(), False
-    corners, edges, cells = mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]
-    second_order = corners + edges + (cells if quads else 0)
-    if name == "kirchhoff":
-        return float(4 * corners + 2 * second_order if quads else 6 * corners + edges + 2 * second_order)
-    if name == "solid":
-        if not quads:  # each triangle becomes three quadrilaterals
-            second_order = corners + 3 * edges + 7 * cells
-        return float(3 * (2 * int(layers or 2) + 1) * second_order)
-    return float(5 * second_order + (0 if quads else 2 * cells))
+    mesh, each = of_each(model, mesh)
+    counts = mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]
+    return float(sum(own * count for own, count in zip(each, counts, strict=True)))
 
 
 def available() -> float:

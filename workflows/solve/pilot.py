@@ -1,16 +1,19 @@
 """How long a run takes and how much memory, reckoned from a small one: coarse meshes, few speeds, few cycles.
 
-The first meshes of the search tell how fine the last will be (Richardson 1911), and their times what it costs on this
-machine; they are followed as far as a few seconds go. Where the first meshes are large, solids and many cells from a
-file, small plates like these are solved instead (`workflows.solve.likeness`).
+The search for a mesh is followed as far as a few seconds go; it says which mesh it would try next, and its errors how
+many more there will be (Richardson 1911). What it took, and the sweep over speeds on such a mesh, are the price of the
+rest (`workflows.solve.price`). Where the first meshes are large, solids and many cells from a file, small plates like
+these are solved instead (`workflows.solve.likeness`).
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from workflows.effects.effect import Effect
 from workflows.errors import SpindampError
@@ -20,6 +23,8 @@ from workflows.solve import damper_stage as ringdowns
 from workflows.solve import plate_stage as plate
 from workflows.solve.answering import answering
 from workflows.solve.decided import Decided
+from workflows.solve.fill import NOTHING, Fill, fill
+from workflows.solve.price import Part, grown, timed
 from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
 from workflows.wording import significant
@@ -28,20 +33,20 @@ if TYPE_CHECKING:
     from fem.meshes.ladder import Planform
     from workflows.solve.plate_records import Discrete
 
-_UNKNOWNS, PATIENCE = (4000, 16_000, 64_000), 5.0
+_UNKNOWNS, PATIENCE = (6000, 20_000, 80_000), 3.0
 """Up to which meshes are tried here, one after the other as long as the next should take no more seconds than that."""
 
-_GROWTH, _SLOWEST, _FASTEST = 1.2, 0.9, 1.6
-"""Power of the unknowns that the work grows with, where two trials do not tell; the least and the largest believed."""
+_GROWTH = 1.3
+"""Power of the unknowns that the work grows with, where it is only to be known whether a mesh takes long."""
 
-_SPEEDS, _CYCLES = 3, 1000
-"""Up to which there are speeds and cycles here."""
-
-_SEARCH = 1.3
-"""Work of a search over that of the last of its meshes, each of which is about half as large as the next."""
+_FEW, _MANY_SPEEDS, _CYCLES = 4, 300, 1000
+"""Up to which there are speeds here where each is solved by itself, speeds of one basis, and cycles."""
 
 _START = 5.0
 """Seconds to start the program, to draw and to write."""
+
+_PROBED = 3
+"""Speeds at which the damper is tried."""
 
 _LONG, _WITHIN = 60.0, 3.0
 """Seconds that count as long; the factor within which they are reckoned without solving anything, and memory too."""
@@ -95,122 +100,184 @@ def need(source: SceneFile, decided: Decided) -> Need:
     Raises:
         BadInput, NoAnswer: what a run would raise, or its first meshes already ask for too much memory.
     """
-    small = _small(source)
+    began = perf_counter()
     if decided.form is None:
-        points = tuple(felt.known_structure(small.scene, omega) for omega in small.scene.rotor.speeds)
+        speeds = _some(source, _PROBED).scene.rotor.speeds
+        points = tuple(felt.known_structure(source.scene, omega) for omega in speeds)
         memory, seconds = 0.0, 0.0
     else:
-        points, memory, seconds = _plate(source, small, decided)
-    cycles, spent = _damper(source, small, decided.effects, points)
+        points, memory, seconds = _plate(source, decided)
+    cycles, spent = _damper(source, decided.effects, points)
     lines = needs.of_lines(source.scene)
-    return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + seconds + spent)
+    own = perf_counter() - began if may_be_large(source, decided) else 0.0
+    return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
 
 
-def _small(source: SceneFile) -> SceneFile:
-    """The scene at its lowest speed, its highest and one between."""
+def _some(source: SceneFile, most: int) -> SceneFile:
+    """The scene at no more than so many of its speeds, the lowest and the highest among them."""
     speeds = sorted(source.scene.rotor.speeds)
-    few = tuple(dict.fromkeys((speeds[0], speeds[len(speeds) // 2], speeds[-1])))
+    if len(speeds) <= most:
+        return source
+    few = tuple(speeds[round(k * (len(speeds) - 1) / (most - 1))] for k in range(most))
     rotor = source.scene.rotor.model_copy(update={"speeds": few})
     return replace(source, scene=source.scene.model_copy(update={"rotor": rotor}))
 
 
-def _plate(source: SceneFile, small: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
+def _plate(source: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
     """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
     (form, _), model = decided.plate, plate.model(source, decided)
     first = reckoned.first_unknowns(source, form, model)
     memory, _ = reckoned.reckon(source, decided.effects, model, first, 1.0)
     needs.refuse(source, needs.BASE + memory + needs.of_lines(source.scene), 0.0)
-    slowness = reckoned.pace()  # also loads what solves plates
-    found: _Trial | None = None
+    reckoned.pace()  # loads what solves plates
+    alone = plate.each_alone(source.scene, decided.effects)
+    small = _some(source, _FEW if alone else _MANY_SPEEDS)
+    trials: list[_Trial] = []
     if first > _UNKNOWNS[0]:
-        try:
-            alike = likeness.known(source, small, decided, model)
-        except (SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
-            last = reckoned.searched(source, decided, model)[-1]
-            return (), *reckoned.reckon(source, decided.effects, model, last, slowness)
-        if first > _UNKNOWNS[-1] or alike.once > PATIENCE:
-            return alike.points, alike.memory, alike.seconds
-    for most in (size for size in _UNKNOWNS if size >= first):
-        if found is not None and found.spent * (most / found.unknowns) ** _GROWTH >= PATIENCE:
-            break
-        found = _tried(source, small, decided, most, found)
-        if found.last:
-            break
-    if found is None:
-        raise ValueError("no mesh was tried")
-    return found.points, found.memory, found.seconds
+        with suppress(SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
+            trials = _alike(small, decided, model)
+    sizes = tuple(reckoned.sizes_searched(source, decided, model))
+    begun = sum((fill(model, form.mesh(size)) for size in sizes[:2]), NOTHING)
+    if not trials or grown([trial.search for trial in trials], begun) <= PATIENCE:
+        trials = _followed(small, decided, [most for most in _UNKNOWNS if most >= first] or [_UNKNOWNS[-1]], trials)
+        choice = trials[-1].discrete.choice
+        sizes = (*(size for size, _ in choice.tried), *ahead(source, form, trials[-1].discrete)) or (choice.size,)
+    large = decided.effects["large_deflection"].on
+    most = max(needs.unknowns(model, form.mesh(size)) for size in sizes)
+    meshes = [fill(model, form.mesh(size)) for size in sizes]
+    seconds = _seconds(source, decided, trials, meshes, len(source.scene.rotor.speeds) / len(small.scene.rotor.speeds))
+    points = next(trial.points for trial in reversed(trials) if trial.points is not None)
+    return points, needs.of_a_plate(model, most, source.scene.rotor.modes, large), seconds
+
+
+def _seconds(source: SceneFile, decided: Decided, trials: list[_Trial], meshes: list[Fill], each: float) -> float:
+    """Seconds of a run on the meshes of a search, of which the last is swept; `each`: speeds for one that was tried."""
+    each = each if plate.each_alone(source.scene, decided.effects) else 1.0
+    bent = decided.effects["large_deflection"].on or decided.effects["coriolis"].on
+    search = grown([trial.search for trial in trials], sum(meshes, NOTHING))
+    sweep, reduction = (
+        grown([part for trial in trials if (part := getattr(trial, name)) is not None], meshes[-1])
+        for name in ("sweep", "reduction")
+    )
+    return search + each * sweep + (each if bent else 1.0) * reduction
 
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A search that ends with a coarse mesh: its unknowns and seconds, and what the whole search takes by it."""
+    """A search that ends with a coarse mesh, and what is done on that; the search alone where that would take long."""
 
-    unknowns: float
-    spent: float
-    points: tuple[SpeedPoint, ...]
-    memory: float
-    seconds: float
-    last: bool
+    discrete: Discrete
+    search: Part
+    sweep: Part | None = None
+    reduction: Part | None = None
+    points: tuple[SpeedPoint, ...] | None = None
 
+    @property
+    def unknowns(self) -> float:
+        """Of its mesh."""
+        return float(self.discrete.choice.operators.mass.shape[0])
 
-def _tried(source: SceneFile, small: SceneFile, decided: Decided, most: float, before: _Trial | None) -> _Trial:
-    """Solve the plate on meshes of no more than so many unknowns, and see what finer ones take."""
-    (form, _), scene = decided.plate, source.scene
-    with answering(source):
-        began = perf_counter()
-        discrete = plate.discretise(small, decided, Stages(visible=False), most=int(most))
-        searched = perf_counter()
-        operators = discrete.choice.operators
-        diagram = plate.sweep(small, discrete)
-        reduced, at_cavity = at_the_cavity.felt(small, decided.effects, operators, diagram)
-        swept = perf_counter()
+    @property
+    def next(self) -> float:
+        """Unknowns of the mesh that the search would go on with; infinite where it has ended."""
+        following = self.discrete.choice.following
+        return np.inf if following is None else self.unknowns * (following / self.discrete.choice.size) ** 2
 
-    large, model = operators.effects.large_deflection, operators.model.theory
-    here, spent = float(operators.mass.shape[0]), swept - began
-    there = here * _growth(source, form, discrete, here)
-    each = len(scene.rotor.speeds) / len(small.scene.rotor.speeds) if large else 1.0
-    power = _GROWTH
-    if before is not None and here > 2.0 * before.unknowns:
-        power = min(max(log(spent / before.spent) / log(here / before.unknowns), _SLOWEST), _FASTEST)
-    search = (searched - began) * (1.0 if there == here else _SEARCH)
-    seconds = (search + (swept - searched) * each) * (there / here) ** power
-    points = plate_records.at_speeds(small, discrete, diagram, reduced, at_cavity)
-    return _Trial(here, spent, points, needs.of_a_plate(model, there, scene.rotor.modes, large), seconds, there == here)
+    @property
+    def spent(self) -> float:
+        """Seconds of all parts."""
+        return sum(part.seconds for part in (self.search, self.sweep, self.reduction) if part is not None)
 
 
-def _growth(source: SceneFile, form: Planform, discrete: Discrete, unknowns: float) -> float:
-    """By what factor the unknowns grow until the accuracy asked for is met, or the search ends."""
+def _alike(small: SceneFile, decided: Decided, model: str) -> list[_Trial]:
+    """Small plates like that of the scene, the second as long as it takes no longer than patience."""
+    trials: list[_Trial] = []
+    for unknowns in likeness.UNKNOWNS:
+        if not trials or _foreseen(trials, unknowns) <= PATIENCE:
+            trials.append(_tried(small, likeness.like(decided, model, unknowns), model, 0.0))
+    return trials
+
+
+def _followed(small: SceneFile, decided: Decided, mosts: list[int], trials: list[_Trial]) -> list[_Trial]:
+    """The search of the scene up to more and more unknowns, as far as patience goes, and its sweep as far as that.
+
+    trials: of plates like it, which are kept.
+    """
+    model, own = plate.model(small, decided), list[_Trial]()
+    for most in mosts:
+        if own and own[-1].next > most:
+            continue
+        swept = not own + trials or _foreseen(trials + own, most) <= PATIENCE
+        if own and own[-1].search.seconds * (most / own[-1].unknowns) ** _GROWTH > PATIENCE:
+            break
+        own.append(_tried(small, decided, model, most, swept))
+    return trials + own
+
+
+def _foreseen(trials: list[_Trial], unknowns: float) -> float:
+    """Seconds of a trial with more unknowns, roughly, by the last that was swept."""
+    last = next(trial for trial in reversed(trials) if trial.sweep is not None)
+    return last.spent * float((unknowns / last.unknowns) ** _GROWTH)
+
+
+def _tried(small: SceneFile, decided: Decided, model: str, until: float, swept: bool = True) -> _Trial:
+    """Solve the plate on the meshes before those of so many unknowns."""
+    (form, _), quiet = decided.plate, Stages(visible=False)
+    with answering(small):
+        discrete, searched = timed(lambda: plate.discretise(small, decided, quiet, until=until))
+        choice = discrete.choice
+        sizes = [size for size, _ in choice.tried] or [choice.size]
+        on = [fill(model, form.mesh(size)) for size in sizes]
+        trial = _Trial(discrete, searched(sum(on, NOTHING)))
+        if not swept:
+            return trial
+        diagram, sweeping = timed(lambda: plate.sweep(small, discrete))
+        found, reducing = timed(lambda: at_the_cavity.felt(small, decided.effects, choice.operators, diagram))
+        last = fill(model, form.mesh(choice.size))
+        points = plate_records.at_speeds(_some(small, _PROBED), discrete, diagram, *found)
+    return replace(trial, sweep=sweeping(last), reduction=reducing(last), points=points)
+
+
+def ahead(source: SceneFile, form: Planform, discrete: Discrete) -> tuple[int, ...]:
+    """Sizes that a search will still try after it was ended: the next, and others if its errors fall as they should."""
     from fem.accuracy.budget import SURE
     from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
 
-    choice = discrete.choice
-    left = dict(choice.tried).get(choice.size, 0.0)  # without what no mesh takes away, which the search leaves out
-    if not left > SURE * choice.tolerance:
-        return 1.0
-    model = choice.operators.model.theory
-    fit = needs.most_unknowns(source, form, model, choice.operators.effects.large_deflection)
-    room = min(MOST_UNKNOWNS[model.partition("/")[0]], fit) / unknowns
-    following = next_size(form, choice.size, left / choice.tolerance, room, step=inf)
-    return 1.0 if following is None else (following / choice.size) ** 2
+    choice, found, following = discrete.choice, list[int](), discrete.choice.following
+    operators = choice.operators
+    model, here = operators.model.theory, float(operators.mass.shape[0])
+    fit = needs.most_unknowns(source, form, model, operators.effects.large_deflection)
+    most = min(MOST_UNKNOWNS[model.partition("/")[0]], fit)
+    size, left = choice.size, dict(choice.tried).get(choice.size, 0.0)
+    while following is not None:
+        found.append(following)
+        left *= (size / following) ** (0.5 * sum(form.orders))
+        size = following
+        room = most / (here * (size / choice.size) ** 2)
+        met = left <= SURE * choice.tolerance
+        following = None if met else next_size(form, size, left / choice.tolerance, room)
+    return tuple(found)
 
 
-def _damper(
-    source: SceneFile, small: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]
-) -> tuple[float, float]:
+def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> tuple[float, float]:
     """Cycles of all ring-downs, and the seconds that they and the damper's own figures take."""
+    from damper import ringdown
+
     release = source.scene.release
     if release is None or not points:
         return 0.0, 0.0
     asked = None if isinstance(release.cycles, str) else release.cycles
     few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
-    scene = small.scene.model_copy(update={"release": few})
-    began = perf_counter()
-    ringdowns.simulate(scene, effects, points[:1], Stages(visible=False))  # loads and compiles
-    tried = points if perf_counter() - began <= PATIENCE else points[-1:]
-    began = perf_counter()
-    found = ringdowns.simulate(scene, effects, tried, Stages(visible=False))
-    spent = (perf_counter() - began) / len(tried)
-    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(tried)
+    scene, quiet = source.scene.model_copy(update={"release": few}), Stages(visible=False)
+    system = ringdowns.particle_damper(scene, effects, points[-1])
+    ringdown(system, felt.released_at(scene, points[-1]), 1)  # loads and compiles
+    began, found = perf_counter(), list[SpeedPoint]()
+    for point in reversed(points):
+        found += ringdowns.simulate(scene, effects, (point,), quiet)
+        if perf_counter() - began > PATIENCE:
+            break
+    spent = (perf_counter() - began) / len(found)
+    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(found)
     speeds = len(source.scene.rotor.speeds)
     more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
     return speeds * cycles * more, speeds * spent * more

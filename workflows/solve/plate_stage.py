@@ -110,12 +110,12 @@ def discretise(
     decided: Decided,
     stages: Stages,
     size: int | None = None,
-    most: int | None = None,
+    until: float = np.inf,
 ) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
-    With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `most`: unknowns
-    beyond which no finer mesh is tried, if not those that the memory holds.
+    With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `until`: unknowns
+    before which the search is ended, wherever it then stands.
     """
     from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
 
@@ -142,8 +142,7 @@ def discretise(
         left_out = sum(found.largest for found in _left_out(effects).values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
         fit = needs.most_unknowns(source, form, model, plain.large_deflection)
-        speeds, modes, limit = scene.rotor.speeds, scene.rotor.modes, min(fit, most or fit)
-        choice = choose_mesh(form, build, speeds, modes, tolerance, limit)
+        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit, until)
         choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
         raise BadInput(str(error), file=source.name, key="[plate]") from error
@@ -184,6 +183,14 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
         speeds = np.union1d(speeds, steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states)
+
+
+def each_alone(scene: Scene, effects: dict[str, Effect]) -> bool:
+    """Whether the sweep solves every speed in full, so that its work grows with their number."""
+    from fem.sweep.diagram import hardly_any
+
+    speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
+    return effects["large_deflection"].on or (modes > MODES_FOLLOWED and hardly_any(speeds, modes))
 
 
 def one_by_one(scene: Scene, operators: fem.Operators) -> bool:

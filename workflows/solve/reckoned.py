@@ -59,7 +59,13 @@ def first_unknowns(source: SceneFile, form: Planform, model: str) -> float:
 
 
 def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
-    """Unknowns of the meshes that a search should solve, the last of them that which it ends with.
+    """Unknowns of the meshes that a search should solve, the last of them that which it ends with."""
+    form, _ = decided.plate
+    return [needs.unknowns(model, form.mesh(size)) for size in sizes_searched(source, decided, model)]
+
+
+def sizes_searched(source: SceneFile, decided: Decided, model: str) -> list[int]:
+    """Their sizes in the ladder of the planform.
 
     Of bricks all that may be tried, for all but rough accuracies; of others one beyond the first two, for tight ones.
     """
@@ -68,20 +74,19 @@ def searched(source: SceneFile, decided: Decided, model: str) -> list[float]:
     form, _ = decided.plate
     coarsest = needs.unknowns(model, form.mesh(form.sizes[0]))
     if not has_pair(form, coarsest, model):
-        return [coarsest]
+        return [form.sizes[0]]
     sizes = list(first_pair(form, source.scene.rotor.modes))
-    found = [needs.unknowns(model, form.mesh(size)) for size in sizes]
     bricks = kind(model) is Kind.SOLID
     if source.scene.accuracy.frequency >= (_ROUGH if bricks else _TIGHT):
-        return found
+        return sizes
     fit = needs.most_unknowns(source, form, model, decided.effects["large_deflection"].on)
-    most, each = min(MOST_UNKNOWNS[model.partition("/")[0]], fit), found[-1] / sizes[-1] ** 2
+    most = min(MOST_UNKNOWNS[model.partition("/")[0]], fit)
+    each = needs.unknowns(model, form.mesh(sizes[-1])) / sizes[-1] ** 2
     while finer := [size for size in form.sizes if sizes[-1] < size <= STEP * sizes[-1] and each * size**2 <= most]:
         sizes.append(finer[-1])
-        found.append(needs.unknowns(model, form.mesh(finer[-1])))
         if not bricks:
             break
-    return found
+    return sizes
 
 
 def reckon(
