@@ -127,7 +127,7 @@ class _Family:
             Divergence: past the critical speed.
         """
         omega = self._diagram.omega
-        fresh = {k: self._solve(k, masses[k]) for k in {0, omega.size - 1}}
+        fresh = {k: self.solved(k, masses[k]) for k in {0, omega.size - 1}}
         known: dict[int, tuple[float, Array]] = {}
         before = np.inf
         while True:
@@ -137,7 +137,7 @@ class _Family:
             flaps = np.column_stack([self._diagram.shapes(k)[:, self._indices[k]] for k in nodes])
             values, motions = self._ritz(np.column_stack([solved, flaps]), masses)
             values[nodes], motions[:, nodes] = [known[k][0] for k in nodes], self._motion @ solved
-            fresh = {k: self._solve(k, masses[k]) for k in _between(omega**2, nodes)}
+            fresh = {k: self.solved(k, masses[k]) for k in _between(omega**2, nodes)}
             right = max(RIGHT, 4.0 * self._rounding(values[nodes], solved))
             wrong = max((abs(values[k] / value - 1.0) for k, (value, _) in fresh.items()), default=0.0)
             if wrong <= right or 0.5 * before < wrong <= ROUNDED:
@@ -149,7 +149,7 @@ class _Family:
         stiffness = self._operators.at(float(self._diagram.omega[-1]))
         return 2.0 * float(rounding(stiffness, shapes, values).max())
 
-    def _solve(self, k: int, mass: float) -> tuple[float, Array]:
+    def solved(self, k: int, mass: float) -> tuple[float, Array]:
         """The squared frequency at speed number k and its shape (n,), by the full matrices."""
         omega = float(self._diagram.omega[k])
         stiffness = self._operators.at(omega) + omega**2 * mass * self._spinning

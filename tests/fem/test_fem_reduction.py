@@ -132,8 +132,8 @@ def test_over_speeds_refuses():
 def test_over_speeds_solves_no_more_for_rounding(monkeypatch, cells):
     """What rounding leaves between a speed solved and one in between is none the less for more speeds solved."""
     solved = []
-    plain = _Family._solve
-    monkeypatch.setattr(_Family, "_solve", lambda self, k, mass: (solved.append(k), plain(self, k, mass))[1])
+    plain = _Family.solved
+    monkeypatch.setattr(_Family, "solved", lambda self, k, mass: (solved.append(k), plain(self, k, mass))[1])
     mesh = rectangle(0.00345, 0.00305, cells, cells).to_meshtri()
     plate = Plate(mesh, 1e-6, Material(6.13e9, -0.4144, 434.0), 1.83e-10, (0.00345, 0.0))
     operators = assemble(plate, Rotor(0.01325, -0.6685), Effects(), "kirchhoff")
