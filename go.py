@@ -58,20 +58,7 @@ def test(arguments):
         ("ruff check", [PYTHON, "-m", "ruff", "check", *PACKAGES]),
         ("ruff format", [PYTHON, "-m", "ruff", "format", "--check", *PACKAGES]),
         ("mypy", [PYTHON, "-m", "mypy"]),
-        (
-            "pytest",
-            [
-                PYTHON,
-                "-m",
-                "pytest",
-                "-n",
-                str((os.cpu_count() or 1) + 1),
-                "--dist",
-                "loadscope",
-                "--no-loadscope-reorder",
-                *arguments,
-            ],
-        ),
+        ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
     ]
     ready = [PYTHON, "-m", "tests.kernels_ready"]
     kernels = [subprocess.Popen([*ready, engine], cwd=ROOT) for engine in ("level", "linear")]  # mypy takes one core
