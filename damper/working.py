@@ -148,7 +148,7 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     in_blocks(work, pace.sweeps, threads or os.cpu_count() or 1, block_size=1)
     if f is not None:
         f.give_back(p)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
         level = 0.5 * np.log(2 * energy[:, SETTLING:] / damper.stiffness[0])
     halves = np.repeat(np.column_stack([each % 2, each // (pace.sweeps // 2)]), level.shape[1], axis=0)
     rows = np.column_stack([level.reshape(-1, 2), halves])

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from workflows.findings import trust, worth
+from workflows.findings.of_the_ball import gripped
 from workflows.findings.of_the_floor import as_it_moves, tilt
+from workflows.findings.said import at_load, at_speed, millimetres, percent
 from workflows.findings.worth import AIR, ENDURED, Grade
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
-from workflows.wording import significant, span, whole
+from workflows.wording import span, whole
 
 _NEAR = 0.1
 """Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
@@ -55,7 +57,7 @@ def answer(results: Results) -> Answer:
         _beside_the_paper(results),
         None if trust.met(results) else trust.sentence(results),
     )
-    verdict = _verdict(grades) + _if_it_grips(results, turning)
+    verdict = gripped(results, turning, _verdict(grades))
     if printed:
         verdict = "No verdict: the equations as printed do not conserve energy"
     return Answer(verdict, tuple(part for part in parts if part))
@@ -84,22 +86,9 @@ def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
         return _WORDS[stretches[0][0]].capitalize()
     if len(stretches) > _STEPS_AT_MOST:
         return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
-    words = [f"{_WORDS[grade]} up to {_speed(run[-1])}" for grade, run in stretches[:-1]]
-    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {_speed(stretches[-1][1][0])} on"])
+    words = [f"{_WORDS[grade]} up to {at_speed(run[-1])}" for grade, run in stretches[:-1]]
+    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {at_speed(stretches[-1][1][0])} on"])
     return text[0].upper() + text[1:]
-
-
-def _if_it_grips(results: Results, points: list[SpeedPoint]) -> str:
-    """What a verdict rests on where the ball rolls only on a floor that grips better than the walls."""
-    needed = [(worth.grip(results, p, found), p) for p in points if (found := worth.best(results, p)) is not None]
-    most, at = max(needed, key=lambda pair: pair[0])
-    damper = results.scene.damper
-    if damper is None or most <= damper.friction:
-        return ""
-    return (
-        f", if the ball rolls without slip, which takes a friction of {significant(most, 2)} {_load(at)}:"
-        f" {damper.friction:g} is given for the walls"
-    )
 
 
 def _how_much(results: Results, points: list[SpeedPoint]) -> str:
@@ -107,16 +96,16 @@ def _how_much(results: Results, points: list[SpeedPoint]) -> str:
     top, at = max(found, key=lambda pair: pair[0].damping_ratio)
     share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
-        f"At its best, at {_speed(at)} and an amplitude of {_millimetres(top.amplitude)} mm, the ball damps like a"
-        f" damping ratio of {_percent(top.damping_ratio)} %: it takes {_percent(share)} % of the vibration's energy in"
+        f"At its best, at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball damps like a"
+        f" damping ratio of {percent(top.damping_ratio)} %: it takes {percent(share)} % of the vibration's energy in"
         " a cycle."
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = ", within what the plate endures," if least.limited else ""
-        said = f"{_load(there)}{within} it comes to {_percent(least.damping_ratio)} % at best."
+        said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {said[0].upper()}{said[1:]}"
-    return f"{text} The air alone gives turbine blades {_percent(AIR[0])} to {_percent(AIR[1])} %."
+    return f"{text} The air alone gives turbine blades {percent(AIR[0])} to {percent(AIR[1])} %."
 
 
 def _between(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -133,9 +122,11 @@ def _between(results: Results, points: list[SpeedPoint]) -> str | None:
         loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
         said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
-        ranges.append(f"{_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
+        ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
     held = [
-        f"{_load(p)} below {_millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}" for p, w in ends if w.cutoff > 0
+        f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
+        for p, w in ends
+        if w.cutoff > 0
     ]
     rests = f" The load holds it at rest {', '.join(held)}." if held else ""
     return f"At least half of its best is left {', '.join(ranges)}.{rests}"
@@ -146,7 +137,7 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
     if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
         return ""
     last = point.damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * point.reduced.f1_hz) ** 2
-    return f" (one in motion goes on down to {_millimetres(last)} mm)" if last < _BELOW * cutoff else ""
+    return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 
 def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -157,10 +148,10 @@ def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     if limit is None or not lost:
         return None
     point, figures = lost[0]
-    said = _load(point)
+    said = at_load(point)
     return (
-        f"{said[0].upper()}{said[1:]} it takes {_millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
-        f" {_millimetres(limit)} mm would strain the plate's root by over {100 * ENDURED:g} %, which no blade metal"
+        f"{said[0].upper()}{said[1:]} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
+        f" {millimetres(limit)} mm would strain the plate's root by over {100 * ENDURED:g} %, which no blade metal"
         " endures in vibration: there the damper is out of reach."
     )
 
@@ -175,9 +166,9 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     if not fed:
         return None
     amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
-    said = _load(point)
+    said = at_load(point)
     return (
-        f"{said[0].upper()}{said[1:]} and above {_millimetres(amplitude)} mm they drive the vibration instead of"
+        f"{said[0].upper()}{said[1:]} and above {millimetres(amplitude)} mm they drive the vibration instead of"
         " damping it, which no ball can do."
     )
 
@@ -191,7 +182,7 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     figures = low.working
     if figures is None or math.isinf(figures.cutoff):
         return "No: the ball never moves", (
-            f"{as_it_moves(results)}, the cavity's floor tilts, and {_load(low)} the load pulls the ball"
+            f"{as_it_moves(results)}, the cavity's floor tilts, and {at_load(low)} the load pulls the ball"
             " down the slope by as much as the vibration drives it up.",
         )
     if figures.peak > 0 and (reach := _reach(results, points)) is not None:
@@ -201,9 +192,9 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
         return "No: the ball takes nothing", (
             f"{along} neither rolls against a resistance nor loses speed at the walls.",
         )
-    known = f", from {_millimetres(figures.cutoff)} mm on," if figures.cutoff > 0 else ","
+    known = f", from {millimetres(figures.cutoff)} mm on," if figures.cutoff > 0 else ","
     said = (
-        f"{_load(low).capitalize()} no damping by the ball was found at any of the amplitudes searched{known}"
+        f"{at_load(low).capitalize()} no damping by the ball was found at any of the amplitudes searched{known}"
         " which does not tell that there is none."
     )
     return "Not found: whether the ball damps", tuple(part for part in (said, tilt(results, points)) if part)
@@ -230,23 +221,6 @@ def _beside_the_paper(results: Results) -> str | None:
         )
         text += "." if len(near) == len(rows) else f" ({span(min(loads), max(loads), 5)} g)."
     return text
-
-
-def _load(point: SpeedPoint) -> str:
-    """Where in the range of speeds, within a sentence."""
-    return f"at {whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
-
-
-def _speed(point: SpeedPoint) -> str:
-    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
-
-
-def _millimetres(length: float) -> str:
-    return significant(1e3 * length, 2)
-
-
-def _percent(share: float) -> str:
-    return significant(100 * share, 2)
 
 
 def _plate_only(results: Results) -> Answer:

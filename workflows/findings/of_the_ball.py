@@ -1,15 +1,40 @@
-"""Remarks on figures of the ball that stand beside those of the answer: at rest, and cycle by cycle."""
+"""What the answer says of the ball beside its figures: whether it rolls, at rest, and cycle by cycle."""
 
 from __future__ import annotations
 
 import math
 
+from workflows.findings import worth
 from workflows.findings.of_the_floor import rung_down
+from workflows.findings.said import at_load
 from workflows.solve.records import Damping, Results, SpeedPoint
 from workflows.wording import significant, whole
 
 _MORE = 1.1
 """A cycle's loss over that of the answer from which it is said why; cycles differ by some percent."""
+
+
+def gripped(results: Results, points: list[SpeedPoint], verdict: str) -> str:
+    """The verdict with what it rests on where the ball rolls only on a floor that grips better than the walls."""
+    needed = [(worth.grip(results, p, found), p) for p in points if (found := worth.best(results, p)) is not None]
+    most, at = max(needed, key=lambda pair: pair[0])
+    damper = results.scene.damper
+    if damper is None or most <= damper.friction:
+        return verdict
+    least, there = min(needed, key=lambda pair: pair[0])
+    if least > worth.DRY:
+        takes = f"a friction of {significant(least, 2)} {at_load(there)}" + (
+            " and more elsewhere" if points[1:] else ""
+        )
+        return f"No verdict: the ball would slide, for to roll takes {takes}"
+    if most > worth.DRY:
+        return (
+            f"{verdict}, but {at_load(at)} it would slide, for to roll takes a friction of {significant(most, 2)} there"
+        )
+    return (
+        f"{verdict}, if the ball rolls without slip, which takes a friction of {significant(most, 2)} {at_load(at)}:"
+        f" {damper.friction:g} is given for the walls"
+    )
 
 
 def at_rest(results: Results) -> str | None:

@@ -20,6 +20,13 @@ ENDURED = 4e-3
 """Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
 about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
 
+SMALL = 0.25
+"""Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
+its tip, Bisshopp and Drucker, Quart. Appl. Math. 3 (1945) 272."""
+
+DRY = 1.0
+"""Friction that no dry pair of metals in air exceeds for long."""
+
 _CANTILEVER = 1.8751040687
 """First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
 
@@ -85,9 +92,14 @@ def grip(results: Results, point: SpeedPoint, found: Best) -> float:
 
 
 def endured(results: Results) -> float | None:
-    """Amplitude at the cavity that strains the plate's root by what metals endure [m]; None without a plate."""
-    strain = root_strain(results, 1.0)
-    return None if strain is None else ENDURED / strain
+    """Amplitude at the cavity [m] that strains the plate's root by what metals endure; None without a plate.
+
+    Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
+    """
+    strain, length = root_strain(results, 1.0), span(results)
+    if strain is None or length is None:
+        return None
+    return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
 def root_strain(results: Results, amplitude: float) -> float | None:
@@ -101,9 +113,16 @@ def root_strain(results: Results, amplitude: float) -> float | None:
     length, thickness = span(results), _root_thickness(results)
     if plate is None or damper is None or length is None or thickness is None:
         return None
-    inward = 1.0 if damper.at is None else min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
-    tip = amplitude * _shape(1.0) / _shape(inward)
-    return thickness / 2 * _CANTILEVER**2 * tip / length**2
+    return thickness / 2 * _CANTILEVER**2 * _tip(results, amplitude, length) / length**2
+
+
+def _tip(results: Results, amplitude: float, length: float) -> float:
+    """Amplitude at the tip for one at the cavity [m]."""
+    damper = results.scene.damper
+    if damper is None or damper.at is None:
+        return amplitude
+    inward = min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
+    return amplitude * _shape(1.0) / _shape(inward)
 
 
 def _root_thickness(results: Results) -> float | None:

@@ -39,6 +39,10 @@ class Structure(Table):
     )
 
 
+_LARGEST_HUB = 20.0
+"""Radius [m] at which no blade is clamped: the largest hubs, those of wind turbines, have 3 m."""
+
+
 class Rotor(Table):
     """How the structure spins."""
 
@@ -61,6 +65,8 @@ class Rotor(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         """A stagger within half a turn: beyond, it is more likely a number of degrees without its unit."""
+        if self.hub_radius >= _LARGEST_HUB:
+            raise fault("hub_radius", f"{self.hub_radius:g} is in m: was '{self.hub_radius:g} mm' meant?")
         if abs(self.stagger) > math.pi * (1 + ROUNDING):
             raise fault("stagger", "expected an angle within ±180 deg (a bare number is in radians)")
         if abs(self.precone) > math.pi / 2 * (1 + ROUNDING):
