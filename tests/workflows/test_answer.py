@@ -271,6 +271,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained(tmp_path: Path) -> None
     found = SimpleNamespace(scene=ruler.scene, surface=None)
     assert worth.ENDURED / worth.root_strain(found, 1.0) > 0.5
     assert worth.endured(found) == pytest.approx(0.125)
+    assert worth.beyond(found).startswith("bend the plate by over 25 % of its length")
 
 
 def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:

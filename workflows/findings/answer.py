@@ -10,7 +10,7 @@ from workflows.findings import trust, worth
 from workflows.findings.of_the_ball import gripped
 from workflows.findings.of_the_floor import as_it_moves, tilt
 from workflows.findings.said import at_load, at_speed, millimetres, percent
-from workflows.findings.worth import AIR, ENDURED, Grade
+from workflows.findings.worth import AIR, Grade
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import span, whole
@@ -151,8 +151,7 @@ def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     said = at_load(point)
     return (
         f"{said[0].upper()}{said[1:]} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
-        f" {millimetres(limit)} mm would strain the plate's root by over {100 * ENDURED:g} %, which no blade metal"
-        " endures in vibration: there the damper is out of reach."
+        f" {millimetres(limit)} mm would {worth.beyond(results)}: there the damper is out of reach."
     )
 
 

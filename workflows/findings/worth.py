@@ -102,6 +102,14 @@ def endured(results: Results) -> float | None:
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
+def beyond(results: Results) -> str:
+    """What a larger amplitude than the plate endures would do to it."""
+    strain, limit = root_strain(results, 1.0), endured(results)
+    if strain is not None and limit is not None and limit * strain < ENDURED * (1 - 1e-9):
+        return f"bend the plate by over {100 * SMALL:g} % of its length, beyond what it can be computed for"
+    return f"strain the plate's root by over {100 * ENDURED:g} %, which no blade metal endures in vibration"
+
+
 def root_strain(results: Results, amplitude: float) -> float | None:
     """Bending strain at the root for an amplitude at the cavity [-], as in a uniform cantilever's first mode at rest.
 

@@ -109,7 +109,7 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
         "air": worth.AIR,
         "endured": worth.endured(results),
-        "strain": worth.ENDURED,
+        "beyond": worth.beyond(results),
     }
 
 
