@@ -1,8 +1,13 @@
-"""Read before any test: numpy and what tests start take one thread each, for the tests have all cores already."""
+"""Read before any test: numpy and what tests start take one thread each, for the tests have all cores already.
 
+Rubbish is looked for less often than Python does: among all that was collected that takes time and finds little.
+"""
+
+import gc
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (
     "workflows/test_ends.py",

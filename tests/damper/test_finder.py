@@ -113,5 +113,5 @@ def test_no_event_is_missed() -> None:
     """A short form of `python -m tests.damper.flights`."""
     from tests.damper.flights import soak
 
-    done, bad = soak(600)
-    assert (done, bad) == (600, 0)
+    done, bad = soak(400)
+    assert (done, bad) == (400, 0)

@@ -89,7 +89,7 @@ def agreed(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]], tol
 
 
 @needs_compiler
-@pytest.mark.parametrize("seed", some(50, without=0))
+@pytest.mark.parametrize("seed", some(30, without=0))
 def test_against_the_lagrangian(seed: int) -> None:
     damper, amplitudes, harmonic = scene(seed)
     motion = run(damper, amplitudes, harmonic, PERIODS)

@@ -153,9 +153,9 @@ def _rolling(results: Results) -> str | None:
     if damper is None or demand <= damper.friction:
         return None
     return (
-        f"In the ring-down from its release, rolling without slip needs a friction of {significant(demand, 2)} at"
-        f" {whole(rpm)} rpm, more than the {damper.friction:g} given for wall hits: unless the floor grips better, the"
-        " ball would slip."
+        f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm in the ring-down from"
+        f" its release, more than the {damper.friction:g} given for wall hits: unless the floor grips better, the ball"
+        " would slip."
     )
 
 
