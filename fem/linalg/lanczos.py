@@ -82,9 +82,7 @@ def factorise(matrix: csc_array) -> Factor:
 
     options = {"SymmetricMode": True}
     try:
-        with (
-            factoring()
-        ):  # relaxed supernodes make some triangles' factors seven times dearer, and none cheaper: relax=1
+        with factoring():  # relax=1: relaxed supernodes make some triangles' factors seven times dearer, none cheaper
             return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options=options))
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         if "singular" not in str(error):

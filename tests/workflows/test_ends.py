@@ -51,6 +51,7 @@ def endless(tmp_path: Path) -> Path:
         (signal.SIGTERM, 143, 0.35),
         (signal.SIGHUP, 129, 0.35),
         (signal.SIGINT, 130, 2.0),
+        (signal.SIGTERM, 143, 2.0),
     ],
 )
 def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
@@ -262,7 +263,7 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize(
     ("command", "closed"),
     [("check structure", closed) for closed in (">&- 2>&-", "| true", "> /dev/full")]
-    + [("ringdown structure --json", closed) for closed in (">&-", "2>&-", "| head -c 1 >/dev/null")],
+    + [("ringdown structure --json", closed) for closed in (">&-", "2>&-", "| head -c 1 >/dev/null", "> /dev/full")],
 )
 def test_closed_streams(command: str, closed: str, tmp_path: Path) -> None:
     line = f"{sys.executable} -m workflows.cli {command} {closed}"

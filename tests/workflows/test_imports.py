@@ -85,7 +85,7 @@ def test_light_commands_load_nothing_heavy(arguments: list[str]) -> None:
     assert not _loaded(f"from workflows.cli.entry import main\nmain({arguments})") & HEAVY
 
 
-@pytest.mark.parametrize("arguments", [["check", "paper"]])
+@pytest.mark.parametrize("arguments", [["check", "paper"], ["check", "paper", "--json"]])
 def test_check_solves_a_little_and_draws_nothing(arguments: list[str]) -> None:
     solving = {"llvmlite", "numba", "scipy.linalg", "scipy.sparse", "skfem", "meshio"}
     assert not _loaded(f"from workflows.cli.entry import main\nmain({arguments})") & (HEAVY - solving)

@@ -244,7 +244,7 @@ for line in ("campbell paper", "check structure", "ringdown structure --json"):
 """
 
 
-@pytest.mark.parametrize("encoding", ["ascii"])
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 def test_output_into_a_file_of_another_encoding(encoding: str, tmp_path: Path) -> None:
     """Not every letter of ours is in it; what is printed last must not fail a run that is done."""
     line, environment = [sys.executable, "-c", COMMANDS], os.environ | {"PYTHONIOENCODING": encoding}

@@ -55,7 +55,8 @@ def of_each(model: str, mesh: Any) -> tuple[Any, tuple[int, int, int]]:
 def fill(model: str, mesh: Any) -> Fill:
     """What the factor of a stiffness on a mesh has, in a theory, without what is clamped."""
     from scipy.sparse import csc_array
-    from scipy.sparse.linalg import splu
+
+    from fem.linalg.lanczos import factorise
 
     mesh, each = of_each(model, mesh)
     corners, edges, cells = mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]
@@ -72,8 +73,7 @@ def fill(model: str, mesh: Any) -> Fill:
         ~np.concatenate([rooted, rooted[mesh.facets].all(axis=0), np.zeros(cells, bool)]) & (weights > 0)
     )
     weights, graph = weights[free], graph[free][:, free].tocsc()
-    options = {"SymmetricMode": True}
-    factor = splu(graph, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options=options)
+    factor = factorise(graph).lu
     eliminated = np.empty(weights.size)
     eliminated[factor.perm_c] = weights
     pattern = factor.L
