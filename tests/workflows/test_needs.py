@@ -18,7 +18,7 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.errors import BadInput
 from workflows.scene.file import load, shipped
-from workflows.solve import likeness, needs, pilot, reckoned
+from workflows.solve import likeness, needs, pilot, reckoned, trials
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import decide
 from workflows.solve.fill import Fill, fill
@@ -385,7 +385,7 @@ def test_the_search_says_which_mesh_it_would_try_next(paper: Scene, tmp_path: Pa
     ended = plate.discretise(source, decided, quiet, until=0.0)
     assert [size for size, _ in ended.choice.tried] == sizes[:2]
     assert ended.choice.following == sizes[2]
-    assert pilot.ahead(source, decided.plate[0], ended)[0] == sizes[2]
+    assert trials.ahead(source, decided.plate[0], ended)[0] == sizes[2]
 
 
 @pytest.mark.parametrize(
@@ -469,4 +469,4 @@ def test_what_no_mesh_takes_away_asks_for_no_finer_one(paper: Scene, tmp_path: P
     decided = decide(source, Stages(visible=False))
     discrete = plate.discretise(source, decided, Stages(visible=False))
     assert not discrete.choice.met
-    assert pilot.ahead(source, decided.plate[0], discrete) == ()
+    assert trials.ahead(source, decided.plate[0], discrete) == ()
