@@ -59,10 +59,10 @@ class Trial:
 
 
 def alike(small: SceneFile, decided: Decided, model: str) -> list[Trial]:
-    """Small plates like that of the scene, the second as long as it takes no longer than patience."""
+    """Small plates like that of the scene; the second, which tells how it grows, may take twice the patience."""
     trials: list[Trial] = []
     for unknowns in likeness.UNKNOWNS:
-        if not trials or _foreseen(trials, unknowns) <= PATIENCE:
+        if not trials or _foreseen(trials, unknowns) <= 2.0 * PATIENCE:
             trials.append(_tried(small, likeness.like(decided, model, unknowns), model, 0.0))
     return trials
 
