@@ -110,6 +110,8 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "air": worth.AIR,
         "endured": worth.endured(results),
         "beyond": worth.beyond(results),
+        "mark": worth.MARK,
+        "marked": worth.MARKED,
     }
 
 
@@ -183,19 +185,13 @@ def _stretch(results: Results) -> dict[str, Any] | None:
     }
 
 
-def _beyond(results: Results, point: SpeedPoint) -> bool:
-    """Whether the damper's peak lies at an amplitude that the plate does not endure."""
-    limit = worth.endured(results)
-    return limit is not None and point.working is not None and point.working.peak_amplitude > limit
-
-
 def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
     """A line of the tables."""
     return {
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "beyond": _beyond(results, point),
+        "beyond": worth.is_beyond(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
     }
