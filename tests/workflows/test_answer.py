@@ -15,6 +15,7 @@ import workflows
 from tests.workflows.conftest import Outcome, Scene, changed
 from workflows.findings import possible, worth
 from workflows.findings.answer import answer
+from workflows.report import text as summary
 from workflows.solve.records import Results, SpeedPoint
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -167,6 +168,23 @@ def test_no_load_ends_when_the_vibration_has_died_out(tmp_path: Path) -> None:
     assert len(damping.sdc) < 1000
 
 
+def test_a_ball_that_loses_nothing_lends(structure: Scene) -> None:
+    """At e = 1 the structure's energy swings by a percent from cycle to cycle, all of which the ball gives back.
+
+    What is left is the structure's own, 1 - exp(-4 pi zeta omega_2/omega_1 M2/M1) with the ball's mass on it.
+    """
+    scene = changed(structure, damper__restitution=1, damper__friction=0, damper__rolling_friction=0)
+    scene = changed(scene, damper__sticking_ratio=1e-9, release__displacement=["2 mm", 0], rotor__speeds=["0 rpm"])
+    for zeta, loses in ((0.0, "0.000"), (0.001, f"{-100 * math.expm1(-4e-3 * math.pi / 1.006**0.5):.3f}")):
+        run = workflows.run(changed(scene, damper__damping_ratio=zeta))
+        (point,) = run.speeds
+        assert point.damping.peak_sdc > point.damping.intrinsic_sdc + 0.005
+        heads, row = summary.rows(run)
+        assert row[heads.index("SDC %")] == loses
+        assert any(note.startswith("Ball and structure exchange energy") for note in run.notes)
+    assert not any("exchange" in note for note in workflows.run(structure).notes)
+
+
 @pytest.mark.parametrize(("friction", "begin"), [(0, "It neither"), (0.3, "Along the bending direction it neither")])
 def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene) -> None:
     """At e = 1 without rolling resistance nothing is lost along one axis; no hit is so slow as to stick."""
@@ -252,7 +270,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 
 def test_a_verdict_on_rolling_says_what_it_rests_on(tmp_path: Path) -> None:
     """Slippery walls; almost no load, or a vibration of 1 GHz, where no floor keeps the ball rolling."""
-    rests = "Modestly, if the ball rolls without slip, which takes a friction of "
+    rests = "Modestly, if the ball rolls without slip, which at the amplitude of its best takes a friction of "
     slides = "No verdict: the ball would slide, for to roll takes a friction of "
     for speeds, frequency, friction, says in (
         ('"3500 rpm"', "269.5 Hz", 0.1, rests),

@@ -342,7 +342,7 @@ def test_a_floor_tuned_to_the_order():
 
 
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
-    """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, in words and on the page."""
+    """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
     weak, strong = peaks.rows(known)
     monkeypatch.setattr(told, "HELPS", max(weak.ratio, strong.ratio))
     assert told.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")

@@ -159,7 +159,7 @@ def test_a_folder_in_use_costs_no_results(tmp_path: Path, monkeypatch: pytest.Mo
     names = {path.name for path in tmp_path.iterdir()} - {folders.LOCK}
     assert names == {"out", "out-1", "out-2"}
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(BadInput, match="the new results are in out-3$"):
+    with pytest.raises(BadInput, match=r"the new results are in out-3$"):
         _publish(Path("out"), "newest")
 
 

@@ -137,15 +137,17 @@ def _rows(results: Results) -> str | None:
 def _rolling(results: Results) -> str | None:
     damper = results.scene.damper
     demands = [
-        (d.largest_rolling_demand, p.rpm) for p, _, d in rung_down(results) if d.largest_rolling_demand is not None
+        (d.largest_rolling_demand, p.rpm, math.hypot(*d.release))
+        for p, _, d in rung_down(results)
+        if d.largest_rolling_demand is not None
     ]
-    demand, rpm = max(demands, default=(0.0, 0.0))
+    demand, rpm, lift = max(demands, default=(0.0, 0.0, 0.0))
     if damper is None or demand <= damper.friction:
         return None
     return (
         f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm in the ring-down from"
-        f" its release, more than the {damper.friction:g} given for wall hits: unless the floor grips better, the ball"
-        " would slip."
+        f" a release of {significant(1e3 * lift)} mm, more than the {damper.friction:g} given for wall hits: unless the"
+        " floor grips better, the ball would slip."
     )
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from workflows import wording
-from workflows.findings import answer, trust, worth
+from workflows.findings import answer, of_the_ball, trust, worth
 from workflows.findings.assumptions import assumptions
 from workflows.report import (
     drawing,
@@ -194,6 +194,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "beyond": worth.is_beyond(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
+        "lost": None if point.damping is None else of_the_ball.lost_at_most(point.damping),
     }
 
 

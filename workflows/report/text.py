@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 
 from workflows.errors import one_line
-from workflows.findings import answer, worth
+from workflows.findings import answer, of_the_ball, worth
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import amount, fixed, percent, revolutions, significant
 
@@ -66,7 +66,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         fixed(answer.first_frequency(point), 2),
         amount(damping.cutoff_g),
         fixed(damping.cutoff_ratio, 3),
-        percent(damping.peak_sdc, 3),
+        percent(of_the_ball.lost_at_most(damping), 3),
         significant(100 * figures.peak if figures else 0.0) + (worth.MARK if worth.is_beyond(results, point) else ""),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
