@@ -66,6 +66,12 @@ def percent(value: float | None, places: int = 2) -> str:
     return significant(100 * value, 2) if hidden else fixed(100 * value, places)
 
 
+def upwards(error: float) -> str:
+    """An error in one digit, not less than it is."""
+    step = 10.0 ** math.floor(math.log10(error))
+    return f"{math.ceil(error / step * (1 - 1e-9)) * step:.1g}"
+
+
 def curly(text: str) -> str:
     """Typographic apostrophes."""
     return text.replace("'", "\u2019")
