@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.findings import possible, trust, worth
+from workflows.findings import missing, possible, trust, worth
 from workflows.findings.of_the_ball import gripped
 from workflows.findings.of_the_floor import as_it_moves, tilt
 from workflows.findings.said import at_load, at_speed, millimetres, percent
@@ -60,7 +60,7 @@ def answer(results: Results) -> Answer:
         _reach(results, turning),
         tilt(results, turning),
         _beside_the_paper(results),
-        None if trust.met(results) else trust.sentence(results),
+        None if trust.met(results) and missing.sentence(results) is None else trust.sentence(results),
     )
     return Answer(_beside(_headline(results, grades), torn), tuple(part for part in parts if part))
 

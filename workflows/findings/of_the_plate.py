@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from workflows.findings import possible, trust
+from workflows.findings import missing, possible, trust
 from workflows.solve.records import Results
 from workflows.wording import significant, whole
 
@@ -48,7 +48,8 @@ def frequency_error(results: Results) -> str | None:
         )
     mesh, said = results.diagram.mesh, trust.sentence(results)
     if said is None:
-        return f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with. {own}"
+        unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
+        return " ".join(part for part in (unknown, missing.sentence(results), own) if part)
     return f"{said} The mesh: {mesh}. {own}"
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from fem.accuracy.choose_theory import DEAR
 from workflows.effects.table import EFFECTS
+from workflows.findings import missing
 from workflows.solve.records import ErrorParts, Results
 from workflows.wording import significant, upwards
 
@@ -55,7 +56,8 @@ def sentence(results: Results) -> str | None:
         "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
     )
     remedy = "" if met(results) else f"; {cure(results)}"
-    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+    said = f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+    return " ".join(part for part in (said, missing.sentence(results)) if part)
 
 
 def cure(results: Results) -> str:
