@@ -11,7 +11,8 @@ Anything else that reaches the command line is a defect of ours: exit 1.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import date, time
 from itertools import islice
 
@@ -48,6 +49,17 @@ class BadInput(SpindampError):
         if found is not None and self.value is not None:
             found = f"{found} = {shown(self.value)}"
         return one_line(": ".join(part for part in (self.file, found, self.problem) if part))
+
+
+@contextmanager
+def read_from(file: str) -> Iterator[None]:
+    """Bad input that does not say which file it stands in stands in this one."""
+    try:
+        yield
+    except BadInput as error:
+        if error.file is not None:
+            raise
+        raise type(error)(error.problem, file=file, key=error.key, value=error.value) from error
 
 
 class NotAvailable(BadInput):

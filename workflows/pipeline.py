@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from workflows.effects.effect import Effect
+from workflows.errors import read_from
 from workflows.findings.of_the_damper import remarks
 from workflows.scene.file import DEFAULT, SceneLike, opened
 from workflows.scene.source import SceneFile
@@ -56,7 +57,8 @@ def damped(found: Solved, stages: Stages) -> Solved:
     scene = found.source.scene
     if scene.damper is None:
         return found
-    points = ringdowns.simulate(scene, found.effects, found.points, stages, records.shown(found.points))
+    with read_from(found.source.name):
+        points = ringdowns.simulate(scene, found.effects, found.points, stages, records.shown(found.points))
     return replace(found, points=points)
 
 

@@ -9,6 +9,9 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Superscripts, for `str.translate`."""
 
 _SPEEDS_LISTED = 4
+_ROUNDED = 1e-9
+"""Share that rounding may leave over, of the energy of a long ring-down say."""
+
 DASH = "–"
 """Stands for a number that is not there."""
 
@@ -43,7 +46,9 @@ def fixed(value: float | None, places: int = 0) -> str:
     """A number for a column: so many decimals, a thin space between thousands, a dash where there is none."""
     if value is None or not math.isfinite(value):
         return DASH
-    return f"{value:,.{places}f}".replace(",", "\u2009").replace("-", "\u2212")
+    text = f"{value:,.{places}f}"
+    text = text if text.strip("-0.") else text.removeprefix("-")
+    return text.replace(",", "\u2009").replace("-", "\u2212")
 
 
 def amount(value: float | None) -> str:
@@ -54,8 +59,17 @@ def amount(value: float | None) -> str:
 
 
 def percent(value: float | None, places: int = 2) -> str:
-    """A share as a percentage for a column."""
-    return DASH if value is None else fixed(100 * value, places)
+    """A share as a percentage for a column; a loss below 0 that is more than rounding stays one."""
+    if value is None:
+        return DASH
+    hidden = -0.5 * 0.1**places < 100 * value < -100 * _ROUNDED
+    return significant(100 * value, 2) if hidden else fixed(100 * value, places)
+
+
+def upwards(error: float) -> str:
+    """An error in one digit, not less than it is."""
+    step = 10.0 ** math.floor(math.log10(error))
+    return f"{math.ceil(error / step * (1 - 1e-9)) * step:.1g}"
 
 
 def curly(text: str) -> str:

@@ -16,6 +16,7 @@ scene = {
     "rotor": {"speeds": ["3500 rpm"], "radius": "20 cm"},
     "damper": {
         "mass_ratio": 0.006,
+        "count": 183,
         "radius": "1 mm",
         "cavity": ["2.5 mm", "2.4 mm"],
         "restitution": 0.5,

@@ -181,6 +181,11 @@ def findings(path: Path, *, dark: bool = False) -> list[str]:
     return found
 
 
+def findings_if_any(path: Path) -> list[str]:
+    """The same, for tests of more than the page: nothing where there is no browser or no axe-core."""
+    return [] if CHROMIUM is None or AXE is None else findings(path)
+
+
 def width_on_a_phone(path: Path) -> int:
     """Pixels that a page is wide on a screen as wide as a phone."""
     found: int = driven(path, "return document.documentElement.scrollWidth", width=PHONE)

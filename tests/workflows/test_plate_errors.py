@@ -95,7 +95,42 @@ def test_no_answer_in_floating_point(
     monkeypatch.setattr("fem.campbell", lost)
     outcome = spindamp("run", quick, "--json")
     assert outcome.status == 3
-    assert outcome.err.endswith("the plate's equations have no solution in floating point: it is so\n")
+    assert outcome.err.endswith("[plate]: the plate's equations have no solution in floating point: it is so\n")
+
+
+@pytest.mark.parametrize(
+    ("kind", "found", "keys"),
+    [("Divergence", (100.0, -1.0), "[rotor] speeds"), ("NoEquilibrium", (100.0,), "[rotor] speeds, stagger")],
+)
+def test_no_answer_at_a_speed_names_its_key(
+    kind: str,
+    found: tuple[float, ...],
+    keys: str,
+    quick: Path,
+    spindamp: Callable[..., Outcome],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    import fem
+
+    def lost(*_: object, **__: object) -> None:
+        raise getattr(fem, kind)(*found)
+
+    monkeypatch.setattr("fem.campbell", lost)
+    outcome = spindamp("run", quick, "--json")
+    assert outcome.status == 3
+    assert f"{quick.name}: {keys}: " in outcome.err
+
+
+def test_bad_input_of_a_ring_down_names_its_file(
+    quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise BadInput("none of them moves: ask for more", key="[rotor] modes", value=6)
+
+    monkeypatch.setattr("workflows.solve.felt.released_at", refused)
+    outcome = spindamp("run", quick, "--json")
+    assert outcome.status == 2
+    assert f"{quick.name}: [rotor] modes = 6: none of them moves" in outcome.err
 
 
 def test_a_singular_matrix_is_named() -> None:

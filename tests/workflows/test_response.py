@@ -16,6 +16,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
+from workflows.findings import worth
 from workflows.results import crossings
 from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
@@ -36,6 +37,7 @@ speeds = ["3000 rpm", "5000 rpm"]
 radius = "20 cm"
 [damper]
 mass_ratio = 0.01
+count = 305
 radius = "1 mm"
 cavity = ["3 mm", "3 mm"]
 restitution = 0.5
@@ -337,6 +339,35 @@ def test_a_floor_tuned_to_the_order():
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
     assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
+
+
+def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
+    """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
+    weak, strong = peaks.rows(known)
+    monkeypatch.setattr(told, "HELPS", max(weak.ratio, strong.ratio))
+    assert told.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
+    assert worth.MARK not in told.text(known)
+    monkeypatch.setattr(peaks, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
+    said = told.sentences(known)[0]
+    assert said.startswith("Yes, up to 2 N at order 3: the ball takes up to")
+    assert said.endswith("Larger forces are more than the plate endures.")
+    marked = [line for line in told.text(known).splitlines() if worth.MARK in line]
+    assert [line.split()[4] for line in marked[:-1]] == ["20"]
+    assert marked[-1] == f"{worth.MARKED}."
+    written = page.render(known)
+    assert written.count(worth.MARK) == 2
+    assert worth.MARKED in written
+    monkeypatch.setattr(peaks, "endured", lambda *_: weak.greatest / 2)
+    assert told.sentences(known)[0].startswith("No: at order 3 the ball does not help")
+
+
+def test_a_ball_denser_than_any_solid_has_no_verdict(known):
+    damper = known.results.scene.damper.model_copy(update={"count": 1})
+    scene = known.results.scene.model_copy(update={"damper": damper})
+    dense = dataclasses.replace(known, results=dataclasses.replace(known.results, scene=scene))
+    said = told.sentences(dense)
+    assert said[0].startswith("No verdict: a ball of radius 1 mm and 10 g would be 110 times as dense as osmium")
+    assert "such as 305 of steel" in said[1]
 
 
 def test_without_damping_there_is_no_verdict(monkeypatch):

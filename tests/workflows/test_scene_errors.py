@@ -241,7 +241,7 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
         "expected at most 143239 of radius 0.001 m that weigh 0.006 kg together",  # 0.006 / (4.18879e-9 · 10)
     ),
     (
-        {"damper__radius": "25 cm", "damper__cavity": ["60 cm", "60 cm"]},
+        {"damper__radius": "25 cm", "damper__cavity": ["60 cm", "60 cm"], "damper__count": None},
         "[damper] radius = '25 cm'",
         "the ball is larger than its distance from the axis, 0.2 m",
     ),

@@ -158,6 +158,9 @@ def test_a_folder_in_use_costs_no_results(tmp_path: Path, monkeypatch: pytest.Mo
     assert (_found(out), _found(tmp_path / "out-2")) == ("old", "new")
     names = {path.name for path in tmp_path.iterdir()} - {folders.LOCK}
     assert names == {"out", "out-1", "out-2"}
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadInput, match=r"the new results are in out-3$"):
+        _publish(Path("out"), "newest")
 
 
 @pytest.mark.parametrize("name", ["a:b", "what?", "deep/more*/out", 'say "this"', "dot.", "blank "])

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.findings import trust, worth
+from workflows.findings import missing, possible, trust, worth
 from workflows.findings.of_the_ball import gripped
 from workflows.findings.of_the_floor import as_it_moves, tilt
 from workflows.findings.said import at_load, at_speed, millimetres, percent
@@ -43,24 +43,40 @@ def answer(results: Results) -> Answer:
     points = sorted((p for p in results.speeds if p.working is not None), key=lambda p: p.load_g)
     if not points:
         return _plate_only(results)
-    turning = [p for p in points if p.load_g > 0] or points
+    loaded = [p for p in points if p.load_g > 0] or points
+    torn, turning = possible.torn_from(results), [p for p in loaded if not possible.torn(results, p)]
+    if not turning:
+        return Answer(f"No verdict {torn}", ())
     grades = [(p, worth.grade(results, p)) for p in turning]
-    if all(grade is Grade.NO for _, grade in grades):
-        return Answer(*_why_not(results, turning))
-    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    dense = possible.too_dense(results)
+    if all(grade is Grade.NO for _, grade in grades) and dense is None:
+        verdict, sentences = _why_not(results, turning)
+        return Answer(_beside(verdict, torn), sentences)
     parts = (
+        None if dense is None else dense[1],
         _fed(points),
-        _how_much(results, turning),
+        _how_much(results, turning, "turning, " if len(loaded) < len(points) else ""),
         _between(results, turning),
         _reach(results, turning),
         tilt(results, turning),
         _beside_the_paper(results),
-        None if trust.met(results) else trust.sentence(results),
+        None if trust.met(results) and missing.sentence(results) is None else trust.sentence(results),
     )
-    verdict = gripped(results, turning, _verdict(grades))
-    if printed:
-        verdict = "No verdict: the equations as printed do not conserve energy"
-    return Answer(verdict, tuple(part for part in parts if part))
+    return Answer(_beside(_headline(results, grades), torn), tuple(part for part in parts if part))
+
+
+def _headline(results: Results, grades: list[tuple[SpeedPoint, Grade]]) -> str:
+    """The verdict, or why there is none."""
+    if results.scene.damper is not None and results.scene.damper.formulation == "printed":
+        return "No verdict: the equations as printed do not conserve energy"
+    if (dense := possible.too_dense(results)) is not None:
+        return f"No verdict: {dense[0]}"
+    return gripped(results, [point for point, _ in grades], _verdict(grades))
+
+
+def _beside(verdict: str, torn: str | None) -> str:
+    """A verdict with the speeds that it does not speak of."""
+    return verdict if torn is None or verdict.startswith("No verdict") else f"{verdict}; no verdict {torn}"
 
 
 def first_frequency(point: SpeedPoint) -> float | None:
@@ -91,14 +107,17 @@ def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
     return text[0].upper() + text[1:]
 
 
-def _how_much(results: Results, points: list[SpeedPoint]) -> str:
+def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
+    """The best and the least; `turning` where there is a speed without a load, which is not among the points."""
     found = [(b, p) for p in points if (b := worth.best(results, p)) is not None]
+    if not found:
+        return None
     top, at = max(found, key=lambda pair: pair[0].damping_ratio)
     share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
-        f"At its best, at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball damps like a"
-        f" damping ratio of {percent(top.damping_ratio)} %: it takes {percent(share)} % of the vibration's energy in"
-        " a cycle."
+        f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball damps"
+        f" like a damping ratio of {percent(top.damping_ratio)} %: it takes {percent(share)} % of the vibration's"
+        " energy in a cycle."
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
@@ -231,4 +250,6 @@ def _plate_only(results: Results) -> Answer:
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
     said = trust.sentence(results)
     verdict = "The plate alone" if trust.met(results) else "The plate alone, less exact than asked for"
+    if (torn := possible.torn_from(results)) is not None:
+        verdict += f"; it cannot turn {torn}"
     return Answer(verdict, (text,) if said is None else (text, said))

@@ -13,6 +13,9 @@ from workflows.wording import significant, whole
 _MORE = 1.1
 """A cycle's loss over that of the answer from which it is said why; cycles differ by some percent."""
 
+_NOTHING = 1e-9
+"""Share of the initial energy that rounding may book as lost."""
+
 
 def gripped(results: Results, points: list[SpeedPoint], verdict: str) -> str:
     """The verdict with what it rests on where the ball rolls only on a floor that grips better than the walls."""
@@ -26,14 +29,15 @@ def gripped(results: Results, points: list[SpeedPoint], verdict: str) -> str:
         takes = f"a friction of {significant(least, 2)} {at_load(there)}" + (
             " and more elsewhere" if points[1:] else ""
         )
-        return f"No verdict: the ball would slide, for to roll takes {takes}"
+        return f"No verdict: the ball would slide, for to roll takes {takes} at the amplitude of its best"
     if most > worth.DRY:
         return (
             f"{verdict}, but {at_load(at)} it would slide, for to roll takes a friction of {significant(most, 2)} there"
+            " at the amplitude of its best"
         )
     return (
-        f"{verdict}, if the ball rolls without slip, which takes a friction of {significant(most, 2)} {at_load(at)}:"
-        f" {damper.friction:g} is given for the walls"
+        f"{verdict}, if the ball rolls without slip, which at the amplitude of its best takes a friction of"
+        f" {significant(most, 2)} {at_load(at)}: {damper.friction:g} is given for the walls"
     )
 
 
@@ -48,11 +52,26 @@ def at_rest(results: Results) -> str | None:
     return f"{text}. The answer speaks of the speeds at which there is a load." if any(loads) else f"{text}."
 
 
+def lost_at_most(damping: Damping) -> float | None:
+    """Share of its energy that a cycle loses at most: a ball that loses nothing only lends, and the rest is ζ's."""
+    books, most = damping.energy, damping.peak_sdc
+    by_the_ball = books.rolling + books.impact + books.slip
+    return damping.intrinsic_sdc if most is not None and abs(by_the_ball) <= _NOTHING * books.initial else most
+
+
 def lent(results: Results) -> str | None:
     """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
     damper = results.scene.damper
     if damper is None or damper.formulation == "printed":
         return None
+    borrowed = [(_share(d), p) for p, _, d in rung_down(results) if lost_at_most(d) != d.peak_sdc and d.impacts]
+    if borrowed:
+        share, point = max(borrowed, key=lambda pair: pair[0])
+        return (
+            f"Ball and structure exchange energy, and the ball loses none: at {whole(point.rpm)} rpm it takes up to"
+            f" {significant(100 * share, 2)} % in a cycle and gives it back later. The table leaves that out; the curve"
+            " over amplitude has it, as the paper's definition does."
+        )
     found = [(_share(d), steady, p) for p, _, d in rung_down(results) if p.load_g > 0 and (steady := _steady(p)) > 0]
     most = max(found, key=lambda each: each[0] / each[1], default=None)
     if most is None or most[0] <= _MORE * most[1]:

@@ -7,19 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
-from workflows.findings import of_the_ball, of_the_floor, worth
+from workflows.findings import of_the_ball, of_the_floor, possible, worth
 from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
-from workflows.scene import thicknesses
+from workflows.scene import paper, thicknesses
 from workflows.scene.cavity import beside
-from workflows.scene.materials import OSMIUM
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve.records import Results
 from workflows.wording import significant, whole
-
-STEEL = 7_850.0
-"""kg/m³."""
 
 EXPLAINED = 1e-9
 """Share of the initial energy that the books may leave unexplained without a word."""
@@ -110,21 +107,14 @@ def _assumed_damping(results: Results) -> str | None:
     )
 
 
-def _impossible_ball(results: Results) -> str | None:
-    damper, rung = results.scene.damper, rung_down(results)
-    if damper is None or not rung:
+def _effective_ball(results: Results) -> str | None:
+    """The paper speaks of one ball, of an effective mass; its plate here carries as many as there can be."""
+    damper = results.scene.damper
+    if damper is None or damper.count == 1 or not any(paper.row(results.scene, p.load_g) for p in results.speeds):
         return None
-    heaviest = max(damping.ball_mass for _, _, damping in rung)
-    volume = 4 / 3 * math.pi * damper.radius**3
-    density = heaviest / damper.count / volume
-    if density <= OSMIUM:
-        return None
-    grams = significant(1e3 * heaviest / damper.count)
-    return (
-        f"A ball of radius {1e3 * damper.radius:g} mm and {grams} g would have {significant(density, 2)} kg/m³,"
-        f" {significant(density / OSMIUM, 2)} times osmium: read the mass as an effective one, such as"
-        f" {math.ceil(heaviest / (STEEL * volume))} steel balls, each in a cavity of its own, moving in step."
-    )
+    alone = replace(results, scene=results.scene.model_copy(update={"damper": damper.model_copy(update={"count": 1})}))
+    dense = possible.too_dense(alone)
+    return None if dense is None else f"Of {damper.count} balls, where the paper has one: {dense[0]}."
 
 
 def _rows(results: Results) -> str | None:
@@ -147,15 +137,17 @@ def _rows(results: Results) -> str | None:
 def _rolling(results: Results) -> str | None:
     damper = results.scene.damper
     demands = [
-        (d.largest_rolling_demand, p.rpm) for p, _, d in rung_down(results) if d.largest_rolling_demand is not None
+        (d.largest_rolling_demand, p.rpm, math.hypot(*d.release))
+        for p, _, d in rung_down(results)
+        if d.largest_rolling_demand is not None
     ]
-    demand, rpm = max(demands, default=(0.0, 0.0))
+    demand, rpm, lift = max(demands, default=(0.0, 0.0, 0.0))
     if damper is None or demand <= damper.friction:
         return None
     return (
         f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm in the ring-down from"
-        f" its release, more than the {damper.friction:g} given for wall hits: unless the floor grips better, the ball"
-        " would slip."
+        f" a release of {significant(1e3 * lift)} mm, more than the {damper.friction:g} given for wall hits: unless the"
+        " floor grips better, the ball would slip."
     )
 
 
@@ -203,7 +195,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _work_bound,
     _assumed_damping,
     of_the_ball.lent,
-    _impossible_ball,
+    _effective_ball,
     _rows,
     _rolling,
     _release_stress,

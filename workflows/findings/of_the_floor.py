@@ -6,7 +6,7 @@ import math
 
 from workflows.solve import felt
 from workflows.solve.records import Damping, Reduced, Results, SpeedPoint
-from workflows.wording import significant, span, whole
+from workflows.wording import significant, span, upwards, whole
 
 _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
@@ -119,8 +119,9 @@ def modes_left_out(results: Results) -> str | None:
     if worst <= scene.accuracy.damping or not results.effects["structural_modes"].on:
         return None
     return (
-        f"Modes that hits feed are left out, for want of room: each changes the damping by about"
-        f" {significant(100 * worst, 2)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for."
+        "Modes that hits feed are left out, for want of room: each changes the damping by about"
+        f" {significant(100 * worst, 2)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for;"
+        f" [accuracy] damping = {upwards(worst)} can be had."
     )
 
 

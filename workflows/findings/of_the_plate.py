@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import math
 
-from workflows.findings import trust
-from workflows.scene import thicknesses
+from workflows.findings import missing, possible, trust
 from workflows.solve.records import Results
 from workflows.wording import significant, whole
 
 
 def root_stress(results: Results) -> str | None:
-    """The centrifugal pull at the root: what hangs on it times its acceleration, over the section."""
-    plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
-    if plate is None or material is None or plate.length is None or plate.width is None:
-        return None
-    fastest, (volume, moment) = max(rotor.speeds), thicknesses.volume(plate)
-    section, level = thicknesses.section(plate), math.cos(rotor.precone)
-    stress = material.density * fastest**2 * level * (rotor.hub_radius * volume + level * moment) / section
-    hangs = level * max(point.radius for point in results.speeds)
-    stress += results.scene.point_mass * fastest**2 * hangs / section
-    if stress < 1e7:
+    """The centrifugal pull at the root, where the answer does not speak of it."""
+    fastest = max(results.scene.rotor.speeds)
+    stress = possible.pull(results, fastest)
+    if stress is None or not 1e7 <= stress <= possible.STRONGEST:
         return None
     return (
         f"At {whole(fastest * 30 / math.pi)} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
@@ -55,7 +48,8 @@ def frequency_error(results: Results) -> str | None:
         )
     mesh, said = results.diagram.mesh, trust.sentence(results)
     if said is None:
-        return f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with. {own}"
+        unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
+        return " ".join(part for part in (unknown, missing.sentence(results), own) if part)
     return f"{said} The mesh: {mesh}. {own}"
 
 

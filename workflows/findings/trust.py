@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fem.accuracy.choose_theory import DEAR
 from workflows.effects.table import EFFECTS
+from workflows.findings import missing
 from workflows.solve.records import ErrorParts, Results
-from workflows.wording import significant
+from workflows.wording import significant, upwards
 
 PARTS = {
     "mesh": "mesh",
@@ -53,7 +55,39 @@ def sentence(results: Results) -> str | None:
     others = (
         "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
     )
-    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for."
+    remedy = "" if met(results) else f"; {cure(results)}"
+    said = f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+    return " ".join(part for part in (said, missing.sentence(results)) if part)
+
+
+def cure(results: Results) -> str:
+    """Which keys would bring every error within the accuracy asked for; or, where none would, what can be had."""
+    modes, asked = worst(results), results.scene.accuracy.frequency
+    left = {mode.number: mode.whole for mode in modes}
+    sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
+    keys = []
+    for name in sorted(PARTS, key=lambda name: -max(sizes[name])):
+        if max(left.values()) > asked and (key := _remedy(results, name)) is not None:
+            keys.append(key)
+            left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
+    if max(left.values()) <= asked:
+        return f"{' and '.join(keys)} would do"
+    return f"no key would mend that: [accuracy] frequency = {upwards(max(mode.whole for mode in modes))} can be had"
+
+
+def _remedy(results: Results, part: str) -> str | None:
+    """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    if part in EFFECTS:
+        on = results.effects[part].on or (part == "large_deflection" and _is(results, "kirchhoff"))
+        return None if on else f"[effects] {part} = true"
+    plate, deflected = results.scene.plate, results.effects["large_deflection"].on
+    if part != "theory" or _is(results, "solid") or plate is None or plate.mesh is not None or deflected:
+        return None
+    return f'[plate] theory = "{"auto" if results.scene.accuracy.frequency >= DEAR else "solid"}"'
+
+
+def _is(results: Results, theory: str) -> bool:
+    return results.theory is not None and results.theory.name == theory
 
 
 def _largest(mode: Worst) -> str:

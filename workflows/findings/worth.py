@@ -8,6 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from workflows.findings import possible
 from workflows.scene import thicknesses
 from workflows.solve.records import Results, SpeedPoint
 
@@ -23,6 +24,9 @@ about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that
 SMALL = 0.25
 """Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
 its tip, Bisshopp and Drucker, Quart. Appl. Math. 3 (1945) 272."""
+
+MARK, MARKED = "†", "† At a larger amplitude, or a higher speed, than the plate endures"
+"""Of a number in a table, and what it stands for below."""
 
 DRY = 1.0
 """Friction that no dry pair of metals in air exceeds for long."""
@@ -42,7 +46,7 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class Best:
-    """The most that the damper does at a speed, at an amplitude that the plate endures.
+    """The most that the damper does at a speed and an amplitude that the plate endures.
 
     `limited` where the damper would do more beyond what the plate endures.
     """
@@ -55,7 +59,7 @@ class Best:
 def best(results: Results, point: SpeedPoint) -> Best | None:
     """The most that the damper does at a speed; None where it does nothing."""
     figures = point.working
-    if figures is None or not figures.peak > 0:
+    if figures is None or not figures.peak > 0 or possible.torn(results, point):
         return None
     limit = endured(results)
     if limit is None or figures.peak_amplitude <= limit:
@@ -100,6 +104,14 @@ def endured(results: Results) -> float | None:
     if strain is None or length is None:
         return None
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
+
+
+def is_beyond(results: Results, point: SpeedPoint) -> bool:
+    """Whether the damper's peak lies at an amplitude, or at a speed, that the plate does not endure."""
+    limit, own = endured(results), point.working
+    if own is None or not own.peak > 0:
+        return False
+    return possible.torn(results, point) or (limit is not None and own.peak_amplitude > limit)
 
 
 def beyond(results: Results) -> str:

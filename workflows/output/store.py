@@ -139,9 +139,10 @@ def _swap(scratch: Path, target: Path, folder: Path) -> None:
     except PermissionError as error:
         beside = next(p for n in count(1) if not os.path.lexists(p := target.with_name(f"{target.name}-{n}")))
         folders.rename(scratch, beside)
+        as_given = folder.with_name(beside.name) if folder.parent.resolve() == target.parent else beside
         raise BadInput(
             f"cannot be replaced: {error.strerror}, as while another program has a file in it open; the new results"
-            f" are in {beside}",
+            f" are in {as_given}",
             key="--out",
             value=str(folder),
         ) from error

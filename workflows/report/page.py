@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from workflows import wording
-from workflows.findings import answer, trust, worth
+from workflows.findings import answer, of_the_ball, trust, worth
 from workflows.findings.assumptions import assumptions
 from workflows.report import (
     drawing,
@@ -110,6 +110,8 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "air": worth.AIR,
         "endured": worth.endured(results),
         "beyond": worth.beyond(results),
+        "mark": worth.MARK,
+        "marked": worth.MARKED,
     }
 
 
@@ -183,21 +185,16 @@ def _stretch(results: Results) -> dict[str, Any] | None:
     }
 
 
-def _beyond(results: Results, point: SpeedPoint) -> bool:
-    """Whether the damper's peak lies at an amplitude that the plate does not endure."""
-    limit = worth.endured(results)
-    return limit is not None and point.working is not None and point.working.peak_amplitude > limit
-
-
 def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
     """A line of the tables."""
     return {
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "beyond": _beyond(results, point),
+        "beyond": worth.is_beyond(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
+        "lost": None if point.damping is None else of_the_ball.lost_at_most(point.damping),
     }
 
 

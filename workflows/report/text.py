@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 
 from workflows.errors import one_line
-from workflows.findings import answer
+from workflows.findings import answer, of_the_ball, worth
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import amount, fixed, percent, revolutions, significant
 
@@ -21,6 +21,8 @@ def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> s
     parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
+    if any(worth.is_beyond(results, point) for point in results.speeds):
+        parts += _wrapped(f"{worth.MARKED}; what is left below that is in the answer above.")
     if results.notes and out is None:
         parts.append("")
         parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
@@ -44,7 +46,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
     if any(point.damping is not None for point in results.speeds):
         heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
         heads += ("ball ζ %", "at mm", "hits")
-        return [heads, *(_damped(point) for point in results.speeds)]
+        return [heads, *(_damped(results, point) for point in results.speeds)]
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
     found = [
@@ -54,7 +56,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
     return [heads, *found]
 
 
-def _damped(point: SpeedPoint) -> tuple[str, ...]:
+def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
@@ -64,8 +66,8 @@ def _damped(point: SpeedPoint) -> tuple[str, ...]:
         fixed(answer.first_frequency(point), 2),
         amount(damping.cutoff_g),
         fixed(damping.cutoff_ratio, 3),
-        percent(damping.peak_sdc, 3),
-        significant(100 * figures.peak if figures else 0.0),
+        percent(of_the_ball.lost_at_most(damping), 3),
+        significant(100 * figures.peak if figures else 0.0) + (worth.MARK if worth.is_beyond(results, point) else ""),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )

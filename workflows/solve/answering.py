@@ -28,15 +28,17 @@ def answering(source: SceneFile) -> Iterator[None]:
         yield
     except Divergence as error:
         why = _overloaded(source) or "no speed asked for is below the critical one"
-        raise NoAnswer(". ".join((f"{source.name}: {error}; {why}", *source.remarks))) from error
+        raise NoAnswer(". ".join((f"{source.name}: [rotor] speeds: {error}; {why}", *source.remarks))) from error
     except NoEquilibrium as error:
-        raise NoAnswer(f"{source.name}: {error}") from error
+        raise NoAnswer(f"{source.name}: [rotor] speeds, stagger: {error}") from error
     except Unresolved as error:
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (SingularMatrix, NotConverged) as error:
         why = _overloaded(source) or str(error)
-        raise NoAnswer(f"{source.name}: the plate's equations have no solution in floating point: {why}") from error
+        raise NoAnswer(
+            f"{source.name}: [plate]: the plate's equations have no solution in floating point: {why}"
+        ) from error
 
 
 def _overloaded(source: SceneFile) -> str:

@@ -6,6 +6,7 @@ import json
 import os
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from workflows import wording
 from workflows.findings import worth
@@ -13,7 +14,7 @@ from workflows.output import store
 from workflows.report import drawing, palette, templating
 from workflows.studies.response import files, peaks, plots, told
 from workflows.studies.response.document import document
-from workflows.studies.response.records import Response
+from workflows.studies.response.records import Response, Through
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 """What is written beside the usual files, as a regular expression."""
@@ -50,18 +51,7 @@ def render(found: Response) -> str:
     from markupsafe import Markup
 
     shades = palette.shades(len(found.excitation.levels))
-    sections = [
-        {
-            "through": through,
-            "crossing": through.crossing,
-            "rows": [row for row in peaks.rows(found) if row.through is through],
-            "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
-            "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
-            "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
-            "endured": peaks.endured(found, through),
-        }
-        for number, through in enumerate(found.passed)
-    ]
+    sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
     words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly, wording.whole)
     return templating.page(
         "response.html.j2",
@@ -74,4 +64,24 @@ def render(found: Response) -> str:
         campbell=Markup(drawing.both(partial(plots.campbell, found))),
         damping=Markup(drawing.both(partial(plots.damping, found))),
         air=worth.AIR,
+        is_beyond=partial(peaks.is_beyond, found),
+        mark=worth.MARK,
+        marked=worth.MARKED,
     )
+
+
+def _section(found: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
+    """What the page has of a crossing."""
+    from markupsafe import Markup
+
+    mine = [row for row in peaks.rows(found) if row.through is through]
+    return {
+        "through": through,
+        "crossing": through.crossing,
+        "rows": mine,
+        "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
+        "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
+        "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
+        "endured": peaks.endured(found, through),
+        "beyond": any(peaks.is_beyond(found, row) for row in mine),
+    }

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workflows.findings import worth
+from workflows.findings import possible, worth
 from workflows.studies.response.records import Response, Through, peak
 
 HELPS = 0.99
@@ -98,6 +98,11 @@ def root_stress(found: Response, through: Through) -> float | None:
 
 def endured(found: Response, through: Through) -> float | None:
     """Amplitude at the cavity that the root endures [m]; None where it is not known."""
-    if root_stress(found, through) is None or not found.strain_per_amplitude:
-        return None
-    return worth.ENDURED / found.strain_per_amplitude
+    return None if root_stress(found, through) is None else worth.endured(found.results)
+
+
+def is_beyond(found: Response, row: Row) -> bool:
+    """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
+    limit = endured(found, row.through)
+    torn = (possible.pull(found.results, row.through.crossing.omega) or 0.0) > possible.STRONGEST
+    return torn or (limit is not None and row.greatest > limit)

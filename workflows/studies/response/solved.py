@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from workflows.errors import read_from
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt, plate_records
@@ -76,4 +77,5 @@ class Solved:
 
     def damper(self, point: SpeedPoint, only: Sequence[CavityMode] | None) -> damper.ParticleDamper:
         """The damper of the scene at a point, on some of the plate's modes."""
-        return damper_stage.particle_damper(self.scene, self.decided.effects, point, only)
+        with read_from(self.source.name):
+            return damper_stage.particle_damper(self.scene, self.decided.effects, point, only)

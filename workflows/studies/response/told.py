@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from workflows.findings import worth
+from workflows.findings import possible, worth
 from workflows.results.crossings import Crossing
-from workflows.studies.response.peaks import HELPS, Row, endured, root_stress, rows
+from workflows.studies.response.peaks import HELPS, Row, endured, is_beyond, root_stress, rows
 from workflows.studies.response.records import Response, Through
 from workflows.wording import significant, whole
 
@@ -14,6 +14,8 @@ from workflows.wording import significant, whole
 def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
+    if (dense := possible.too_dense(found.results)) is not None:
+        said = [f"No verdict: {dense[0]}.", dense[1], *said[1:]]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
     for crossing, why in found.idle:
@@ -33,20 +35,31 @@ def _undamped(found: Response) -> bool:
 
 
 def _verdict(found: Response) -> str:
-    """Whether the ball helps anywhere under amplitudes that a blade endures."""
-    helped = {
-        row.through.crossing.order: row.ratio
-        for row in sorted(rows(found), key=lambda row: -row.ratio)
-        if row.ratio <= HELPS and row.mean <= (endured(found, row.through) or np.inf)
-    }
+    """Whether the ball helps anywhere where the plate endures it, and up to which force it does."""
+    helped = [row for row in rows(found) if row.ratio <= HELPS and not is_beyond(found, row)]
     orders = _listed(sorted({through.crossing.order for through in found.passed}))
     if not found.passed:
         return "No crossing is driven at the damper's place."
     if not helped:
-        bearable = "" if found.strain_per_amplitude is None else " at any amplitude that its root endures"
+        bearable = "" if found.strain_per_amplitude is None else " at any amplitude and speed that its root endures"
         return f"No: at order{orders} the ball does not help{bearable}."
-    best = significant(100 * (1 - min(helped.values())), 2)
-    return f"Yes: at order{_listed(sorted(helped))} the ball takes up to {best} % of the amplitude at resonance."
+    takes = f"the ball takes up to {significant(100 * (1 - min(row.ratio for row in helped)), 2)} % of the amplitude"
+    limits = _limits(found, helped)
+    if not any(limits.values()):
+        return f"Yes: at order{_listed(sorted(limits))} {takes} at resonance."
+    where = [f"{limit} at order {order}" if limit else f"at order {order}" for order, limit in sorted(limits.items())]
+    return f"Yes, {' and '.join(where)}: {takes} at resonance. Larger forces are more than the plate endures."
+
+
+def _limits(found: Response, helped: list[Row]) -> dict[int, str]:
+    """Order by order, up to which force the plate endures what the ball helps against; empty where up to the last."""
+    limits = {row.through.crossing.order: "" for row in helped}
+    for through in found.passed:
+        mine = [row for row in helped if row.through is through]
+        if mine and any(is_beyond(found, row) for row in rows(found) if row.through is through):
+            greatest = max(row.force for row in mine)
+            limits[through.crossing.order] = f"up to {significant(greatest)} {found.excitation.unit}"
+    return limits
 
 
 def _listed(orders: list[int]) -> str:
@@ -76,8 +89,8 @@ def _sentence(found: Response, through: Through) -> str:
     span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
     cut = significant(100 * (1 - best.ratio), 2)
     limit = endured(found, through)
-    if limit is not None and all(row.mean > limit for row in mine if row.ratio <= HELPS):
-        cut += " %, but only at amplitudes beyond what the root of a blade endures; it takes"
+    if limit is not None and all(is_beyond(found, row) for row in mine if row.ratio <= HELPS):
+        cut += " %, but only where the root of a blade does not endure it; it takes"
         return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
     return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
 
@@ -114,9 +127,11 @@ def text(found: Response) -> str:
         "hits",
         "short way off",
     )
-    table = [heads, *(_cells(row) for row in rows(found))]
+    table = [heads, *(_cells(found, row) for row in rows(found))]
     widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
+    if any(is_beyond(found, row) for row in rows(found)):
+        lines.append(f"{worth.MARKED}.")
     low, high = (significant(100 * ratio, 2) for ratio in worth.AIR)
     for through in found.passed:
         figures, c = through.figures, through.crossing
@@ -130,7 +145,7 @@ def text(found: Response) -> str:
     return "\n".join(lines)
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(found: Response, row: Row) -> tuple[str, ...]:
     c = row.through.crossing
     off = "–" if row.difference is None else f"{significant(100 * row.difference, 2)} %"
     return (
@@ -139,7 +154,7 @@ def _cells(row: Row) -> tuple[str, ...]:
         whole(row.rpm),
         significant(row.force),
         significant(1e3 * row.without, 4),
-        f"{significant(1e3 * row.mean, 4)}",
+        f"{significant(1e3 * row.mean, 4)}{worth.MARK if is_beyond(found, row) else ''}",
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),

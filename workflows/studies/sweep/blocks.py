@@ -77,7 +77,7 @@ def place(number: int, scene: Scene, carried: Carried, omega: float, row: Any) -
     """
     point = carried.points.get(omega)
     if point is None or point.reduced is None:
-        raise BadInput("the plate diverges at this speed")
+        raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, carried.effects, point)
     quantities.of_the_structure(row, point, damper.ball_mass)
     return Placed(number, scene, carried, point, damper, felt.released_at(scene, point))

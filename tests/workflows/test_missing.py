@@ -1,0 +1,69 @@
+"""The material that a cavity takes out of the plate: to first order a negative mass, which a positive one witnesses."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import workflows
+from tests.workflows.conftest import Scene, changed
+from workflows.findings import missing, trust
+from workflows.solve.records import Reduced
+
+
+def _frequency(scene: Scene) -> float:
+    (point,) = workflows.run(scene).speeds
+    assert point.reduced is not None
+    return point.reduced.f2_hz
+
+
+@pytest.mark.parametrize("rpm", [0, 17500])
+def test_as_much_mass_more_lowers_what_the_hole_raises(paper: Scene, rpm: int) -> None:
+    """Half of the difference between a tip mass of m and one of 2 m from none: the second order cancels.
+
+    At 17500 rpm the mass pulls too, and stiffens what it slows: a fifth of the shift at rest is left.
+    """
+    scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], release__cycles=1)
+    hole = missing.missing(workflows.run(scene))
+    assert hole is not None
+    assert hole.mass == pytest.approx(7850 * 58 * 2.5e-3 * 2.4e-3 * 2e-3)
+    none, one, two = (_frequency(changed(scene, plate__tip_mass=k * hole.mass)) for k in (0, 1, 2))
+    slope = (-3 * none + 4 * one - two) / 2 / none
+    assert hole.shift == pytest.approx(-slope, rel=0.02)
+
+
+def _beam(mass: float) -> float:
+    """First root for a tip mass over the beam's: 1 + cos x cosh x + mu x (cos x sinh x - sin x cosh x)."""
+
+    def root(x: float) -> float:
+        c, s, ch, sh = math.cos(x), math.sin(x), math.cosh(x), math.sinh(x)
+        return 1 + c * ch + mass * x * (c * sh - s * ch)
+
+    return float(brentq(root, 1.5, 2.3, xtol=1e-14))
+
+
+@pytest.mark.parametrize("mass", [1e-4, 1e-3])
+def test_a_beam_with_less_at_its_tip(mass: float) -> None:
+    """The effective mass of a cantilever at its tip is a quarter of its own."""
+    exact = (_beam(-mass) / _beam(0.0)) ** 2 - 1
+    reduced = Reduced(f1_hz=1.0, M1=0.25 + 1e-3, K1=1.0, f2_hz=1.0, M2=0.25, K2=1.0, floor_tilt=0.0)
+    assert missing._shift(reduced, mass) == pytest.approx(exact, rel=10 * mass)
+
+
+def test_what_is_said(paper: Scene) -> None:
+    said = trust.sentence(workflows.run(changed(paper, rotor__speeds=[0], release__cycles=1)))
+    assert said is not None
+    assert "That is of the plate before its 58 cavities are cut: 5.5 g less raise its first bending frequency" in said
+    few = changed(paper, rotor__speeds=[0], release__cycles=1, damper__count=1)
+    assert "cut" not in str(trust.sentence(workflows.run(few))), "0.015 %"
+    housed = changed(paper, rotor__speeds=[0], release__cycles=1, damper__housing="5 g")
+    assert missing.missing(workflows.run(housed)) is None, "it stands out of the plate"
+
+
+def test_none_without_a_plate() -> None:
+    scene = SimpleNamespace(damper=SimpleNamespace(housing=None), material=None)
+    assert missing.missing(SimpleNamespace(scene=scene, speeds=np.empty(0))) is None  # type: ignore[arg-type]
