@@ -69,7 +69,8 @@ class Factor:
     @property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester)."""
-        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        with solving(0):  # all of the factor is copied for this
+            return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
 
 
 def factorise(matrix: csc_array) -> Factor:

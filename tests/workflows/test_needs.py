@@ -18,7 +18,7 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.errors import BadInput
 from workflows.scene.file import load, shipped
-from workflows.solve import likeness, needs, pilot, reckoned
+from workflows.solve import likeness, needs, pilot, reckoned, trials
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import decide
 from workflows.solve.fill import Fill, fill
@@ -313,19 +313,26 @@ def test_each_kind_of_work_grows_by_its_own_measure() -> None:
     assert grown(falling, large) == pytest.approx(1.0), "nothing is negative"
 
 
+TIES = 0.45
+"""How far a factor of few cells parts from its pattern in blocks: minimum degree breaks ties its own way."""
+
+
 @pytest.mark.parametrize(
-    ("model", "triangles", "cells"),
+    ("model", "triangles", "cells", "within"),
     [
-        ("kirchhoff", False, (16, 36)),
-        ("kirchhoff", True, (12, 28)),
-        ("mindlin/held", False, (12, 28)),
-        ("mindlin/held", True, (12, 28)),
-        ("solid/2", False, (4, 8)),
-        ("solid/2", True, (3, 6)),
-        ("solid/6", False, (4, 8)),
+        ("kirchhoff", False, (16, 36), TIES),
+        ("kirchhoff", True, (12, 28), TIES),
+        ("mindlin/held", False, (12, 28), TIES),
+        ("mindlin/held", True, (12, 28), TIES),
+        ("solid/2", False, (4, 8), TIES),
+        ("solid/2", True, (3, 6), TIES),
+        ("solid/6", False, (4, 8), TIES),
+        ("solid/6", False, (8, 14), 0.2),
     ],
 )
-def test_what_a_factor_will_have_is_known_from_the_mesh(model: str, triangles: bool, cells: tuple[int, int]) -> None:
+def test_what_a_factor_will_have_is_known_from_the_mesh(
+    model: str, triangles: bool, cells: tuple[int, int], within: float
+) -> None:
     """Entries and work grow from a coarse mesh to a fine one as those of the true factors do."""
     from fem.linalg.lanczos import factorise
 
@@ -341,7 +348,7 @@ def test_what_a_factor_will_have_is_known_from_the_mesh(model: str, triangles: b
         found = fill(model, mesh)
         told.append((found.entries, found.work))
         true.append((lower.nnz, (columns**2).sum() + 130.0 * lower.nnz))
-    np.testing.assert_allclose(np.divide(*told), np.divide(*true), rtol=0.45)  # minimum degree breaks ties its own way
+    np.testing.assert_allclose(np.divide(*told), np.divide(*true), rtol=within)
 
 
 def test_factors_and_solutions_are_booked() -> None:
@@ -356,6 +363,9 @@ def test_factors_and_solutions_are_booked() -> None:
         with spent() as inner:
             factor.solve(np.ones((matrix.shape[0], 3)))
             factor.solve(np.ones(matrix.shape[0]))
+        before = outer.solving
+        assert factor.negative == 0
+        assert outer.solving > before, "the pivots are read from a copy of all entries"
     factor.solve(np.ones(matrix.shape[0]))
     assert (outer.factors, outer.columns, inner.factors, inner.columns) == (1, 4, 0, 4)
     assert outer.factoring > 0.0
@@ -375,7 +385,7 @@ def test_the_search_says_which_mesh_it_would_try_next(paper: Scene, tmp_path: Pa
     ended = plate.discretise(source, decided, quiet, until=0.0)
     assert [size for size, _ in ended.choice.tried] == sizes[:2]
     assert ended.choice.following == sizes[2]
-    assert pilot.ahead(source, decided.plate[0], ended)[0] == sizes[2]
+    assert trials.ahead(source, decided.plate[0], ended)[0] == sizes[2]
 
 
 @pytest.mark.parametrize(
@@ -459,4 +469,4 @@ def test_what_no_mesh_takes_away_asks_for_no_finer_one(paper: Scene, tmp_path: P
     decided = decide(source, Stages(visible=False))
     discrete = plate.discretise(source, decided, Stages(visible=False))
     assert not discrete.choice.met
-    assert pilot.ahead(source, decided.plate[0], discrete) == ()
+    assert trials.ahead(source, decided.plate[0], discrete) == ()

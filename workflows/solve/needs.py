@@ -1,7 +1,7 @@
 """What a run needs of the machine at least, known before any work: a scene that asks for more is refused.
 
 The figures here are of memory, and of time where a scene asks for days. What a mesh takes is known once its first sizes
-are tried (`workflows.solve.pilot`); the search for a mesh ends where the memory does.
+are tried (`workflows.solve.trials`); the search for a mesh ends where the memory does.
 """
 
 from __future__ import annotations
