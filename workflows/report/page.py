@@ -110,8 +110,7 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "air": worth.AIR,
         "endured": worth.endured(results),
         "beyond": worth.beyond(results),
-        "mark": worth.MARK,
-        "marked": worth.MARKED,
+        "legend": worth.legend(results),
     }
 
 
@@ -191,7 +190,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "beyond": worth.is_beyond(results, point),
+        "mark": worth.mark(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
         "lost": None if point.damping is None else of_the_ball.lost_at_most(point.damping),

@@ -21,8 +21,7 @@ def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> s
     parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
-    if any(worth.is_beyond(results, point) for point in results.speeds):
-        parts += _wrapped(f"{worth.MARKED}; what is left below that is in the answer above.")
+    parts += [line for each in worth.legend(results) for line in _wrapped(each)]
     if results.notes and out is None:
         parts.append("")
         parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
@@ -67,7 +66,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         amount(damping.cutoff_g),
         fixed(damping.cutoff_ratio, 3),
         percent(of_the_ball.lost_at_most(damping), 3),
-        significant(100 * figures.peak if figures else 0.0) + (worth.MARK if worth.is_beyond(results, point) else ""),
+        significant(100 * figures.peak if figures else 0.0) + worth.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
