@@ -9,10 +9,10 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from workflows.findings import of_the_ball, of_the_floor, possible, worth
+from workflows.findings import cutoffs, of_the_ball, of_the_floor, possible, worth
 from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
-from workflows.findings.said import stretch
+from workflows.findings.said import capital, stretch
 from workflows.scene import paper, thicknesses
 from workflows.scene.cavity import beside
 from workflows.solve import damper_stage as ringdowns
@@ -30,10 +30,16 @@ def remarks(results: Results) -> tuple[str, ...]:
 
 
 def _capped(results: Results) -> str | None:
-    for point, _, damping in rung_down(results):
-        if "cap" in damping.outcome:
-            return f"At {whole(point.rpm)} rpm {damping.outcome}."
-    return None
+    """All speeds whose ring-down ended before its ball did."""
+    rung = [(p, d) for p, _, d in rung_down(results)]
+    ended = dict.fromkeys(d.outcome for _, d in rung if "cap" in d.outcome)
+    parts = []
+    for outcome in ended:
+        there = [p for p, d in rung if d.outcome == outcome]
+        marked = any(cutoffs.shown(results, p).mark for p in there)
+        known = f": the cut-offs marked {cutoffs.AT_REST} are those of a ball at rest" if marked else ""
+        parts.append(f"{capital(stretch(there, [p for p, _ in rung]))} {outcome}{known}.")
+    return " ".join(parts) or None
 
 
 def _nothing_released(results: Results) -> str | None:
