@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.findings import missing, possible, trust, worth
-from workflows.findings.of_the_ball import gripped
+from workflows.findings import doubt, missing, possible, trust, worth
 from workflows.findings.of_the_floor import as_it_moves, tilt
-from workflows.findings.said import at_load, at_speed, millimetres, percent
+from workflows.findings.said import at_load, at_speed, capital, millimetres, percent
 from workflows.findings.worth import AIR, Grade
 from workflows.scene import paper
 from workflows.solve.records import Results, SpeedPoint
@@ -44,39 +43,36 @@ def answer(results: Results) -> Answer:
     if not points:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
-    torn, turning = possible.torn_from(results), [p for p in loaded if not possible.torn(results, p)]
-    if not turning:
-        return Answer(f"No verdict {torn}", ())
-    grades = [(p, worth.grade(results, p)) for p in turning]
+    refused = _refused(results)
+    grades = [(p, worth.grade(results, p)) for p in loaded]
+    held = doubt.held(grades)
+    if not held and refused is None:
+        return Answer(doubt.none(results, grades), ())
+    speaking = held or loaded
+    if refused is None and all(grade in (Grade.NO, Grade.UNKNOWN) for _, grade in grades):
+        verdict, sentences = _why_not(results, speaking)
+        return Answer(doubt.beside(results, grades, verdict), sentences)
     dense = possible.too_dense(results)
-    if all(grade is Grade.NO for _, grade in grades) and dense is None:
-        verdict, sentences = _why_not(results, turning)
-        return Answer(_beside(verdict, torn), sentences)
     parts = (
         None if dense is None else dense[1],
         _fed(points),
-        _how_much(results, turning, "turning, " if len(loaded) < len(points) else ""),
-        _between(results, turning),
-        _reach(results, turning),
-        tilt(results, turning),
+        _how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
+        _between(results, speaking),
+        _reach(results, speaking),
+        tilt(results, speaking),
         _beside_the_paper(results),
         None if trust.met(results) and missing.sentence(results) is None else trust.sentence(results),
     )
-    return Answer(_beside(_headline(results, grades), torn), tuple(part for part in parts if part))
+    verdict = doubt.beside(results, grades, _verdict(grades)) if refused is None else f"No verdict: {refused}"
+    return Answer(verdict, tuple(part for part in parts if part))
 
 
-def _headline(results: Results, grades: list[tuple[SpeedPoint, Grade]]) -> str:
-    """The verdict, or why there is none."""
+def _refused(results: Results) -> str | None:
+    """Why there is no verdict at any speed."""
     if results.scene.damper is not None and results.scene.damper.formulation == "printed":
-        return "No verdict: the equations as printed do not conserve energy"
-    if (dense := possible.too_dense(results)) is not None:
-        return f"No verdict: {dense[0]}"
-    return gripped(results, [point for point, _ in grades], _verdict(grades))
-
-
-def _beside(verdict: str, torn: str | None) -> str:
-    """A verdict with the speeds that it does not speak of."""
-    return verdict if torn is None or verdict.startswith("No verdict") else f"{verdict}; no verdict {torn}"
+        return "the equations as printed do not conserve energy"
+    dense = possible.too_dense(results)
+    return None if dense is None else dense[0]
 
 
 def first_frequency(point: SpeedPoint) -> float | None:
@@ -98,13 +94,23 @@ def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
 def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
     """One word for all loads, or a word for each stretch of them: yes up to these, hardly from those on."""
     stretches = [(grade, [p for p, _ in run]) for grade, run in groupby(grades, key=lambda pair: pair[1])]
+    known = [k for k, (grade, _) in enumerate(stretches) if grade is not Grade.UNKNOWN]
     if len(stretches) == 1:
         return _WORDS[stretches[0][0]].capitalize()
-    if len(stretches) > _STEPS_AT_MOST:
+    if len(known) > _STEPS_AT_MOST:
         return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
-    words = [f"{_WORDS[grade]} up to {at_speed(run[-1])}" for grade, run in stretches[:-1]]
-    text = ", ".join([*words, f"{_WORDS[stretches[-1][0]]} from {at_speed(stretches[-1][1][0])} on"])
-    return text[0].upper() + text[1:]
+    words = []
+    for k in known:
+        grade, run = stretches[k]
+        first, last = at_speed(run[0]), at_speed(run[-1])
+        if k == 0:
+            where = f"up to {last}"
+        elif k == known[-1]:
+            where = f"from {first} on"
+        else:
+            where = f"up to {last}" if k - 1 in known else f"from {first} to {last}"
+        words.append(f"{_WORDS[grade]} {where}")
+    return capital(", ".join(words))
 
 
 def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
@@ -123,7 +129,7 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = ", within what the plate endures," if least.limited else ""
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
-        text += f" {said[0].upper()}{said[1:]}"
+        text += f" {capital(said)}"
     return f"{text} The air alone gives turbine blades {percent(AIR[0])} to {percent(AIR[1])} %."
 
 
@@ -169,7 +175,7 @@ def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
     point, figures = lost[0]
     said = at_load(point)
     return (
-        f"{said[0].upper()}{said[1:]} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
+        f"{capital(said)} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
         f" {millimetres(limit)} mm would {worth.beyond(results)}: there the damper is out of reach."
     )
 
@@ -186,7 +192,7 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
     said = at_load(point)
     return (
-        f"{said[0].upper()}{said[1:]} and above {millimetres(amplitude)} mm they drive the vibration instead of"
+        f"{capital(said)} and above {millimetres(amplitude)} mm they drive the vibration instead of"
         " damping it, which no ball can do."
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fem.theory.kind import kind
 from workflows.effects.table import EFFECTS
+from workflows.findings import of_the_ball
 from workflows.scene import paper
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
@@ -59,9 +60,10 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
 
 
 def _weight(results: Results) -> list[tuple[str, str]]:
-    """What is left out that only a structure at rest would show."""
+    """What is left out that a structure shows at rest, or where it turns slowly."""
     if all(point.load_g > 0 for point in results.speeds):
-        return []
+        said = of_the_ball.weight(results)
+        return [] if said is None else [(said, "ours")]
     return [
         ("The ball's weight is left out: at 0 rpm nothing presses it to its floor, and nothing resists it.", "ours")
     ]

@@ -6,38 +6,34 @@ import math
 
 from workflows.findings import worth
 from workflows.findings.of_the_floor import rung_down
-from workflows.findings.said import at_load
 from workflows.solve.records import Damping, Results, SpeedPoint
 from workflows.wording import significant, whole
 
 _MORE = 1.1
 """A cycle's loss over that of the answer from which it is said why; cycles differ by some percent."""
 
+_LIGHT = 10.0
+"""Load over g down from which the ball's weight is worth a word: a tenth of it."""
+
 _NOTHING = 1e-9
 """Share of the initial energy that rounding may book as lost."""
 
 
-def gripped(results: Results, points: list[SpeedPoint], verdict: str) -> str:
-    """The verdict with what it rests on where the ball rolls only on a floor that grips better than the walls."""
-    needed = [(worth.grip(results, p, found), p) for p in points if (found := worth.best(results, p)) is not None]
-    most, at = max(needed, key=lambda pair: pair[0])
-    damper = results.scene.damper
-    if damper is None or most <= damper.friction:
-        return verdict
-    least, there = min(needed, key=lambda pair: pair[0])
-    if least > worth.DRY:
-        takes = f"a friction of {significant(least, 2)} {at_load(there)}" + (
-            " and more elsewhere" if points[1:] else ""
-        )
-        return f"No verdict: the ball would slide, for to roll takes {takes} at the amplitude of its best"
-    if most > worth.DRY:
-        return (
-            f"{verdict}, but {at_load(at)} it would slide, for to roll takes a friction of {significant(most, 2)} there"
-            " at the amplitude of its best"
-        )
+def weight(results: Results) -> str | None:
+    """The ball's own weight, where it is not small beside the load."""
+    points = [p for p, _, _ in rung_down(results) if 0 < p.load_g < _LIGHT]
+    if not points:
+        return None
+    light = sorted(points, key=lambda point: point.load_g)
+    ruled = [p for p in light if worth.weighs(p)]
+    if len(ruled) == len(light):
+        share = f"more than the load up to {whole(ruled[-1].rpm)} rpm" if ruled[1:] else "more than the load"
+    else:
+        seen = light[len(ruled)]
+        share = f"{significant(100 / seen.load_g, 2)} % of the load at {whole(seen.rpm)} rpm"
     return (
-        f"{verdict}, if the ball rolls without slip, which at the amplitude of its best takes a friction of"
-        f" {significant(most, 2)} {at_load(at)}: {damper.friction:g} is given for the walls"
+        f"The ball's weight is left out: it is {share}. On a horizontal shaft it turns through the cavity once a"
+        " revolution, on a vertical one it pulls the ball to one side."
     )
 
 

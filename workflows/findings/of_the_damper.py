@@ -9,14 +9,15 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from workflows.findings import of_the_ball, of_the_floor, possible, worth
+from workflows.findings import cutoffs, of_the_ball, of_the_floor, possible, worth
 from workflows.findings import of_the_plate as notes_plate
 from workflows.findings.of_the_floor import rung_down
+from workflows.findings.said import capital, stretch
 from workflows.scene import paper, thicknesses
 from workflows.scene.cavity import beside
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve.records import Results
-from workflows.wording import significant, whole
+from workflows.solve.records import Damping, Results
+from workflows.wording import significant, span, whole
 
 EXPLAINED = 1e-9
 """Share of the initial energy that the books may leave unexplained without a word."""
@@ -29,10 +30,16 @@ def remarks(results: Results) -> tuple[str, ...]:
 
 
 def _capped(results: Results) -> str | None:
-    for point, _, damping in rung_down(results):
-        if "cap" in damping.outcome:
-            return f"At {whole(point.rpm)} rpm {damping.outcome}."
-    return None
+    """All speeds whose ring-down ended before its ball did."""
+    rung = [(p, d) for p, _, d in rung_down(results)]
+    ended = dict.fromkeys(d.outcome for _, d in rung if "cap" in d.outcome)
+    parts = []
+    for outcome in ended:
+        there = [p for p, d in rung if d.outcome == outcome]
+        marked = any(cutoffs.shown(results, p).mark for p in there)
+        known = f": the cut-offs marked {cutoffs.AT_REST} are those of a ball at rest" if marked else ""
+        parts.append(f"{capital(stretch(there, [p for p, _ in rung]))} {outcome}{known}.")
+    return " ".join(parts) or None
 
 
 def _nothing_released(results: Results) -> str | None:
@@ -136,19 +143,24 @@ def _rows(results: Results) -> str | None:
 
 def _rolling(results: Results) -> str | None:
     damper = results.scene.damper
-    demands = [
-        (d.largest_rolling_demand, p.rpm, math.hypot(*d.release))
-        for p, _, d in rung_down(results)
-        if d.largest_rolling_demand is not None
-    ]
-    demand, rpm, lift = max(demands, default=(0.0, 0.0, 0.0))
-    if damper is None or demand <= damper.friction:
+    rolled = [(p, math.hypot(*d.release), demand) for p, _, d in rung_down(results) if (demand := _demand(d)) > 0]
+    if damper is None:
         return None
+    beyond = [each for each in rolled if each[2] > damper.friction]
+    if not beyond:
+        return None
+    points, lifts, demands = zip(*beyond, strict=True)
+    lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
     return (
-        f"Rolling without slip needs a friction of {significant(demand, 2)} at {whole(rpm)} rpm in the ring-down from"
-        f" a release of {significant(1e3 * lift)} mm, more than the {damper.friction:g} given for wall hits: unless the"
-        " floor grips better, the ball would slip."
+        f"In the ring-downs from a release of {lift} mm rolling without slip needs"
+        f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
+        f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )
+
+
+def _demand(damping: Damping) -> float:
+    """The friction that pure rolling needs in a ring-down, 0 where the ball does not roll on its floor."""
+    return damping.largest_rolling_demand or 0.0
 
 
 def _release_stress(results: Results) -> str | None:
@@ -181,6 +193,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.divergence,
     _capped,
     of_the_ball.at_rest,
+    of_the_ball.weight,
     _nothing_released,
     _held,
     of_the_floor.leaning_load,

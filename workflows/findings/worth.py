@@ -31,13 +31,20 @@ MARK, MARKED = "†", "† At a larger amplitude, or a higher speed, than the pl
 DRY = 1.0
 """Friction that no dry pair of metals in air exceeds for long."""
 
+UNSAID, UNSAID_MEANS = "‡", "‡ A speed that the answer gives no verdict on"
+"""Of a number in a table at a speed that has no verdict, and what it stands for below."""
+
+WEIGHT = 1.0
+"""Load over g below which the ball's own weight, which the model leaves out, presses it more than the load does."""
+
 _CANTILEVER = 1.8751040687
 """First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
 
 
 class Grade(IntEnum):
-    """How much a damper does, in words."""
+    """How much a damper does, in words; unknown where the model does not hold."""
 
+    UNKNOWN = -1
     NO = 0
     HARDLY = 1
     MODESTLY = 2
@@ -72,13 +79,30 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
 
 
 def grade(results: Results, point: SpeedPoint) -> Grade:
-    """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing."""
+    """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
+
+    Unknown where the plate would tear, the ball's weight is more than the load, or the ball would slide.
+    """
+    if possible.torn(results, point):
+        return Grade.UNKNOWN
     found = best(results, point)
     if found is None:
         return Grade.NO
+    if weighs(point) or slides(results, point, found):
+        return Grade.UNKNOWN
     if found.damping_ratio >= AIR[0]:
         return Grade.YES
     return Grade.MODESTLY if found.damping_ratio >= AIR[0] / 10 else Grade.HARDLY
+
+
+def weighs(point: SpeedPoint) -> bool:
+    """Whether the ball's own weight is more than the load."""
+    return point.load_g < WEIGHT
+
+
+def slides(results: Results, point: SpeedPoint, found: Best) -> bool:
+    """Whether rolling at the best amplitude takes more friction than any dry pair of metals has."""
+    return grip(results, point, found) > DRY
 
 
 def grip(results: Results, point: SpeedPoint, found: Best) -> float:
@@ -112,6 +136,21 @@ def is_beyond(results: Results, point: SpeedPoint) -> bool:
     if own is None or not own.peak > 0:
         return False
     return possible.torn(results, point) or (limit is not None and own.peak_amplitude > limit)
+
+
+def mark(results: Results, point: SpeedPoint) -> str:
+    """What a table puts beside the damper's figures at a speed; empty where they are as good as the answer."""
+    if is_beyond(results, point):
+        return MARK
+    still = point.load_g == 0 and point.working is not None and point.working.peak > 0
+    return UNSAID if still or grade(results, point) is Grade.UNKNOWN else ""
+
+
+def legend(results: Results) -> list[str]:
+    """What the marks in a table over all speeds stand for."""
+    met = {mark(results, point) for point in results.speeds if point.working is not None}
+    said = {MARK: f"{MARKED}; what is left below that is in the answer above.", UNSAID: f"{UNSAID_MEANS}."}
+    return [text for each, text in said.items() if each in met]
 
 
 def beyond(results: Results) -> str:

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from workflows import wording
-from workflows.findings import answer, of_the_ball, trust, worth
+from workflows.findings import answer, cutoffs, of_the_ball, trust, worth
 from workflows.findings.assumptions import assumptions
 from workflows.report import (
     drawing,
@@ -110,8 +110,8 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "air": worth.AIR,
         "endured": worth.endured(results),
         "beyond": worth.beyond(results),
-        "mark": worth.MARK,
-        "marked": worth.MARKED,
+        "marks": worth.legend(results),
+        "at_rest": cutoffs.legend(results),
     }
 
 
@@ -191,7 +191,8 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": answer.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "beyond": worth.is_beyond(results, point),
+        "mark": worth.mark(results, point),
+        "cutoff": cutoffs.shown(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
         "lost": None if point.damping is None else of_the_ball.lost_at_most(point.damping),

@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 
 from workflows.errors import one_line
-from workflows.findings import answer, of_the_ball, worth
+from workflows.findings import answer, cutoffs, of_the_ball, worth
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import amount, fixed, percent, revolutions, significant
 
@@ -21,8 +21,8 @@ def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> s
     parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
-    if any(worth.is_beyond(results, point) for point in results.speeds):
-        parts += _wrapped(f"{worth.MARKED}; what is left below that is in the answer above.")
+    legend = [*cutoffs.legend(results), *worth.legend(results)] if results.scene.damper is not None else []
+    parts += [line for each in legend for line in _wrapped(each)]
     if results.notes and out is None:
         parts.append("")
         parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
@@ -60,14 +60,15 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
+    cutoff = cutoffs.shown(results, point)
     return (
         amount(point.rpm),
         amount(point.load_g),
         fixed(answer.first_frequency(point), 2),
-        amount(damping.cutoff_g),
-        fixed(damping.cutoff_ratio, 3),
+        amount(cutoff.g) + cutoff.mark,
+        fixed(cutoff.ratio, 3) + cutoff.mark,
         percent(of_the_ball.lost_at_most(damping), 3),
-        significant(100 * figures.peak if figures else 0.0) + (worth.MARK if worth.is_beyond(results, point) else ""),
+        significant(100 * figures.peak if figures else 0.0) + worth.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )

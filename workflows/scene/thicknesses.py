@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 from workflows.scene.thickness_table import extremes, thickness_at
@@ -66,6 +67,15 @@ def slope_error(plate: Plate, form: Planform | None = None) -> float:
     return thickness.SLOPE * thickness.slope(profile(plate, form), form.mesh(form.sizes[0])) ** 2
 
 
+@functools.cache
+def _gauss() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Points and weights on [-1, 1]."""
+    import numpy as np
+
+    points, weights = np.polynomial.legendre.leggauss(GAUSS)
+    return points, weights
+
+
 def section(plate: Plate) -> float:
     """Area [m²] of a rectangle's section at the root."""
     return float((_across(plate, [0.0])[1]).sum())
@@ -73,10 +83,8 @@ def section(plate: Plate) -> float:
 
 def volume(plate: Plate) -> tuple[float, float]:
     """Volume [m³] of a rectangular plate, and its first moment [m^4] about the root."""
-    import numpy as np
-
     length = plate.length or 0.0
-    t, weights = np.polynomial.legendre.leggauss(GAUSS)
+    t, weights = _gauss()
     x, areas = _across(plate, 0.5 * length * (1.0 + t))
     along = 0.5 * length * weights * areas
     return float(along.sum()), float((x * along).sum())
@@ -90,7 +98,7 @@ def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], np
 
     if plate.width is None:
         raise ValueError("the plate is no rectangle")
-    places, (t, weights) = np.asarray(x, dtype=float), np.polynomial.legendre.leggauss(GAUSS)
+    places, (t, weights) = np.asarray(x, dtype=float), _gauss()
     points = np.stack(np.meshgrid(places, 0.5 * plate.width * t, indexing="ij"))
     heights = np.broadcast_to(of(profile(plate), points), points.shape[1:])
     return places, 0.5 * plate.width * heights @ weights

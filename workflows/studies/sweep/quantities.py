@@ -35,7 +35,7 @@ _OF_A_RUN = tuple(headlines(SpeedPoint))
 
 QUANTITIES = (
     *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind is int else "f8") for each in _OF_A_RUN),
-    Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes", "i1"),
+    Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
     Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("ball_mass", "kg", "of all balls together"),
@@ -51,7 +51,7 @@ ROW = np.dtype([(quantity.name, quantity.kind) for quantity in QUANTITIES] + [_R
 """A row; `reason` is the number of the text that says why there is no answer, -1 where there is one."""
 
 NUMBERS = tuple(quantity.name for quantity in QUANTITIES)
-UNGRADED = -1
+UNGRADED = int(Grade.UNKNOWN)
 
 
 @dataclass(frozen=True, eq=False)
