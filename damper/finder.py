@@ -83,23 +83,34 @@ def _bounds(guard: Floats, first: int) -> tuple[float, float]:
 @fused
 def _safe(f: float, f1: float, f2: float, bound: float, reach: float) -> float:
     """Up to where the lower bound on (0, reach] stays positive, inf where it has no root."""
-    bend = f2 - bound * reach / 3.0
-    square = f1 * f1 - 2.0 * f * bend
-    if square < 0.0:
-        return np.inf
-    slope = math.sqrt(square) - f1
-    return 2.0 * f / slope if slope > 0.0 else np.inf
+    return _root(f, f1, f2 - bound * reach / 3.0)
 
 
 @fused
 def _reach(f: float, f1: float, f2: float, left: float) -> float:
     """How far to look at once: a little beyond the root of the parabola, or past its bottom, at most what is left."""
-    square = f1 * f1 - 2.0 * f * f2
-    if square >= 0.0 and math.sqrt(square) > f1:
-        return min(left, 1.25 * 2.0 * f / (math.sqrt(square) - f1))
+    root = _root(f, f1, f2)
+    if root < np.inf:
+        return min(left, 1.25 * root)
     if f1 < 0.0:
         return min(left, -2.0 * f1 / f2)
     return 0.25 * left
+
+
+@fused
+def _root(f: float, f1: float, f2: float) -> float:
+    """First root of the parabola f + f1 h + f2 h² / 2, f > 0, beyond h = 0, inf where it has none.
+
+    Of the two forms of a root the one in which nothing cancels: where a guard rises from next to nothing, the other
+    would lose the root, and with it an event.
+    """
+    square = f1 * f1 - 2.0 * f * f2
+    if square < 0.0:
+        return np.inf
+    if f1 > 0.0:
+        return (f1 + math.sqrt(square)) / -f2 if f2 < 0.0 else np.inf
+    slope = math.sqrt(square) - f1
+    return 2.0 * f / slope if slope > 0.0 else np.inf
 
 
 @fused

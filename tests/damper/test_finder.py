@@ -83,6 +83,21 @@ def test_triple_zero() -> None:
     assert first_zero(guard, 1.0) == pytest.approx(0.3, abs=2e-5)
 
 
+@pytest.mark.hard(
+    why="a guard that rises from next to zero, as rounding leaves it, and falls again: the terms of its zero cancel",
+    keeps="that zero, at any scale of what rounding left",
+)
+@pytest.mark.parametrize("begun", [0, 1], ids=["above zero", "at zero"])
+@pytest.mark.parametrize("left", [1e-6, 1e-12, 1e-15, 1e-16, 1e-18, 1e-24, 1e-40, 1e-300])
+def test_rises_from_next_to_nothing(left: float, begun: int) -> None:
+    for place in (0.05, 0.31, 0.54, 0.77, 0.999):
+        for others in ([], [1.4], [1.4, -0.8], [-3.0, 2.0, 2.5, -1.1]):
+            guard = np.zeros(TERMS)
+            roots = np.polynomial.polynomial.polyfromroots([-left, place, *others])
+            guard[begun : begun + len(roots)] = roots * np.sign(roots[1])
+            assert first_zero(guard, 1.0) == pytest.approx(place, rel=1e-14)
+
+
 def test_a_guard_that_begins_at_zero() -> None:
     """It has just been there: its next zero counts, however flat it begins, unless it falls."""
     rise_and_fall = np.zeros(TERMS)
