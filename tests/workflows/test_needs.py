@@ -317,6 +317,28 @@ def test_each_kind_of_work_grows_by_its_own_measure() -> None:
     assert grown(falling, large) == pytest.approx(1.0), "nothing is negative"
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
+@pytest.mark.parametrize(
+    ("sides", "size", "modes"), [((0.2, 0.01), 10, 2), ((0.2, 0.2), 10, 6), ((0.2, 0.05), 6, 40)], ids=str
+)
+def test_a_mesh_takes_what_its_factor_has(sides: tuple[float, float], size: int, modes: int) -> None:
+    """Of like unknowns a slender plate's factor has fewer entries; the peak of a process that solves on it alone."""
+    script = f"""
+import pathlib, fem, fem.linalg.spent
+def peak(): return 1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0])
+def solved(size, modes):
+    body = fem.Plate(fem.Rectangle(*{sides}).mesh(size), 0.003, fem.Material(1e11, 0.3, 7e3))
+    fem.campbell(fem.assemble(body, fem.Rotor(0.1, 0.3), fem.Effects(large_deflection=True)), [100.0], modes)
+solved(1, 2)
+before = peak()
+solved({size}, {modes})
+print(peak() - before)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=HANG)
+    on = fill("mindlin/held", fem.Rectangle(*sides).mesh(size))
+    assert 0.5 < needs.of_a_mesh("mindlin/held", on, modes, large_deflection=True) / float(done.stdout) < 2.0
+
+
 TIES = 0.45
 """How far a factor of few cells parts from its pattern in blocks: minimum degree breaks ties its own way."""
 

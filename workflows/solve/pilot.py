@@ -98,7 +98,8 @@ def need(source: SceneFile, decided: Decided) -> Need:
     cycles, spent = _damper(source, decided.effects, points)
     lines = needs.of_lines(source.scene)
     own = decided.seconds + (perf_counter() - began if may_be_large(source, decided) else 0.0)
-    return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
+    memory += needs.of_the_program(source.scene)
+    return Need(memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
 
 
 def _plate(source: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
@@ -124,10 +125,10 @@ def _plate(source: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...],
     each = len(source.scene.rotor.speeds) / len(small.scene.rotor.speeds)
     taken = []
     for course in courses:
-        most = max(needs.unknowns(model, form.mesh(size)) for size in course.sizes)
+        most = max(course.sizes)
         search = sum((filled(size) for size in course.sizes), NOTHING)
         seconds = _seconds(source, decided, trials, search, filled(course.chosen), each)
-        taken.append((needs.of_a_plate(model, most, modes, large), seconds))
+        taken.append((needs.of_a_mesh(model, filled(most), modes, large), seconds))
     points = next(trial.points for trial in reversed(trials) if trial.points is not None)
     memory, seconds = (geometric_mean(of) for of in zip(*taken, strict=True))
     return points, memory, seconds
