@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.spent import factoring, solving
+from fem.linalg.spent import factoring, projecting, solving
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -140,7 +140,8 @@ def krylov(
         projected = np.pad(projected, ((0, b), (0, b)))
         projected[m - b :] = column.T
         projected[:, m - b :] = column
-        values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
+        with projecting():
+            values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
         size = np.maximum(np.abs(values[order]), np.finfo(float).tiny)

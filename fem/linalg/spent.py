@@ -1,4 +1,4 @@
-"""What factors, and solutions with them, took: for whoever reckons what larger matrices will take."""
+"""What factors, solutions with them and small dense matrices took: for whoever reckons what larger ones will take."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ _BOOKS: ContextVar[tuple[Spent, ...]] = ContextVar("books", default=())
 
 @dataclass(eq=False)
 class Spent:
-    """How many factors and columns solved for, and the seconds of either."""
+    """How many factors and columns solved for, the seconds of either, and those for small dense matrices."""
 
     factors: int = 0
     columns: int = 0
     factoring: float = 0.0
     solving: float = 0.0
+    projecting: float = 0.0
 
 
 @contextmanager
@@ -52,3 +53,13 @@ def solving(columns: int) -> Iterator[None]:
     for book in _BOOKS.get():
         book.columns += columns
         book.solving += took
+
+
+@contextmanager
+def projecting() -> Iterator[None]:
+    """What is done within hangs on how many vectors there are, not on their length: modes of a projected matrix."""
+    began = perf_counter()
+    yield
+    took = perf_counter() - began
+    for book in _BOOKS.get():
+        book.projecting += took

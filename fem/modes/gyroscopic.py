@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.linalg import lanczos as solver
 from fem.linalg.lanczos import NotConverged, orthonormal, rounding
+from fem.linalg.spent import projecting
 from fem.modes.real import Modes, solve_real
 
 if TYPE_CHECKING:
@@ -131,9 +132,15 @@ def _small(span: _Span, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
 
     With z = (x, w x) the problem is diag(K, M) z = w ((-i Omega G, M), (M, 0)) z.
     """
-    squares, axes = np.linalg.eigh(_even(span.vectors.T @ span.heavy))
+    return _projected(span.vectors.T @ span.heavy, span.vectors.T @ span.turned, shift, count)
+
+
+@projecting()
+def _projected(mass: Array, turned: Array, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
+    """The same of the mass and Coriolis matrices (r, r) in the span."""
+    squares, axes = np.linalg.eigh(_even(mass))
     soft = np.maximum(1.0 - shift * squares, np.finfo(float).eps) ** -0.5
-    turning = axes.T @ (span.vectors.T @ span.turned) @ axes
+    turning = axes.T @ turned @ axes
     heavy = np.diag(soft * np.sqrt(np.maximum(squares, 0.0)))
     felt = -0.5j * soft[:, None] * (turning - turning.T) * soft
     inverse, vectors = np.linalg.eigh(np.block([[felt, heavy], [heavy, np.zeros_like(heavy)]]))

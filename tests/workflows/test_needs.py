@@ -6,7 +6,9 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import meshio
@@ -18,10 +20,10 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.errors import BadInput
 from workflows.scene.file import load, shipped
-from workflows.solve import likeness, needs, pilot, reckoned, trials
+from workflows.solve import foretold, likeness, needs, pilot, reckoned, trials
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import decide
-from workflows.solve.fill import Fill, fill
+from workflows.solve.fill import NOTHING, Fill, fill
 from workflows.solve.price import Part, grown
 from workflows.stages import Stages
 
@@ -304,13 +306,37 @@ def test_each_kind_of_work_grows_by_its_own_measure() -> None:
 
     def took(on: Fill) -> Part:
         factoring, solving = 2e-10 * on.work, 4e-8 * on.entries
-        return Part(on, factoring + solving + 0.3 + 1e-5 * on.unknowns, factoring, solving)
+        return Part(on, factoring + solving + 2.0 + 0.3 + 1e-5 * on.unknowns, factoring, solving, 2.0)
 
     small, middle, large = Fill(2e3, 1e5, 3e7), Fill(8e3, 6e5, 3e8), Fill(6e4, 9e6, 5e10)
     assert grown([took(small), took(middle)], large) == pytest.approx(took(large).seconds, rel=1e-9)
     assert grown([took(middle)], middle) == pytest.approx(took(middle).seconds)
+    many = Part(small, 3.0, 0.0, 0.0, 2.9)
+    assert grown([many], large) == pytest.approx(2.9 + 0.1 * 30), "of one alone, modes of a projection do not grow"
     falling = Part(small, 2.0, 0.0, 0.0), Part(middle, 1.0, 0.0, 0.0)
     assert grown(falling, large) == pytest.approx(1.0), "nothing is negative"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
+@pytest.mark.parametrize(
+    ("sides", "size", "modes"), [((0.2, 0.01), 10, 2), ((0.2, 0.2), 10, 6), ((0.2, 0.05), 6, 40)], ids=str
+)
+def test_a_mesh_takes_what_its_factor_has(sides: tuple[float, float], size: int, modes: int) -> None:
+    """Of like unknowns a slender plate's factor has fewer entries; the peak of a process that solves on it alone."""
+    script = f"""
+import pathlib, fem, fem.linalg.spent
+def peak(): return 1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0])
+def solved(size, modes):
+    body = fem.Plate(fem.Rectangle(*{sides}).mesh(size), 0.003, fem.Material(1e11, 0.3, 7e3))
+    fem.campbell(fem.assemble(body, fem.Rotor(0.1, 0.3), fem.Effects(large_deflection=True)), [100.0], modes)
+solved(1, 2)
+before = peak()
+solved({size}, {modes})
+print(peak() - before)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=HANG)
+    on = fill("mindlin/held", fem.Rectangle(*sides).mesh(size))
+    assert 0.5 < needs.of_a_mesh("mindlin/held", on, modes, large_deflection=True) / float(done.stdout) < 2.0
 
 
 TIES = 0.45
@@ -369,6 +395,10 @@ def test_factors_and_solutions_are_booked() -> None:
     factor.solve(np.ones(matrix.shape[0]))
     assert (outer.factors, outer.columns, inner.factors, inner.columns) == (1, 4, 0, 4)
     assert outer.factoring > 0.0
+    assert outer.projecting == 0.0
+    with spent() as many:
+        fem.solve_modes(fem.assemble(body, fem.Rotor(0.0, 0.0), fem.Effects()), 0.0, 40)
+    assert many.projecting > 0.2 * (many.factoring + many.solving), "of few unknowns it is most of the work"
     assert outer.solving >= inner.solving > 0.0
 
 
@@ -385,7 +415,115 @@ def test_the_search_says_which_mesh_it_would_try_next(paper: Scene, tmp_path: Pa
     ended = plate.discretise(source, decided, quiet, until=0.0)
     assert [size for size, _ in ended.choice.tried] == sizes[:2]
     assert ended.choice.following == sizes[2]
-    assert trials.ahead(source, decided.plate[0], ended)[0] == sizes[2]
+    trial = trials.Trial(ended, NO_PART)
+    for course in foretold.ahead(source, decided.plate[0], trial):
+        assert course.sizes[:3] == tuple(sizes[:3])
+
+
+NO_PART = Part(NOTHING, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+@pytest.mark.parametrize("accuracy", [1e-2, 3e-3, 1e-3, 3e-4])
+@pytest.mark.parametrize("sides", [("200 mm", "80 mm"), ("400 mm", "80 mm")])
+def test_the_end_of_a_search_lies_between_those_foretold(
+    sides: tuple[str, str], accuracy: float, theory: str, paper: Scene, tmp_path: Path
+) -> None:
+    """Ended after its first two meshes; it may choose the mesh before the last that it tries."""
+    scene = changed(paper, plate__length=sides[0], plate__width=sides[1], plate__theory=theory, effects=PLAIN)
+    scene = changed(scene, accuracy={"frequency": accuracy}, damper=None, release=None)
+    source = load(write(scene, tmp_path / "scene.toml"))
+    quiet = Stages(visible=False)
+    decided = decide(source, quiet)
+    whole = plate.discretise(source, decided, quiet).choice
+    trial = trials.Trial(plate.discretise(source, decided, quiet, until=0.0), NO_PART)
+    courses = foretold.ahead(source, decided.plate[0], trial)
+    assert courses[0].chosen <= whole.size <= courses[-1].chosen
+    if trial.discrete.choice.following is None:
+        assert [course.chosen for course in courses] == [whole.size]
+
+
+@pytest.mark.parametrize(
+    ("error", "tried", "chosen"),
+    [(1e-4, (1, 2), 1), (8e-4, (1, 2), 2), (1e-3, (1, 2, 4), 2), (3e-3, (1, 2, 4), 4), (1.0, (1, 2, 4, 8), 8)],
+)
+def test_a_search_goes_on_as_its_errors_say(error: float, tried: tuple[int, ...], chosen: int) -> None:
+    """On cells from a file, whose errors fall with the square of their size, to one of 4e-4; by hand."""
+    form = fem.Given(fem.rectangle(0.2, 0.08, 4, 2))
+    found = foretold.course(form, (1,), 2, lambda size: error / size**2, 4e-4, 100.0)
+    assert found == foretold.Course(tried, chosen)
+
+
+def test_small_plates_tell_the_errors_of_a_large_one(paper: Scene, tmp_path: Path) -> None:
+    """Of a fine mesh from a file, within the factor that is allowed for; they are so small that the first mesh does."""
+    fine = fem.rectangle(0.2, 0.08, 48, 24)
+    meshio.Mesh(np.column_stack([fine.p.T, 0 * fine.p[0]]), [("quad", fine.t.T)]).write(tmp_path / "plate.vtu")
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="plate.vtu", plate__theory="kirchhoff")
+    scene = changed(scene, effects=PLAIN, rotor__speeds=["5000 rpm"], damper=None, release=None)
+    source = load(write(scene, tmp_path / "scene.toml"))
+    quiet = Stages(visible=False)
+    decided = decide(source, quiet)
+    alike = trials.alike(source, decided, "kirchhoff")
+    told = foretold.told(decided.plate[0], alike)
+    assert told is not None
+    form, small = decided.plate[0], alike[-1].discrete.choice.operators
+    here = fem.solve_modes(small, 500.0, 6).frequencies_hz
+    beyond = plate.discretise(source, decided, quiet, size=2).choice.operators
+    true = np.abs(here / fem.solve_modes(beyond, 500.0, 6).frequencies_hz - 1.0).max()
+    assert 1.0 / foretold.DOUBTED < told[0] / true < foretold.DOUBTED
+    assert form.sizes == (1, 2)
+    assert [course.chosen for course in foretold.guessed(source, decided, "kirchhoff", alike)] == [1]
+    assert plate.discretise(source, decided, quiet).choice.size == 1
+
+
+def test_the_search_is_followed_while_the_next_mesh_is_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Meshes of 1.5 s at 6000 unknowns each: the next takes two, whatever there may be beyond."""
+    asked = []
+
+    def tried(_: object, __: object, ___: object, until: float, swept: bool) -> Any:
+        asked.append((until, swept))
+        unknowns, following = (4000.0, 7000.0) if len(asked) == 1 else (7000.0, 90_000.0)
+        search = Part(NOTHING, 1.2, 0.0, 0.0)
+        return SimpleNamespace(
+            unknowns=unknowns, next=following, search=search, sweep=search, foreseen=lambda _: 2.0 * len(asked)
+        )
+
+    monkeypatch.setattr(trials, "_tried", tried)
+    monkeypatch.setattr(trials.plate, "model", lambda *_: "mindlin")
+    assert len(trials.followed(None, None, [])) == 2  # type: ignore[arg-type]
+    assert asked == [(trials.FIRST, True), (7000.0, True)]
+
+
+def test_what_ring_downs_take_is_found_at_speeds_all_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Below half of the highest speed they take 0.1 s and a thousand cycles, above next to nothing; the first of all
+    loads and compiles, which no other does."""
+    clock, called = [0.0], []
+
+    def simulate(scene: Any, _: object, points: Any, __: object) -> Any:
+        (point,) = points
+        slow = point.omega < 500.0
+        called.append(scene.release.cycles)
+        clock[0] += (0.1 if slow else 0.001) + (20.0 if len(called) == 1 else 0.0)
+        return (SimpleNamespace(omega=point.omega, damping=SimpleNamespace(sdc=np.zeros(1000 if slow else 2))),)
+
+    monkeypatch.setattr(pilot, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(pilot.ringdowns, "simulate", simulate)
+    given = load("paper")
+    release = given.scene.release.model_copy(update={"cycles": "auto"})  # type: ignore[union-attr]
+    rotor = given.scene.rotor.model_copy(update={"speeds": tuple(np.linspace(0.0, 1000.0, 501))})
+    source = replace(given, scene=given.scene.model_copy(update={"release": release, "rotor": rotor}))
+    points = tuple(SimpleNamespace(omega=omega) for omega in np.linspace(0.0, 1000.0, trials.PROBED))
+    cycles, seconds = pilot._damper(source, {}, points)  # type: ignore[arg-type]
+    assert cycles == pytest.approx(250 * 1000, rel=0.3)
+    assert seconds == pytest.approx(250 * 0.1, rel=0.3)
+
+
+def test_deciding_is_a_part_of_the_run(structure: Scene, tmp_path: Path) -> None:
+    source = load(write(structure, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+    own = pilot.need(source, replace(decided, seconds=0.0)).seconds
+    assert pilot.need(source, replace(decided, seconds=1000.0)).seconds == pytest.approx(1000.0 + own, rel=0.5)
+    assert decide(load("paper"), Stages(visible=False)).seconds > 0.0
 
 
 @pytest.mark.parametrize(
@@ -469,4 +607,6 @@ def test_what_no_mesh_takes_away_asks_for_no_finer_one(paper: Scene, tmp_path: P
     decided = decide(source, Stages(visible=False))
     discrete = plate.discretise(source, decided, Stages(visible=False))
     assert not discrete.choice.met
-    assert trials.ahead(source, decided.plate[0], discrete) == ()
+    (course,) = foretold.ahead(source, decided.plate[0], trials.Trial(discrete, NO_PART))
+    assert course.sizes[-1] == max(size for size, _ in discrete.choice.tried)
+    assert course.chosen == discrete.choice.size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 from workflows.effects import rules
@@ -20,12 +21,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Decided:
-    """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file."""
+    """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file.
+
+    seconds: that it took to decide.
+    """
 
     form: Planform | None
     effects: dict[str, Effect]
     theory: Theory | None = None
     mesh_sha256: str | None = None
+    seconds: float = 0.0
 
     @property
     def plate(self) -> tuple[Planform, Theory]:
@@ -46,11 +51,12 @@ def decide(source: SceneFile, stages: Stages) -> Decided:
         BadInput: the mesh or an effect asked for is no good.
         NoAnswer: the plate is too thin for its theory in double precision.
     """
-    scene = source.scene
+    began, scene = perf_counter(), source.scene
     if scene.plate is None:
         return Decided(None, rules.resolve(scene, source.name))
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), answering(source):
         found = rules.resolve(scene, source.name, form)
-        return Decided(form, found, theorising.theory(scene, form, found["large_deflection"].on), sha256)
+        theory = theorising.theory(scene, form, found["large_deflection"].on)
+    return Decided(form, found, theory, sha256, perf_counter() - began)

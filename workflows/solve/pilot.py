@@ -11,26 +11,29 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from statistics import geometric_mean
 from time import perf_counter
+
+import numpy as np
 
 from workflows.effects.effect import Effect
 from workflows.errors import SpindampError
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, needs, reckoned
+from workflows.solve import felt, foretold, needs, reckoned
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import Decided
 from workflows.solve.fill import NOTHING, Fill, fill
 from workflows.solve.price import grown
 from workflows.solve.records import SpeedPoint
-from workflows.solve.trials import PATIENCE, PROBED, UNKNOWNS, Trial, ahead, alike, followed, some
+from workflows.solve.trials import FIRST, PATIENCE, PROBED, Trial, alike, followed, some
 from workflows.stages import Stages
 from workflows.wording import significant
 
 _FEW, _MANY_SPEEDS, _CYCLES = 4, 300, 1000
 """Up to which there are speeds here where each is solved by itself, speeds of one basis, and cycles."""
 
-_START = 5.0
+_START = 4.0
 """Seconds to start the program, to draw and to write."""
 
 _LONG, _WITHIN = 60.0, 3.0
@@ -94,12 +97,13 @@ def need(source: SceneFile, decided: Decided) -> Need:
         points, memory, seconds = _plate(source, decided)
     cycles, spent = _damper(source, decided.effects, points)
     lines = needs.of_lines(source.scene)
-    own = perf_counter() - began if may_be_large(source, decided) else 0.0
-    return Need(needs.BASE + memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
+    own = decided.seconds + (perf_counter() - began if may_be_large(source, decided) else 0.0)
+    memory += needs.of_the_program(source.scene)
+    return Need(memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
 
 
 def _plate(source: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...], float, float]:
-    """Speed points on a coarse mesh; bytes and seconds on that which the search will end with."""
+    """Speed points on a coarse mesh; bytes and seconds of the search and on that which it will choose."""
     (form, _), model = decided.plate, plate.model(source, decided)
     first = reckoned.first_unknowns(source, form, model)
     memory, _ = reckoned.reckon(source, decided.effects, model, first, 1.0)
@@ -108,31 +112,37 @@ def _plate(source: SceneFile, decided: Decided) -> tuple[tuple[SpeedPoint, ...],
     alone = plate.each_alone(source.scene, decided.effects)
     small = some(source, _FEW if alone else _MANY_SPEEDS)
     trials: list[Trial] = []
-    if first > UNKNOWNS[0]:
+    if first > FIRST:
         with suppress(SpindampError, ArithmeticError):  # of small plates, which says nothing of the large one
             trials = alike(small, decided, model)
-    sizes = tuple(reckoned.sizes_searched(source, decided, model))
+    courses = foretold.guessed(source, decided, model, trials)
     filled = cache(lambda size: fill(model, form.mesh(size)))
-    begun = sum((filled(size) for size in sizes[:2]), NOTHING)
+    begun = sum((filled(size) for size in courses[0].sizes[:2]), NOTHING)
     if not trials or grown([trial.search for trial in trials], begun) <= PATIENCE:
-        trials = followed(small, decided, [most for most in UNKNOWNS if most >= first] or [UNKNOWNS[-1]], trials)
-        choice = trials[-1].discrete.choice
-        sizes = (*(size for size, _ in choice.tried), *ahead(source, form, trials[-1].discrete)) or (choice.size,)
-    large = decided.effects["large_deflection"].on
-    most = max(needs.unknowns(model, form.mesh(size)) for size in sizes)
-    meshes = [filled(size) for size in sizes]
-    seconds = _seconds(source, decided, trials, meshes, len(source.scene.rotor.speeds) / len(small.scene.rotor.speeds))
+        trials = followed(small, decided, trials)
+        courses = foretold.ahead(source, form, trials[-1])
+    large, modes = decided.effects["large_deflection"].on, source.scene.rotor.modes
+    each = len(source.scene.rotor.speeds) / len(small.scene.rotor.speeds)
+    taken = []
+    for course in courses:
+        most = max(course.sizes)
+        search = sum((filled(size) for size in course.sizes), NOTHING)
+        seconds = _seconds(source, decided, trials, search, filled(course.chosen), each)
+        taken.append((needs.of_a_mesh(model, filled(most), modes, large), seconds))
     points = next(trial.points for trial in reversed(trials) if trial.points is not None)
-    return points, needs.of_a_plate(model, most, source.scene.rotor.modes, large), seconds
+    memory, seconds = (geometric_mean(of) for of in zip(*taken, strict=True))
+    return points, memory, seconds
 
 
-def _seconds(source: SceneFile, decided: Decided, trials: list[Trial], meshes: list[Fill], each: float) -> float:
-    """Seconds of a run on the meshes of a search, of which the last is swept; `each`: speeds for one that was tried."""
+def _seconds(
+    source: SceneFile, decided: Decided, trials: list[Trial], searched: Fill, swept: Fill, each: float
+) -> float:
+    """Seconds of a run on the meshes of a search and on that which it chose; `each`: speeds for one that was tried."""
     each = each if plate.each_alone(source.scene, decided.effects) else 1.0
     bent = decided.effects["large_deflection"].on or decided.effects["coriolis"].on
-    search = grown([trial.search for trial in trials], sum(meshes, NOTHING))
+    search = grown([trial.search for trial in trials], searched)
     sweep, reduction = (
-        grown([part for trial in trials if (part := getattr(trial, name)) is not None], meshes[-1])
+        grown([part for trial in trials if (part := getattr(trial, name)) is not None], swept)
         for name in ("sweep", "reduction")
     )
     return search + each * sweep + (each if bent else 1.0) * reduction
@@ -140,23 +150,25 @@ def _seconds(source: SceneFile, decided: Decided, trials: list[Trial], meshes: l
 
 def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> tuple[float, float]:
     """Cycles of all ring-downs, and the seconds that they and the damper's own figures take."""
-    from damper import ringdown
-
     release = source.scene.release
     if release is None or not points:
         return 0.0, 0.0
     asked = None if isinstance(release.cycles, str) else release.cycles
     few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
     scene, quiet = source.scene.model_copy(update={"release": few}), Stages(visible=False)
-    system = ringdowns.particle_damper(scene, effects, points[-1])
-    ringdown(system, felt.released_at(scene, points[-1]), 1)  # loads and compiles
-    began, found = perf_counter(), list[SpeedPoint]()
-    for point in reversed(points):
-        found += ringdowns.simulate(scene, effects, (point,), quiet)
-        if perf_counter() - began > PATIENCE:
+    once = scene.model_copy(update={"release": release.model_copy(update={"cycles": 1})})
+    ringdowns.simulate(once, effects, points[-1:], quiet)  # loads and compiles
+    began, found = perf_counter(), list[tuple[float, float, float]]()
+    last = len(points) - 1
+    for number in sorted(range(len(points)), key=lambda k: (0 < k < last, abs(k - 0.5 * (last + 0.5)))):
+        since = perf_counter()
+        (done,) = ringdowns.simulate(scene, effects, (points[number],), quiet)
+        now = perf_counter()
+        found.append((done.omega, 0.0 if done.damping is None else done.damping.sdc.size, now - since))
+        if now - began > PATIENCE:
             break
-    spent = (perf_counter() - began) / len(found)
-    cycles = sum(point.damping.sdc.size for point in found if point.damping is not None) / len(found)
-    speeds = len(source.scene.rotor.speeds)
+    speeds = sorted(source.scene.rotor.speeds)
     more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
-    return speeds * cycles * more, speeds * spent * more
+    omega, *each = np.array(sorted(found)).T
+    cycles, spent = (more * float(np.interp(speeds, omega, of).sum()) for of in each)
+    return cycles, spent

@@ -1,7 +1,8 @@
 """What a part of a run takes on finer meshes, by what it took on coarse ones.
 
 Factors grow as their products, solutions as the entries of the factor (`workflows.solve.fill`), all else as the
-unknowns, apart from what no mesh changes. How many factors and solutions there are hardly depends on the mesh.
+unknowns, apart from what no mesh changes, as the modes of projected matrices. How many factors and solutions there are
+hardly depends on the mesh.
 """
 
 from __future__ import annotations
@@ -21,17 +22,18 @@ _APART = 1.5
 
 @dataclass(frozen=True)
 class Part:
-    """Seconds that a part of a run took on its meshes, those for factors and for solutions among them."""
+    """Seconds that a part of a run took on its meshes; among them for factors, solutions, and projected matrices."""
 
     on: Fill
     seconds: float
     factoring: float
     solving: float
+    projecting: float = 0.0
 
     @property
     def rest(self) -> float:
         """Seconds for all else."""
-        return max(self.seconds - self.factoring - self.solving, 0.0)
+        return max(self.seconds - self.factoring - self.solving - self.projecting, 0.0)
 
 
 def timed(work: Callable[[], T]) -> tuple[T, Callable[[Fill], Part]]:
@@ -42,7 +44,7 @@ def timed(work: Callable[[], T]) -> tuple[T, Callable[[Fill], Part]]:
         began = perf_counter()
         found = work()
         seconds = perf_counter() - began
-    return found, lambda on: Part(on, seconds, book.factoring, book.solving)
+    return found, lambda on: Part(on, seconds, book.factoring, book.solving, book.projecting)
 
 
 def grown(parts: Sequence[Part], on: Fill) -> float:
@@ -51,7 +53,7 @@ def grown(parts: Sequence[Part], on: Fill) -> float:
     factoring = last.factoring * on.work / last.on.work
     solving = last.solving * on.entries / last.on.entries
     always, each = _line(parts)
-    return factoring + solving + always + each * on.unknowns
+    return factoring + solving + last.projecting + always + each * on.unknowns
 
 
 def _line(parts: Sequence[Part]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene.source import SceneFile
-from workflows.solve import at_the_cavity, likeness, needs, plate_records
+from workflows.solve import at_the_cavity, likeness, plate_records
 from workflows.solve import plate_stage as plate
 from workflows.solve.answering import answering
 from workflows.solve.decided import Decided
@@ -18,16 +18,16 @@ from workflows.solve.records import SpeedPoint
 from workflows.stages import Stages
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
     from workflows.solve.plate_records import Discrete
 
-UNKNOWNS, PATIENCE = (6000, 20_000, 80_000), 3.0
-"""Up to which meshes are tried, one after the other as long as the next should take no more seconds than that."""
+FIRST, LARGEST, PATIENCE = 6000.0, 80_000.0, 3.0
+"""Unknowns of the meshes tried at once and at most: one after the other, as long as the next should take no more
+seconds than that."""
 
 _GROWTH = 1.3
 """Power of the unknowns that the work grows with, where it is only to be known whether a mesh takes long."""
 
-PROBED = 3
+PROBED = 5
 """Speeds at which the damper is tried."""
 
 
@@ -52,10 +52,11 @@ class Trial:
         following = self.discrete.choice.following
         return np.inf if following is None else self.unknowns * (following / self.discrete.choice.size) ** 2
 
-    @property
-    def spent(self) -> float:
-        """Seconds of all parts."""
-        return sum(part.seconds for part in (self.search, self.sweep, self.reduction) if part is not None)
+    def foreseen(self, unknowns: float) -> float:
+        """Seconds that a trial with more unknowns would take, roughly."""
+        parts = [part for part in (self.search, self.sweep, self.reduction) if part is not None]
+        always = sum(part.projecting for part in parts)
+        return always + (sum(part.seconds for part in parts) - always) * float((unknowns / self.unknowns) ** _GROWTH)
 
 
 def alike(small: SceneFile, decided: Decided, model: str) -> list[Trial]:
@@ -67,26 +68,24 @@ def alike(small: SceneFile, decided: Decided, model: str) -> list[Trial]:
     return trials
 
 
-def followed(small: SceneFile, decided: Decided, mosts: list[int], trials: list[Trial]) -> list[Trial]:
-    """The search of the scene up to more and more unknowns, as far as patience goes, and its sweep as far as that.
+def followed(small: SceneFile, decided: Decided, trials: list[Trial]) -> list[Trial]:
+    """The search of the scene one mesh further each time, as far as patience goes, and its sweep as far as that.
 
     trials: of plates like it, which are kept.
     """
-    model, own = plate.model(small, decided), list[Trial]()
-    for most in mosts:
-        if own and own[-1].next > most:
-            continue
-        swept = not own + trials or _foreseen(trials + own, most) <= PATIENCE
-        if own and own[-1].search.seconds * (most / own[-1].unknowns) ** _GROWTH > PATIENCE:
-            break
+    model, own, most = plate.model(small, decided), list[Trial](), FIRST
+    while True:
+        swept = not trials + own or _foreseen(trials + own, most) <= PATIENCE
         own.append(_tried(small, decided, model, most, swept))
-    return trials + own
+        last, most = own[-1], own[-1].next
+        if most > LARGEST or last.search.seconds * (most / last.unknowns) ** _GROWTH > PATIENCE:
+            return trials + own
 
 
 def _foreseen(trials: list[Trial], unknowns: float) -> float:
     """Seconds of a trial with more unknowns, roughly, by the last that was swept."""
     last = next(trial for trial in reversed(trials) if trial.sweep is not None)
-    return last.spent * float((unknowns / last.unknowns) ** _GROWTH)
+    return last.foreseen(unknowns)
 
 
 def _tried(small: SceneFile, decided: Decided, model: str, until: float, swept: bool = True) -> Trial:
@@ -105,27 +104,6 @@ def _tried(small: SceneFile, decided: Decided, model: str, until: float, swept: 
         last = fill(model, form.mesh(choice.size))
         points = plate_records.at_speeds(some(small, PROBED), discrete, diagram, *found)
     return replace(trial, sweep=sweeping(last), reduction=reducing(last), points=points)
-
-
-def ahead(source: SceneFile, form: Planform, discrete: Discrete) -> tuple[int, ...]:
-    """Sizes that a search will still try after it was ended: the next, and others if its errors fall as they should."""
-    from fem.accuracy.budget import SURE
-    from fem.accuracy.choose_mesh import MOST_UNKNOWNS, next_size
-
-    choice, found, following = discrete.choice, list[int](), discrete.choice.following
-    operators = choice.operators
-    model, here = operators.model.theory, float(operators.mass.shape[0])
-    fit = needs.most_unknowns(source, form, model, operators.effects.large_deflection)
-    most = min(MOST_UNKNOWNS[model.partition("/")[0]], fit)
-    size, left = choice.size, dict(choice.tried).get(choice.size, 0.0)
-    while following is not None:
-        found.append(following)
-        left *= (size / following) ** (0.5 * sum(form.orders))
-        size = following
-        room = most / (here * (size / choice.size) ** 2)
-        met = left <= SURE * choice.tolerance
-        following = None if met else next_size(form, size, left / choice.tolerance, room)
-    return tuple(found)
 
 
 def some(source: SceneFile, most: int) -> SceneFile:
