@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.findings import doubt, missing, possible, trust, worth
+from workflows.findings import amplitudes, doubt, missing, possible, trust, worth
 from workflows.findings.of_the_floor import as_it_moves, tilt
 from workflows.findings.said import at_load, at_speed, capital, millimetres, percent
 from workflows.findings.worth import AIR, Grade
@@ -16,9 +16,6 @@ from workflows.wording import span, whole
 
 _NEAR = 0.1
 """Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
-
-_BELOW = 0.8
-"""Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
 
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
@@ -57,8 +54,8 @@ def answer(results: Results) -> Answer:
         None if dense is None else dense[1],
         _fed(points),
         _how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
-        _between(results, speaking),
-        _reach(results, speaking),
+        amplitudes.between(results, speaking),
+        amplitudes.reach(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),
         None if trust.met(results) and missing.sentence(results) is None else trust.sentence(results),
@@ -81,14 +78,6 @@ def first_frequency(point: SpeedPoint) -> float | None:
         bending = [mode.frequency_hz for mode in point.modes if mode.family == "flap"]
         return bending[0] if bending else None
     return point.reduced.f1_hz if point.reduced is not None else None
-
-
-def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
-    """Acceleration over g of a vibration of that amplitude [m]."""
-    if point.reduced is None or not point.load_g:
-        return None
-    gravity = point.omega**2 * point.radius / point.load_g
-    return (2 * math.pi * point.reduced.f1_hz) ** 2 * amplitude / gravity
 
 
 def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
@@ -122,8 +111,8 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
     share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
         f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball damps"
-        f" like a damping ratio of {percent(top.damping_ratio)} %: it takes {percent(share)} % of the vibration's"
-        " energy in a cycle."
+        f" like a damping ratio of {percent(top.damping_ratio)} %{amplitudes.known_within(at)}: it takes"
+        f" {percent(share)} % of the vibration's energy in a cycle."
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
@@ -131,53 +120,6 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {capital(said)}"
     return f"{text} The air alone gives turbine blades {percent(AIR[0])} to {percent(AIR[1])} %."
-
-
-def _between(results: Results, points: list[SpeedPoint]) -> str | None:
-    """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
-    limit = worth.endured(results) or math.inf
-    known = [(p, w) for p in points if worth.best(results, p) is not None and (w := p.working) is not None]
-    working = [(p, w) for p, w in known if w.half[0] < limit]
-    if not working:
-        return None
-    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
-    ranges = []
-    for point, figures in ends:
-        low, high = figures.half[0], min(figures.half[1], limit)
-        loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
-        said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
-        ends_there = ", all that the plate endures" if high < figures.half[1] else ""
-        ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
-    held = [
-        f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
-        for p, w in ends
-        if w.cutoff > 0
-    ]
-    rests = f" The load holds it at rest {', '.join(held)}." if held else ""
-    return f"At least half of its best is left {', '.join(ranges)}.{rests}"
-
-
-def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
-    """Down to where a ball in motion goes on, far below what sets it off, as one in a hollow floor may."""
-    if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
-        return ""
-    last = point.damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * point.reduced.f1_hz) ** 2
-    return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
-
-
-def _reach(results: Results, points: list[SpeedPoint]) -> str | None:
-    """From what load on the ball is out of reach of what the plate endures."""
-    limit = worth.endured(results)
-    lost = [(p, w) for p in points if worth.best(results, p) is None and (w := p.working) is not None]
-    lost = [(p, w) for p, w in lost if w.peak > 0]
-    if limit is None or not lost:
-        return None
-    point, figures = lost[0]
-    said = at_load(point)
-    return (
-        f"{capital(said)} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
-        f" {millimetres(limit)} mm would {worth.beyond(results)}: there the damper is out of reach."
-    )
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
@@ -209,7 +151,7 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
             f"{as_it_moves(results)}, the cavity's floor tilts, and {at_load(low)} the load pulls the ball"
             " down the slope by as much as the vibration drives it up.",
         )
-    if figures.peak > 0 and (reach := _reach(results, points)) is not None:
+    if figures.peak > 0 and (reach := amplitudes.reach(results, points)) is not None:
         return "No: the ball never moves", tuple(part for part in (reach, tilt(results, points)) if part)
     if damper is not None and damper.restitution == 1 and all(p.working and p.working.cutoff == 0 for p in points):
         along = "Along the bending direction it" if damper.friction else "It"

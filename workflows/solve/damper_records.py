@@ -54,7 +54,10 @@ class OwnFigures(Figures):
     error: Annotated[
         float,
         Quantity(
-            "1", "of the peak, relative: spread of parts of the measurement", alone="working_error", headline=True
+            "1",
+            "of the peak and of `half`, relative: spread of the measurement, and what its pace moved",
+            alone="working_error",
+            headline=True,
         ),
     ]
 
