@@ -40,7 +40,7 @@ def slow() -> Results:
 def many(found: Results, count: int) -> Results:
     """As at so many speeds, each with a load of its own."""
     (point,) = found.speeds
-    loads = [10.0 * (k + 1) for k in range(count)]
+    loads = [1.0 * (k + 1) for k in range(count)]
     return replace(found, speeds=tuple(replace(point, rpm=load, load_g=load) for load in loads))
 
 
@@ -62,7 +62,7 @@ def test_a_legend_names_all_curves_or_some_from_end_to_end(
     for figure in drawn:
         said = legend(figure)
         assert len(said) == named
-        assert {said[0], said[-1]} == {"10 g", f"{10 * count} g"}
+        assert {said[0], said[-1]} == {"1 g", f"{count} g"}
         (title,) = (each.get_title().get_text() for each in figure.legends)
         assert title == ("load" if named == count else f"load, {named} of {count}")
 

@@ -129,7 +129,7 @@ def key(figure: Figure, axes: Axes, sheet: Sheet, **how: Any) -> None:
     curves = axes.get_legend_handles_labels()
     if (count := len(curves[0])) > _NAMED_AT_MOST:
         named = [round(k * (count - 1) / (_NAMED_OF_MANY - 1)) for k in range(_NAMED_OF_MANY)]
-        curves = tuple([entries[k] for k in named] for entries in curves)
+        curves = [curves[0][k] for k in named], [curves[1][k] for k in named]
         how["title"] = f"{how.get('title', 'curves')}, {_NAMED_OF_MANY} of {count}"
     if sheet is WIDE:
         figure.legend(*curves, loc="outside right center", **how)
