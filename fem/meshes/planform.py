@@ -67,11 +67,11 @@ def check_mesh(mesh: Any) -> None:
     left, right = mesh.f2t[:, inner]
     folded = _side(mesh, inner, left) * _side(mesh, inner, right) > 0.0
     _reject(np.isin(np.arange(t.shape[1]), left[folded]), mesh, "folded over a neighbour")
+    _reject_seams(mesh)
     neighbours = coo_array((np.ones(left.size), (left, right)), shape=(t.shape[1],) * 2)
     parts = connected_components(neighbours, directed=False)[0]
     if parts > 1:
         raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
-    _reject_seams(mesh)
     if root_facets(mesh).size == 0:
         raise MeshError(
             f"no edge lies on the smallest x ({p[0].min():.6g}), so there is nothing to clamp: "

@@ -191,6 +191,7 @@ def _two_axes(results: Results) -> str | None:
 
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     notes_plate.divergence,
+    notes_plate.wide,
     _capped,
     of_the_ball.at_rest,
     of_the_ball.weight,

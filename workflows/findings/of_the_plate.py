@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from workflows.findings import missing, possible, trust
 from workflows.solve.records import Results
 from workflows.wording import significant, whole
+
+_NOTHING = 1e-3
+"""Part of the accuracy asked for below which a change is rounding's, or nobody's concern."""
+
+_WIDE = 2.0
+"""Width over length of a mesh from which on it is asked whether it is meant."""
 
 
 def root_stress(results: Results) -> str | None:
@@ -21,12 +29,28 @@ def root_stress(results: Results) -> str | None:
     )
 
 
+def wide(results: Results) -> str | None:
+    """A mesh that is clamped along its long edge, which may be one laid the wrong way round."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None or plate.mesh is None or surface is None:
+        return None
+    length, width = (float(1e3 * side) for side in np.ptp(surface.points[:, :2], axis=0))
+    if width <= _WIDE * length:
+        return None
+    return (
+        f"The mesh is {significant(width)} mm wide and {significant(length)} mm long: the root, at the smallest x, is a"
+        " long edge. If a short one is meant, turn the mesh until its length lies along x."
+    )
+
+
 def stiffness_with_ball(results: Results) -> str | None:
     """By how much K1 differs from K2."""
     reduced = [point.reduced for point in results.speeds if point.reduced is not None]
     if results.scene.plate is None or not reduced:
         return None
     change = max((r.K1 / r.K2 - 1 for r in reduced), key=abs)
+    if abs(change) < _NOTHING * results.scene.accuracy.frequency:
+        return None
     return (
         f"With the ball stuck to it, the plate's effective stiffness changes by up to {significant(100 * change, 2)} %"
         " (K1 against K2), mostly by the ball's own centrifugal pull; the damper uses K1."

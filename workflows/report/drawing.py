@@ -36,6 +36,9 @@ class Sheet:
     width: float
 
 
+_NAMED_AT_MOST, _NAMED_OF_MANY = 16, 9
+"""Curves that a legend names all, and how many it names of more: from the first to the last, evenly."""
+
 WIDE, NARROW = Sheet("wide-sheet", 6.6), Sheet("narrow-sheet", 3.7)
 
 _STYLE: dict[Any, Any] = {
@@ -122,8 +125,12 @@ def beside(sheet: Sheet, side: float, panels: int) -> tuple[Figure, list[Axes]]:
 
 
 def key(figure: Figure, axes: Axes, sheet: Sheet, **how: Any) -> None:
-    """A legend of the curves of `axes` beside the figure, or below it on a narrow sheet."""
+    """A legend of the curves of `axes` beside the figure, or below it on a narrow sheet; of many it names some."""
     curves = axes.get_legend_handles_labels()
+    if (count := len(curves[0])) > _NAMED_AT_MOST:
+        named = [round(k * (count - 1) / (_NAMED_OF_MANY - 1)) for k in range(_NAMED_OF_MANY)]
+        curves = [curves[0][k] for k in named], [curves[1][k] for k in named]
+        how["title"] = f"{how.get('title', 'curves')}, {_NAMED_OF_MANY} of {count}"
     if sheet is WIDE:
         figure.legend(*curves, loc="outside right center", **how)
     else:

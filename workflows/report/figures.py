@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LEGEND_AT_MOST = 16
-"""Curves that a legend can name."""
-
 _LINE = 0.045
 """Height of a line of text, in heights of the Campbell diagram."""
 
@@ -47,7 +44,7 @@ def campbell_drawn(results: Results, sheet: Sheet) -> Figure | None:
     highest = 1.06 * max(float(track.y.max()) for track in tracks)
     axes.set(xlim=(0, fastest), ylim=(0, highest), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
     _engine_orders(axes, orders(results.scene), fastest, highest)
-    colours = [_branch(axes, track, kind) for track, kind in zip(tracks, _families(tracks), strict=True)]
+    colours = [_branch(axes, track) for track in tracks]
     heights = _apart([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
         axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
@@ -103,8 +100,7 @@ def capacity(results: Results, sheet: Sheet) -> str:
     _title(whole, part, lines, results)
     for axes in drawn:
         axes.set(xlabel="amplitude of the acceleration, g", xscale=_scale(lines))
-    if len(lines) <= _LEGEND_AT_MOST:
-        drawing.key(figure, part, sheet, title="load", reverse=sheet is drawing.WIDE)
+    drawing.key(figure, part, sheet, title="load", reverse=sheet is drawing.WIDE)
     return drawing.svg(figure, sheet, "capacity", "Specific damping capacity over acceleration amplitude")
 
 
@@ -118,18 +114,10 @@ def is_band(cycles: Floats) -> bool:
     return len(cycles) > _CYCLES_AT_MOST
 
 
-def _families(tracks: list[Curve]) -> list[int]:
-    """The number of each curve's family, in the order of their appearance."""
-    names = [track.label.rsplit(" ", 1)[0] for track in tracks]
-    known = list(dict.fromkeys(names))
-    return [known.index(name) for name in names]
-
-
-def _branch(axes: Axes, track: Curve, kind: int) -> str:
+def _branch(axes: Axes, track: Curve) -> str:
     """One frequency over speed; its colour."""
-    colour = palette.CATEGORIES[kind % len(palette.CATEGORIES)]
-    marker = palette.MARKERS[kind % len(palette.MARKERS)] if len(track.x) <= 12 else ""
-    axes.plot(track.x, track.y, color=colour, marker=marker, clip_on=False)
+    colour, marker = palette.of_family(track.label.rsplit(" ", 1)[0])
+    axes.plot(track.x, track.y, color=colour, marker=marker if len(track.x) <= 12 else "", clip_on=False)
     return colour
 
 

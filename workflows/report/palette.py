@@ -23,6 +23,16 @@ _WRITTEN = ("#0072b2", "#b34f00", "#00795a", "#a0568c", "#8a6000", "#2474a6", "#
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
+_FAMILIES = ("flap", "twist", "lag", "chord", "axial")
+"""Families of modes in the order of the colours and markers; what else there may be has those that follow."""
+
+
+def of_family(name: str) -> tuple[str, str]:
+    """Colour and marker of a family of modes, the same in every diagram."""
+    k = _FAMILIES.index(name) if name in _FAMILIES else len(_FAMILIES)
+    return CATEGORIES[k], MARKERS[k]
+
+
 VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
     colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
 }

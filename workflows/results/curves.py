@@ -135,7 +135,7 @@ def damping_ratio(results: Results) -> list[Curve]:
     for point in results.speeds:
         figures = point.working
         if figures is not None and figures.amplitude.size:
-            label = f"{wording.fixed(point.load_g)} g"
+            label = f"{wording.amount(point.load_g)} g"
             name = f"damping_ratio_{speed_tag(point)}"
             curves.append(Curve(name, label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio))
     return curves

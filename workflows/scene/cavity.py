@@ -50,6 +50,11 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
         return "radius", f"the ball does not fit between the root and its place: expected less than {_mm(reach / 2)}"
     if damper.housing or damper.cavity[1] < room * (1 - ROUNDING):
         return None
+    if room <= ROUNDING * reach:
+        return "at", (
+            "on the plate's edge there is no room for a cavity: expected a place further in, or housing = the mass of"
+            " what stands out of the plate"
+        )
     return "cavity", (
         f"side 2 lies across the plate: expected less than {_mm(room)}, the room at its place, another place (at),"
         " or housing = the mass of what stands out of the plate"

@@ -46,7 +46,8 @@ def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
         problem += f"; also unknown: {', '.join(map(_in_a_list, unknown[:_LISTED]))}"
         problem += f" and {len(unknown) - _LISTED} more" if len(unknown) > _LISTED else ""
     elif rest:
-        problem += f" (and {len(rest)} more)"
+        problem += "".join(f"; also {_named(found)}" for found in rest[:_LISTED])
+        problem += f"; and {len(rest) - _LISTED} more" if len(rest) > _LISTED else ""
     if first["type"] == "extra_forbidden" and len(loc) == 1 and isinstance(first["input"], Mapping):
         return BadInput(problem, file=name, key=f"[{loc[0]}]")
     return BadInput(problem, file=name, key=key_name(loc), value=value)
@@ -55,6 +56,14 @@ def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
 def _keys(error: Any) -> list[str]:
     """The keys that lead to an error; marks of alternatives are in brackets, which no key is."""
     return [part for part in map(str, error["loc"]) if not part.startswith("[")]
+
+
+def _named(error: Any) -> str:
+    """A further error with its key."""
+    loc = _keys(error)
+    if error["type"] == "together":
+        loc += str(error["ctx"]["key"]).split(".")
+    return f"{key_name(loc)}: {worded(error, loc)}"
 
 
 def _in_a_list(error: Any) -> str:

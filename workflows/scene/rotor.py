@@ -24,6 +24,9 @@ from workflows.scene.fields import (
 from workflows.scene.speeds import Speeds
 from workflows.scene.table import Table
 
+FINEST = 1e-10
+"""Least relative error of a frequency that double precision gives: its 1e-16 times a stiffness matrix's condition."""
+
 
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
@@ -95,8 +98,9 @@ class Effects(Table):
 class Accuracy(Table):
     """Relative errors asked for."""
 
-    frequency: Annotated[Number, Field(gt=0, lt=1)] = Field(
-        default=1e-3, description="relative error of the plate's frequencies, dimensionless"
+    frequency: Annotated[Number, Field(gt=0, ge=FINEST, lt=1)] = Field(
+        default=1e-3,
+        description="relative error of the plate's frequencies, dimensionless; no less than double precision can give",
     )
     damping: Annotated[Number, Field(gt=0, lt=1)] = Field(
         default=1e-3, description="relative error of the damping, dimensionless"

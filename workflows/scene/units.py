@@ -182,8 +182,19 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
         text = str(error)
         raise UnitError(text if text.endswith("?") else f"{text}: {kind.expectation}") from error
     if factor is None:
-        raise UnitError(kind.expectation)
+        raise UnitError(_of_turns(float(number), unit) if kind is ROTATION else kind.expectation)
     return _in_range(float(number) * factor, kind)
+
+
+def _of_turns(number: float, unit: str) -> str:
+    """What is said of a rotation speed in a unit of something else; hertz are taken by some for turns a second."""
+    hertz = _factor(unit, FREQUENCY.si)
+    if hertz is None:
+        return ROTATION.expectation
+    return (
+        f"{ROTATION.expectation}; '{unit}' is the unit of a frequency, which is not taken for a speed: if turns a"
+        f" second are meant, write '{60 * hertz * number:.9g} rpm'"
+    )
 
 
 def halved(value: object, kind: Kind) -> str | None:

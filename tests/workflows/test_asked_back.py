@@ -1,0 +1,90 @@
+"""Scenes and meshes that are probably not what was meant: what is said, and that all of it is."""
+
+from __future__ import annotations
+
+import re
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.meshes.planform import MeshError, check_mesh
+from tests.workflows.conftest import Scene, changed
+from workflows.errors import BadInput
+from workflows.findings import of_the_plate
+from workflows.scene import units
+from workflows.scene.file import parse
+
+
+def test_hertz_are_no_speed() -> None:
+    """60 turns a second are 3600 rpm."""
+    for text, rpm in (("60 Hz", "3600"), ("0.06 kHz", "3600")):
+        with pytest.raises(units.UnitError, match=f"a frequency.*turns a second.*'{rpm} rpm'"):
+            units.to_si(text, units.ROTATION)
+    assert units.to_si("60 Hz", units.FREQUENCY) == 60
+
+
+def test_every_error_is_named(structure: Scene) -> None:
+    wrong = changed(structure, rotor__speeds=["60 Hz"], damper__friction=-1, damper__restitution=2)
+    with pytest.raises(BadInput) as found:
+        parse(wrong)
+    said = str(found.value)
+    for key, problem in (("speeds", "a frequency"), ("friction", "expected at least 0"), ("restitution", "at most 1")):
+        assert re.search(rf"{key}\b.*{problem}", said), said
+    assert "more)" not in said
+
+
+def test_a_place_on_the_edge_has_no_room(paper: Scene) -> None:
+    with pytest.raises(BadInput, match="no room for a cavity") as found:
+        parse(changed(paper, damper__at=["20 cm", "4 cm"]))
+    assert "[damper] at" in str(found.value)
+    assert "less than 0" not in str(found.value)
+
+
+@pytest.mark.parametrize(("asked", "taken"), [(1e-14, False), (0.9e-10, False), (1e-10, True)])
+def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool, paper: Scene) -> None:
+    scene = changed(paper, accuracy={"frequency": asked})
+    if taken:
+        assert parse(scene).accuracy.frequency == asked
+    else:
+        with pytest.raises(BadInput, match=r"accuracy\] frequency.*at least 1e-10"):
+            parse(scene)
+
+
+def _unmerged() -> Any:
+    """Two squares with nodes of their own along the side that they share."""
+    from skfem import MeshQuad
+
+    x = np.array([[0, 1, 1, 0, 1, 2, 2, 1], [0, 0, 1, 1, 0, 0, 1, 1]], dtype=float)
+    return MeshQuad(x, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]).T)
+
+
+def test_points_that_are_not_merged_are_why_a_mesh_falls_apart() -> None:
+    with pytest.raises(MeshError, match=r"2 points coincide with others, the first one at \(1, [01]\): merge them"):
+        check_mesh(_unmerged())
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "said"), [(30, 200, True), (30, 61, True), (30, 59, False), (200, 30, False)]
+)
+def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width: float, said: bool) -> None:
+    points = 1e-3 * np.array([[0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]])
+    plate = SimpleNamespace(mesh="m.msh")
+    found: Any = SimpleNamespace(scene=SimpleNamespace(plate=plate), surface=SimpleNamespace(points=points))
+    note = of_the_plate.wide(found)
+    assert (note is not None) is said
+    if note is not None:
+        assert f"{width:g} mm wide" in note
+        assert f"{length:g} mm long" in note
+        assert "long edge" in note
+    plate.mesh = None
+    assert of_the_plate.wide(found) is None
+
+
+@pytest.mark.parametrize(("change", "said"), [(-1.1e-7, False), (2e-6, True)])
+def test_a_stiffness_that_rounding_changes_is_no_remark(change: float, said: bool) -> None:
+    reduced = SimpleNamespace(K1=1 + change, K2=1.0)
+    scene = SimpleNamespace(plate=object(), accuracy=SimpleNamespace(frequency=1e-3))
+    found: Any = SimpleNamespace(scene=scene, speeds=[SimpleNamespace(reduced=reduced)])
+    assert (of_the_plate.stiffness_with_ball(found) is not None) is said

@@ -1,0 +1,122 @@
+"""Pictures of many speeds: curves that are told apart, an axis that is used, words that can be read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import workflows
+from workflows.report import drawing, figure_working, figures, palette
+from workflows.results.curves import Curve
+from workflows.solve.records import Results
+
+pytestmark = pytest.mark.usefixtures("undrawn")
+
+
+@pytest.fixture(scope="module")
+def slow() -> Results:
+    """A ball that next to nothing holds: its cut-off lies far below the amplitudes at which it does anything."""
+    scene: dict[str, Any] = {
+        "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
+        "rotor": {"radius": "20 cm", "speeds": ["100 rpm"]},
+        "damper": {
+            "mass_ratio": 0.006,
+            "count": 183,
+            "radius": "1 mm",
+            "cavity": ["2.5 mm", "2.4 mm"],
+            "restitution": 0.5,
+            "friction": 0.3,
+            "rolling_friction": "0.1 um",
+        },
+        "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
+    }
+    return workflows.run(scene)
+
+
+def many(found: Results, count: int) -> Results:
+    """As at so many speeds, each with a load of its own."""
+    (point,) = found.speeds
+    loads = [1.0 * (k + 1) for k in range(count)]
+    return replace(found, speeds=tuple(replace(point, rpm=load, load_g=load) for load in loads))
+
+
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for each in figure.legends for text in each.get_texts()]
+
+
+@pytest.mark.parametrize("sheet", [drawing.WIDE, drawing.NARROW])
+@pytest.mark.parametrize(("count", "named"), [(3, 3), (16, 16), (17, 9), (120, 9)])
+def test_a_legend_names_all_curves_or_some_from_end_to_end(
+    sheet: drawing.Sheet, count: int, named: int, slow: Results, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(drawing, "svg", lambda figure, *_, **__: drawn.append(figure) or "")
+    found = many(slow, count)
+    figure_working.working(found, sheet)
+    figures.capacity(found, sheet)
+    assert len(drawn) == 2
+    for figure in drawn:
+        said = legend(figure)
+        assert len(said) == named
+        assert {said[0], said[-1]} == {"1 g", f"{count} g"}
+        (title,) = (each.get_title().get_text() for each in figure.legends)
+        assert title == ("load" if named == count else f"load, {named} of {count}")
+
+
+def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
+    (point,) = slow.speeds
+    own, figure = point.working, figure_working.drawn(slow, drawing.WIDE)
+    assert own is not None
+    assert figure is not None
+    shown = own.amplitude[own.damping_ratio > 0]
+    assert own.cutoff < 1e-3 * shown.min()
+    low, high = figure.axes[0].get_xlim()
+    assert low >= 0.09e3 * shown.min()
+    assert high >= 1e3 * shown.max()
+
+
+def test_a_tick_within_a_decade_of_its_curve_is_on_the_axis(slow: Results) -> None:
+    (point,) = slow.speeds
+    assert point.working is not None
+    least = float(point.working.amplitude[point.working.damping_ratio > 0].min())
+    near = replace(point, working=replace(point.working, cutoff=least / 5))
+    figure = figure_working.drawn(replace(slow, speeds=(near,)), drawing.WIDE)
+    assert figure is not None
+    assert figure.axes[0].get_xlim()[0] < 1e3 * least / 5
+
+
+@pytest.mark.parametrize("sheet", [drawing.WIDE, drawing.NARROW])
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.5, 0.6, 0.75, 0.9, 0.97])
+def test_no_dashed_line_crosses_the_words(sheet: drawing.Sheet, share: float) -> None:
+    with drawing.style():
+        figure, (axes,) = drawing.canvas(sheet, 3.1)
+        axes.set(xscale="log", yscale="log", xlim=(1e-2, 1e2), ylim=(1e-3, 1))
+        figure_working._beside(axes, 1e-3 * 10 ** (4 * share - 2))
+        figure.draw_without_rendering()
+    (words,) = axes.texts
+    box, (line,) = words.get_window_extent(), axes.lines
+    x = axes.transData.transform((line.get_xdata()[0], 1e-2))[0]
+    assert not box.x0 <= x <= box.x1
+    frame = axes.get_window_extent()
+    assert frame.x0 <= box.x0
+    assert box.x1 <= frame.x1
+
+
+def test_a_family_looks_the_same_in_every_diagram() -> None:
+    """Whatever order they come in."""
+    looks = []
+    for names in (["flap 1", "lag 1", "twist 1"], ["flap 1", "twist 1", "chord 1", "lag 1"]):
+        tracks = [Curve("", name, "", "", np.arange(3.0), np.arange(3.0)) for name in names]
+        _, (axes,) = drawing.canvas(drawing.WIDE, 3.0)
+        for track in tracks:
+            figures._branch(axes, track)
+        looks.append(
+            {name: (line.get_color(), line.get_marker()) for name, line in zip(names, axes.lines, strict=True)}
+        )
+    assert all(looks[0][name] == looks[1][name] for name in looks[0])
+    assert len({*looks[0].values(), *looks[1].values()}) == 4
+    assert palette.of_family("flap") == (palette.CATEGORIES[0], "o")
