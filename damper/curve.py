@@ -38,7 +38,8 @@ class Working:
         range: amplitudes between which the damper works, from the cut-off (or, where nothing holds the ball, from half
             the peak) to where the damping has fallen to half its peak [m].
         half: amplitudes between which the damping is at least half its peak [m].
-        error: of the peak, relative: by how much halves of the sweeps differ from all of them around it, at most [-].
+        error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
+            peak, or both from what faster sweeps show, at most [-].
     """
 
     amplitude: Floats

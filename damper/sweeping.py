@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 class Descent(NamedTuple):
     """How ring-downs are led down, and what they show.
 
-    Where more energy is left after n cycles than `factor**n` of the first, the structure's motion is made smaller by so
-    much; the ball's in its cavity stays as it is. `energies`, shape (n, cycles, 2) [J], are those of structure and ball
-    before and after each cycle; a row stays as it is from where the energy falls below `least` or the budget of events
-    is spent.
+    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
+    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 2) [J], are that of the structure, the
+    ball counted as stuck, before each cycle, and what the losses in it leave of that; a row stays as it is from where
+    it falls below `least` or the budget of events is spent.
     """
 
     budget: int
@@ -37,66 +37,53 @@ class Descent(NamedTuple):
 def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: Descent) -> None:
     """Lead down ring-downs in closed form."""
     for k in range(block[0], block[1]):
-        it, energies, after = runs[k], descent.energies[k], 0.0
+        it, energies = runs[k], descent.energies[k]
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
                 engine.release(it, tables)
             else:
-                _shrink_level(_smaller(n, after, energies, descent), it)
-            before = _stored_level(it)
-            if engine.run(it, tables, descent.budget - it.clock.events) != DONE:
+                _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
+            before, swing = _stored_level(it), _of_the_structure(it)
+            if swing < descent.least or engine.run(it, tables, descent.budget - it.clock.events) != DONE:
                 break
-            after = _stored_level(it)
-            energies[n, 0], energies[n, 1] = before, after
-            if after < descent.least:
-                break
+            energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
 
 
 @kernel
 def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, descent: Descent) -> None:
     """Lead down ring-downs in linear flights."""
     for k in range(block[0], block[1]):
-        it, flow, energies, after = runs[k], flows[runs[k].system.flow], descent.energies[k], 0.0
+        it, flow, energies = runs[k], flows[runs[k].system.flow], descent.energies[k]
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
                 engine_linear.release(it, flow, tables)
             else:
-                _shrink_linear(_smaller(n, after, energies, descent), it, flow)
-            before = stored(it)
-            if engine_linear.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
+                _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
+            before, swing = stored(it), _of_the_modes(it)
+            if swing < descent.least or engine_linear.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
                 break
-            after = stored(it)
-            energies[n, 0], energies[n, 1] = before, after
-            if after < descent.least:
-                break
+            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
 
 
 @kernel
-def _smaller(n: int, after: float, energies: Floats, descent: Descent) -> float:
-    """By what the structure's motion is made smaller before cycle n."""
-    allowed = energies[0, 0] * descent.factor**n
-    return math.sqrt(allowed / after) if after > allowed else 1.0
-
-
-@kernel
-def _shrink_level(smaller: float, it: Record) -> None:
-    """Make the structure's motion smaller."""
+def _scale_level(scale: float, it: Record) -> None:
+    """Change the structure's motion, and leave the ball's in its cavity."""
     for i in range(2):
-        it.axes[i].u *= smaller
-        it.axes[i].v *= smaller
+        it.axes[i].u *= scale
+        it.axes[i].v *= scale
         begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
         schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
 
 
 @kernel
-def _shrink_linear(smaller: float, it: Record, flow: Floats) -> None:
+def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
     """The same in linear flights."""
     for m in range(it.system.coordinates):
         if m != it.system.place[0] and m != it.system.place[1]:
-            it.motion.z[m] *= smaller
-            it.motion.rate[m] *= smaller
+            it.motion.z[m] *= scale
+            it.motion.rate[m] *= scale
     for g in range(it.system.groups):
         engine_linear.restart(g, it.clock.time, it, flow)
 
@@ -109,4 +96,26 @@ def _stored_level(it: Record) -> float:
         axis, speed = it.axes[i], it.axes[i].v + it.axes[i].w
         twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + ball.host_mass * axis.v * axis.v
         twice += ball.mass * speed * speed + ball.spin_mass * axis.spin * axis.spin
+    return 0.5 * twice
+
+
+@kernel
+def _of_the_structure(it: Record) -> float:
+    """Energy of the structure, the ball counted as stuck to it [J]."""
+    twice = 0.0
+    for i in range(2):
+        axis = it.axes[i]
+        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + (it.ball.host_mass + it.ball.mass) * axis.v * axis.v
+    return 0.5 * twice
+
+
+@kernel
+def _of_the_modes(it: Record) -> float:
+    """The same in linear flights."""
+    system, motion, twice = it.system, it.motion, 0.0
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
+            if m != system.place[0] and m != system.place[1] and n != system.place[0] and n != system.place[1]:
+                twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
+                twice += motion.z[m] * system.spring[m, n] * motion.z[n]
     return 0.5 * twice

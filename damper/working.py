@@ -1,8 +1,9 @@
 """What a damper does to a steady vibration: equivalent damping ratio against amplitude, and where it works.
 
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
-energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A.
-It is measured on sweeps that come slowly down through all amplitudes, from several starts.
+energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
+that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
+starts, and so slowly that slower ones find the same.
 """
 
 from __future__ import annotations
@@ -26,7 +27,13 @@ if TYPE_CHECKING:
     from damper.model import ParticleDamper
 
 SWEEPS, STAY = 16, 120
-"""Sweeps through the amplitudes, and cycles that each of them takes for an octave where the ball takes nothing."""
+"""Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
+
+_SLOWER, _SLOWEST = 4, 16
+"""By how much sweeps become slower where the pace moves the peak, and by how much at most."""
+
+_SAME = 0.03
+"""Relative difference of peaks, and of where half of them is left, up to which the pace does not move them."""
 
 SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
@@ -74,7 +81,8 @@ def working(
         damper: what is measured; its damping ratio has no influence.
         threads: see :func:`damper.ringdowns`.
         sweeps: through the amplitudes, from as many starts.
-        stay: cycles that a sweep takes for an octave. 4 sweeps of 60 take a fifth of the time, and move the peak by
+        stay: cycles that a sweep takes for an octave, up to 16 times as many where the pace moves the peak, as it does
+            where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the time, and move the peak by
             less than 1 %, mostly.
         reach: amplitude up to which the curve goes at least [m].
     """
@@ -89,14 +97,42 @@ def working(
         return nothing(cutoff)
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)
+    fast = replace(pace, stay=max(stay // _SLOWER, 1))
+    found, top = _falling(bare, cutoff, lowest, top, fast, threads)
+    if found.peak == 0:
+        return found
     while True:
-        samples = _sweep(bare, lowest, top, pace, threads)
-        whole = figures(samples, cutoff)
-        if whole is None:
-            return nothing(cutoff)
-        if whole.damping_ratio[-1] < whole.peak / 2 or top > lowest * 2**_MOST_OCTAVES:
-            return replace(whole, error=max(spread(samples, whole), BINNED))
+        before, found = found, _found(bare, cutoff, lowest, top, pace, threads)
+        moved = _moved(before, found)
+        if moved <= _SAME or pace.stay >= _SLOWEST * stay:
+            return replace(found, error=max(found.error, moved))
+        pace = replace(pace, stay=_SLOWER * pace.stay)
+
+
+def _moved(before: Working, found: Working) -> float:
+    """Relative difference of two peaks, or of the amplitudes between which half of them is left, the largest."""
+    if found.peak == 0:
+        return 1.0
+    was, now = np.array([before.peak, *before.half]), np.array([found.peak, *found.half])
+    return float(np.abs(was / now - 1).max())
+
+
+def _falling(
+    damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
+) -> tuple[Working, float]:
+    """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
+    while True:
+        found = _found(damper, cutoff, low, top, pace, threads)
+        if found.peak == 0 or found.damping_ratio[-1] < found.peak / 2 or top > low * 2**_MOST_OCTAVES:
+            return found, top
         top *= 2**_OCTAVES
+
+
+def _found(damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None) -> Working:
+    """Figures of sweeps at a pace."""
+    samples = _sweep(damper, low, top, pace, threads)
+    whole = figures(samples, cutoff)
+    return nothing(cutoff) if whole is None else replace(whole, error=max(spread(samples, whole), BINNED))
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
@@ -119,9 +155,9 @@ def _freely(damper: ParticleDamper) -> float:
 def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads: int | None) -> Floats:
     """Samples on sweeps from high to low, a row for each cycle of each sweep.
 
-    From cycle to cycle the structure's motion is made a little smaller where the ball takes less than that, so that the
-    ball keeps the motion that it came with. Columns: the logarithms of the amplitude before and after a cycle, and two
-    by which the sweeps fall into halves.
+    From cycle to cycle the structure is led to a little less motion, the ball keeps its own in its cavity. Columns: the
+    logarithms of the amplitude before a cycle and of what its losses would leave of that, and two by which the sweeps
+    fall into halves.
     """
     from damper import sweeping
 

@@ -371,3 +371,16 @@ def test_the_best_says_that_it_is_of_speeds_that_turn(tmp_path: Path) -> None:
     """At 0 rpm a free ball takes more, which the table shows and the answer leaves out."""
     assert "At its best, turning, at 3500 rpm" in text(results(tmp_path, speeds='"0 rpm", "3500 rpm"'))
     assert "At its best, at 3500 rpm" in text(results(tmp_path, speeds='"3500 rpm"'))
+
+
+def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> None:
+    """From 7500 rpm on the paper's ball is best at more than the 9.1 mm that the root endures."""
+    found = workflows.load_results(finished)
+    assert [worth.is_beyond(found, point) for point in found.speeds] == [False, False, True, True, True, True, True]
+    printed = summary.text(found, None)
+    marked = [line for line in printed.splitlines() if worth.MARK in line]
+    assert len(marked) == 6
+    assert worth.MARKED in " ".join(printed.split())
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    assert page.count(f"{worth.MARK}</td>") == 5
+    assert worth.MARKED in page

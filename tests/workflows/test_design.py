@@ -44,7 +44,8 @@ FREE = {
 @pytest.fixture
 def slow(structure):
     """A structure that spins slowly enough, with the table [design]."""
-    return changed(structure, rotor__speeds=["4000 rpm"], structure__mass="0.3 kg") | {"design": dict(FREE)}
+    scene = changed(structure, rotor__speeds=["4000 rpm"], structure__mass="0.3 kg", damper__count=None)
+    return scene | {"design": dict(FREE)}
 
 
 def space_of(scene, **design):
@@ -249,6 +250,7 @@ def shaken(structure):
         structure__frequency="200 Hz",
         structure__mass="0.2 kg",
         rotor__speeds=["3800 rpm", "4200 rpm"],
+        damper__count=None,
         damper__damping_ratio=0.01,
         damper__rolling_friction="0.05 mm",
         damper__ball_density="7850 kg/m^3",

@@ -348,7 +348,8 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     assert told.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
     assert worth.MARK not in told.text(known)
     monkeypatch.setattr(peaks, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
-    said = told.sentences(known)[0]
+    said, crossing = told.sentences(known)
+    assert "Hz: the ball helps at 2 N, taking up to" in crossing
     assert said.startswith("Yes, up to 2 N at order 3: the ball takes up to")
     assert said.endswith("Larger forces are more than the plate endures.")
     marked = [line for line in told.text(known).splitlines() if worth.MARK in line]

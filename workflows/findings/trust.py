@@ -45,7 +45,13 @@ def met(results: Results) -> bool:
 
 
 def sentence(results: Results) -> str | None:
-    """The whole error of the first frequency and of the worst, and what most of that is; None if not known."""
+    """How far the frequencies can be trusted, and what no error counts in; None if the errors are not known."""
+    said = errors(results)
+    return None if said is None else " ".join(part for part in (said, missing.sentence(results)) if part)
+
+
+def errors(results: Results) -> str | None:
+    """The whole error of the first frequency and of the worst, what most of that is, and what would mend it."""
     modes = worst(results)
     if not modes:
         return None
@@ -56,12 +62,14 @@ def sentence(results: Results) -> str | None:
         "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
     )
     remedy = "" if met(results) else f"; {cure(results)}"
-    said = f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
-    return " ".join(part for part in (said, missing.sentence(results)) if part)
+    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
 
 
 def cure(results: Results) -> str:
-    """Which keys would bring every error within the accuracy asked for; or, where none would, what can be had."""
+    """Which keys would bring every error within the accuracy asked for; or, where none would, what can be had.
+
+    The mesh is only as fine as what the rest leaves of the accuracy makes worth while, and else would be finer.
+    """
     modes, asked = worst(results), results.scene.accuracy.frequency
     left = {mode.number: mode.whole for mode in modes}
     sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
@@ -70,16 +78,21 @@ def cure(results: Results) -> str:
         if max(left.values()) > asked and (key := _remedy(results, name)) is not None:
             keys.append(key)
             left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
-    if max(left.values()) <= asked:
+    rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
+    thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
+    if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
         return f"{' and '.join(keys)} would do"
     return f"no key would mend that: [accuracy] frequency = {upwards(max(mode.whole for mode in modes))} can be had"
+
+
+_DEFLECTED = "[effects] large_deflection = true"
+"""What thin-plate theory does not know."""
 
 
 def _remedy(results: Results, part: str) -> str | None:
     """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
     if part in EFFECTS:
-        on = results.effects[part].on or (part == "large_deflection" and _is(results, "kirchhoff"))
-        return None if on else f"[effects] {part} = true"
+        return None if results.effects[part].on else f"[effects] {part} = true"
     plate, deflected = results.scene.plate, results.effects["large_deflection"].on
     if part != "theory" or _is(results, "solid") or plate is None or plate.mesh is not None or deflected:
         return None

@@ -43,7 +43,7 @@ def shown(results: Results) -> Shown:
 def text(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
     found = answer.answer(results)
-    said = trust.sentence(results)
+    said = trust.errors(results)
     lines = [_head(results), " ".join((f"{found.verdict}.", *found.sentences[:1])), *([] if said is None else [said])]
     return "\n".join(lines)
 

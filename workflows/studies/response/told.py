@@ -76,7 +76,9 @@ def place(c: Crossing) -> str:
 def _sentence(found: Response, through: Through) -> str:
     c, unit = through.crossing, found.excitation.unit
     where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
-    mine = [row for row in rows(found) if row.through is through]
+    every = [row for row in rows(found) if row.through is through]
+    borne = [row for row in every if not is_beyond(found, row)]
+    mine = borne if any(row.ratio <= HELPS for row in borne) else every
     best = min(mine, key=lambda row: row.ratio)
     begins = _begins(found, through)
     if best.ratio > HELPS:
@@ -88,8 +90,7 @@ def _sentence(found: Response, through: Through) -> str:
     helped = [row.force for row in mine if row.ratio <= HELPS]
     span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
     cut = significant(100 * (1 - best.ratio), 2)
-    limit = endured(found, through)
-    if limit is not None and all(is_beyond(found, row) for row in mine if row.ratio <= HELPS):
+    if mine is every and any(is_beyond(found, row) for row in mine if row.ratio <= HELPS):
         cut += " %, but only where the root of a blade does not endure it; it takes"
         return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
     return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
