@@ -95,9 +95,13 @@ def need(source: SceneFile, decided: Decided) -> Need:
         memory, seconds = 0.0, 0.0
     else:
         points, memory, seconds = _plate(source, decided)
+    own = perf_counter() - began
+    _compiled(source, decided.effects, points)
+    began = perf_counter()
     cycles, spent = _damper(source, decided.effects, points)
+    own += perf_counter() - began
     lines = needs.of_lines(source.scene)
-    own = decided.seconds + (perf_counter() - began if may_be_large(source, decided) else 0.0)
+    own = decided.seconds + (own if may_be_large(source, decided) else 0.0)
     memory += needs.of_the_program(source.scene)
     return Need(memory + cycles * needs.CYCLE + lines, _START + own + seconds + spent)
 
@@ -148,6 +152,14 @@ def _seconds(
     return search + each * sweep + (each if bent else 1.0) * reduction
 
 
+def _compiled(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> None:
+    """Ring down once, which compiles what the first ring-down of an installation does, and no other."""
+    release = source.scene.release
+    if release is not None:
+        once = source.scene.model_copy(update={"release": release.model_copy(update={"cycles": 1})})
+        ringdowns.simulate(once, effects, points[-1:], Stages(visible=False))
+
+
 def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> tuple[float, float]:
     """Cycles of all ring-downs, and the seconds that they and the damper's own figures take."""
     release = source.scene.release
@@ -156,8 +168,6 @@ def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPo
     asked = None if isinstance(release.cycles, str) else release.cycles
     few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
     scene, quiet = source.scene.model_copy(update={"release": few}), Stages(visible=False)
-    once = scene.model_copy(update={"release": release.model_copy(update={"cycles": 1})})
-    ringdowns.simulate(once, effects, points[-1:], quiet)  # loads and compiles
     began, found = perf_counter(), list[tuple[float, float, float]]()
     last = len(points) - 1
     for number in sorted(range(len(points)), key=lambda k: (0 < k < last, abs(k - 0.5 * (last + 0.5)))):
