@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
 from damper.drive import departure
-from damper.records import GRIP, HIT, REVERSAL, START, STUCK
+from damper.records import GRIP, HIT, REVERSAL, SLIPPING, START, STUCK
 from damper.resolve import roll, roll_on, slip
 from damper.slip import rubbed
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 _NOTHING = 1e-7
 """Share of the speed that always sticks to a wall: next to the structure's own speed it is rounding."""
+
+_ROUNDS = 4
+"""Of asking whether a ball let go at rest sets off along an axis: setting off along one changes the other's drive."""
 
 
 @kernel
@@ -28,10 +31,12 @@ def let_go(it: Record, flow: Floats) -> None:
     for i in range(2):
         if it.ball.grip > 0.0 and it.axes[i].spin != it.axes[i].w:
             slip(it.axes[i])
-        elif it.axes[i].w == 0.0:
-            settle(i, 0.0, it, flow)
-        else:
+        elif it.axes[i].w != 0.0:
             roll_on(it.axes[i])
+    for _ in range(_ROUNDS):
+        for i in range(2):
+            if it.axes[i].regime != SLIPPING and it.axes[i].w == 0.0:
+                settle(i, 0.0, it, flow)
 
 
 @kernel

@@ -175,7 +175,7 @@ class Lagrangian:
         return found
 
     def run(self) -> None:
-        for i in range(2):
+        for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
             self.settle(i)
         scale = max(float(np.abs(self.release).max()), 1e-3)
         while self.time < self.end and len(self.events) < self.most:

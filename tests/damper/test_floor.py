@@ -501,3 +501,25 @@ def test_a_corner_under_coupled_modes() -> None:
     assert abs(run.energy.residual) <= 1e-12 * run.energy.initial
     inside = sample(run, np.linspace(0, run.duration * 0.999999, 3000)).relative_position
     assert np.abs(inside).max() <= 0.2e-3 * (1 + 1e-12)
+
+
+@pytest.mark.hard(
+    why="a ball let go under coupled modes: as it sets off along one axis its drive along the other turns round",
+    keeps="both directions against the resistance; books closed",
+)
+def test_let_go_at_rest_under_coupled_modes() -> None:
+    modes = (Mode(1.0, 1.0, (1.0, 0.6)), Mode(1.0, 3.0, (0.5, 1.0)))
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(1.0, 1.0),
+        ball_mass=0.3,
+        ball_radius=1.0,
+        cavity=(4.0, 4.0),
+        centrifugal_acceleration=1.0,
+        restitution=0.6,
+        rolling_friction=0.01,
+        modes=modes,
+    )
+    for angle in np.linspace(0.0, 2 * math.pi, 361):
+        run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(math.cos(angle), math.sin(angle)), keep_events=True)
+        assert abs(run.energy.residual) <= 1e-13 * run.energy.initial
