@@ -114,7 +114,7 @@ def test_what_a_held_amplitude_loses(restitution: float, mass_ratio: float, over
 def test_the_pace_of_the_sweeps_is_in_the_error() -> None:
     """A ball that hits take nothing from keeps its motion for long: sweeps slow down for it, and say what is left."""
     damper = paper(mass_ratio=6e-3, rolling_friction=1e-7, restitution=0.98)
-    found, slower = working(damper), working(damper, stay=8 * STAY)
+    found, slower = working(damper), working(damper, stay=2 * STAY)
     assert found.peak == pytest.approx(slower.peak, rel=2 * max(found.error, slower.error))
     assert 0.02 < found.error < 0.3
     assert found.range[0] < found.half[0] < found.peak_amplitude < found.half[1]

@@ -15,6 +15,7 @@ import meshio
 import numpy as np
 import pytest
 
+import damper
 import fem
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
@@ -488,7 +489,7 @@ def test_the_search_is_followed_while_the_next_mesh_is_worth_it(monkeypatch: pyt
             unknowns=unknowns, next=following, search=search, sweep=search, foreseen=lambda _: 2.0 * len(asked)
         )
 
-    monkeypatch.setattr(trials, "_tried", tried)
+    monkeypatch.setattr(trials, "tried", tried)
     monkeypatch.setattr(trials.plate, "model", lambda *_: "mindlin")
     assert len(trials.followed(None, None, [])) == 2  # type: ignore[arg-type]
     assert asked == [(trials.FIRST, True), (7000.0, True)]
@@ -518,17 +519,16 @@ def test_what_ring_downs_take_is_found_at_speeds_all_over(monkeypatch: pytest.Mo
 
 def test_compiling_once_is_no_part_of_a_run(monkeypatch: pytest.MonkeyPatch, structure: Scene, tmp_path: Path) -> None:
     """The first ring-down of an installation compiles for 1000 s; whoever asks for the need has then waited for it."""
-    clock, called = [0.0], []
-    simulate = pilot.ringdowns.simulate
+    clock, called, ringdown = [0.0], [], damper.ringdown
 
-    def compiling(*given: Any) -> Any:
+    def compiling(*given: Any, **how: Any) -> Any:
         called.append(given)
         clock[0] += 1000.0 if len(called) == 1 else 0.1
-        return simulate(*given)
+        return ringdown(*given, **how)
 
     monkeypatch.setattr(pilot, "perf_counter", lambda: clock[0])
     monkeypatch.setattr(pilot, "may_be_large", lambda *_: True)
-    monkeypatch.setattr(pilot.ringdowns, "simulate", compiling)
+    monkeypatch.setattr(damper, "ringdown", compiling)
     source = load(write(structure, tmp_path / "scene.toml"))
     found = pilot.need(source, replace(decide(source, Stages(visible=False)), seconds=0.0))
     assert len(called) > 1

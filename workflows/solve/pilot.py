@@ -153,11 +153,14 @@ def _seconds(
 
 
 def _compiled(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> None:
-    """Ring down once, which compiles what the first ring-down of an installation does, and no other."""
-    release = source.scene.release
-    if release is not None:
-        once = source.scene.model_copy(update={"release": release.model_copy(update={"cycles": 1})})
-        ringdowns.simulate(once, effects, points[-1:], Stages(visible=False))
+    """Do in little what is compiled where an installation does it first, and at no other time."""
+    from damper import ringdown, working
+
+    if source.scene.release is None or not points:
+        return
+    scene, point = source.scene, points[-1]
+    ringdown(ringdowns.particle_damper(scene, effects, point), felt.released_at(scene, point), 1)
+    working(ringdowns.judged(scene, effects, point), sweeps=2, stay=1)
 
 
 def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> tuple[float, float]:

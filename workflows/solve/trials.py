@@ -64,7 +64,7 @@ def alike(small: SceneFile, decided: Decided, model: str) -> list[Trial]:
     trials: list[Trial] = []
     for unknowns in likeness.UNKNOWNS:
         if not trials or _foreseen(trials, unknowns) <= 2.0 * PATIENCE:
-            trials.append(_tried(small, likeness.like(decided, model, unknowns), model, 0.0))
+            trials.append(tried(small, likeness.like(decided, model, unknowns), model, 0.0))
     return trials
 
 
@@ -76,7 +76,7 @@ def followed(small: SceneFile, decided: Decided, trials: list[Trial]) -> list[Tr
     model, own, most = plate.model(small, decided), list[Trial](), FIRST
     while True:
         swept = not trials + own or _foreseen(trials + own, most) <= PATIENCE
-        own.append(_tried(small, decided, model, most, swept))
+        own.append(tried(small, decided, model, most, swept))
         last, most = own[-1], own[-1].next
         if most > LARGEST or last.search.seconds * (most / last.unknowns) ** _GROWTH > PATIENCE:
             return trials + own
@@ -88,7 +88,7 @@ def _foreseen(trials: list[Trial], unknowns: float) -> float:
     return last.foreseen(unknowns)
 
 
-def _tried(small: SceneFile, decided: Decided, model: str, until: float, swept: bool = True) -> Trial:
+def tried(small: SceneFile, decided: Decided, model: str, until: float, swept: bool = True) -> Trial:
     """Solve the plate on the meshes before those of so many unknowns."""
     (form, _), quiet = decided.plate, Stages(visible=False)
     with answering(small):
