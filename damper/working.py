@@ -3,7 +3,7 @@
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
 that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
-starts, and so slowly that slower ones find the same.
+starts, slower where that changes them; what it still changes is in the error.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
 
-_SLOWER, _SLOWEST = 4, 16
-"""By how much sweeps become slower where the pace moves the peak, and by how much at most."""
+_SLOWER = 4
+"""By how much sweeps become slower, once, where the pace moves the peak."""
 
 _SAME = 0.03
 """Relative difference of peaks, and of where half of them is left, up to which the pace does not move them."""
@@ -81,7 +81,7 @@ def working(
         damper: what is measured; its damping ratio has no influence.
         threads: see :func:`damper.ringdowns`.
         sweeps: through the amplitudes, from as many starts.
-        stay: cycles that a sweep takes for an octave, up to 16 times as many where the pace moves the peak, as it does
+        stay: cycles that a sweep takes for an octave, and four times as many where the pace moves the peak, as it does
             where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the time, and move the peak by
             less than 1 %, mostly.
         reach: amplitude up to which the curve goes at least [m].
@@ -97,16 +97,13 @@ def working(
         return nothing(cutoff)
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)
-    fast = replace(pace, stay=max(stay // _SLOWER, 1))
-    found, top = _falling(bare, cutoff, lowest, top, fast, threads)
-    if found.peak == 0:
-        return found
-    while True:
-        before, found = found, _found(bare, cutoff, lowest, top, pace, threads)
-        moved = _moved(before, found)
-        if moved <= _SAME or pace.stay >= _SLOWEST * stay:
-            return replace(found, error=max(found.error, moved))
-        pace = replace(pace, stay=_SLOWER * pace.stay)
+    before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(stay // _SLOWER, 1)), threads)
+    if before.peak == 0:
+        return before
+    found = _found(bare, cutoff, lowest, top, pace, threads)
+    if _moved(before, found) > _SAME:
+        before, found = found, _found(bare, cutoff, lowest, top, replace(pace, stay=_SLOWER * stay), threads)
+    return replace(found, error=max(found.error, _moved(before, found)))
 
 
 def _moved(before: Working, found: Working) -> float:
