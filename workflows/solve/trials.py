@@ -69,16 +69,16 @@ def alike(small: SceneFile, decided: Decided, model: str) -> list[Trial]:
 
 
 def followed(small: SceneFile, decided: Decided, trials: list[Trial]) -> list[Trial]:
-    """The search of the scene one mesh further each time, as far as patience goes, and its sweep as far as that.
+    """The search of the scene one mesh further each time, and its sweep as far as patience goes.
 
-    trials: of plates like it, which are kept.
+    The search, whose end is what is most in doubt, may take twice that. trials: of plates like it, which are kept.
     """
     model, own, most = plate.model(small, decided), list[Trial](), FIRST
     while True:
         swept = not trials + own or _foreseen(trials + own, most) <= PATIENCE
         own.append(tried(small, decided, model, most, swept))
         last, most = own[-1], own[-1].next
-        if most > LARGEST or last.search.seconds * (most / last.unknowns) ** _GROWTH > PATIENCE:
+        if most > LARGEST or last.search.seconds * (most / last.unknowns) ** _GROWTH > 2.0 * PATIENCE:
             return trials + own
 
 
