@@ -31,6 +31,23 @@ class Outcome:
     err: str
 
 
+KNOWN: Scene = {
+    "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
+    "rotor": {"radius": "20 cm"},
+    "damper": {
+        "mass_ratio": 0.006,
+        "count": 183,
+        "radius": "1 mm",
+        "cavity": ["2.5 mm", "2.4 mm"],
+        "restitution": 0.5,
+        "friction": 0.3,
+        "rolling_friction": "0.01 mm",
+    },
+    "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
+}
+"""A ball on a known structure at 20 cm, without speeds."""
+
+
 @pytest.fixture
 def spindamp(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -8,7 +8,7 @@ import re
 import pytest
 
 import workflows
-from tests.workflows.test_without_verdict import SCENE
+from tests.workflows.conftest import KNOWN
 from workflows.findings.amplitudes import known_within
 from workflows.findings.answer import answer
 from workflows.solve.records import Results
@@ -21,8 +21,8 @@ HALF_GAP = 0.25e-3
 def lively(restitution: float) -> Results:
     """A ball that next to nothing holds, at one speed."""
     changes = {"restitution": restitution, "rolling_friction": "0.00001 mm"}
-    rotor = SCENE["rotor"] | {"speeds": ["17500 rpm"]}
-    return workflows.run(SCENE | {"rotor": rotor, "damper": SCENE["damper"] | changes})
+    rotor = KNOWN["rotor"] | {"speeds": ["17500 rpm"]}
+    return workflows.run(KNOWN | {"rotor": rotor, "damper": KNOWN["damper"] | changes})
 
 
 def widest(amplitude: float) -> float:

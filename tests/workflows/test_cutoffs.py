@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
 import workflows
+from tests.workflows.conftest import KNOWN, changed
 from workflows.findings import cutoffs
 from workflows.findings.of_the_damper import remarks
 from workflows.report import page
@@ -22,21 +22,13 @@ CAP = "the cap on cycles was reached while the ball still moved"
 
 def at(cycles: int | str, *rpm: float) -> Results:
     """A ball on a level floor at 20 cm, held by a tenth of the load."""
-    scene: dict[str, Any] = {
-        "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
-        "rotor": {"radius": "20 cm", "speeds": [f"{each:g} rpm" for each in rpm]},
-        "damper": {
-            "mass_ratio": 0.006,
-            "count": 183,
-            "radius": "1 mm",
-            "cavity": ["2.5 mm", "2.4 mm"],
-            "restitution": 0.5,
-            "friction": 0.3,
-            "rolling_friction": "0.1 mm",
-            "damping_ratio": 0.01,
-        },
-        "release": {"displacement": ["20 mm", "0 mm"], "cycles": cycles},
-    }
+    scene = changed(
+        KNOWN,
+        rotor__speeds=[f"{each:g} rpm" for each in rpm],
+        damper__rolling_friction="0.1 mm",
+        damper__damping_ratio=0.01,
+        release={"displacement": ["20 mm", "0 mm"], "cycles": cycles},
+    )
     return workflows.run(scene)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import workflows
+from tests.workflows.conftest import KNOWN, changed
 from workflows.report import drawing, figure_working, figures, palette
 from workflows.results.curves import Curve
 from workflows.solve.records import Results
@@ -20,20 +20,7 @@ pytestmark = pytest.mark.usefixtures("undrawn")
 @pytest.fixture(scope="module")
 def slow() -> Results:
     """A ball that next to nothing holds: its cut-off lies far below the amplitudes at which it does anything."""
-    scene: dict[str, Any] = {
-        "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
-        "rotor": {"radius": "20 cm", "speeds": ["100 rpm"]},
-        "damper": {
-            "mass_ratio": 0.006,
-            "count": 183,
-            "radius": "1 mm",
-            "cavity": ["2.5 mm", "2.4 mm"],
-            "restitution": 0.5,
-            "friction": 0.3,
-            "rolling_friction": "0.1 um",
-        },
-        "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
-    }
+    scene = changed(KNOWN, rotor__speeds=["100 rpm"], damper__rolling_friction="0.1 um")
     return workflows.run(scene)
 
 

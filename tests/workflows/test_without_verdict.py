@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import workflows
+from tests.workflows.conftest import KNOWN
 from workflows.findings import worth
 from workflows.findings.answer import answer
 from workflows.findings.assumptions import assumptions
@@ -18,26 +19,11 @@ from workflows.solve.records import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
-SCENE: dict[str, Any] = {
-    "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
-    "rotor": {"radius": "20 cm"},
-    "damper": {
-        "mass_ratio": 0.006,
-        "count": 183,
-        "radius": "1 mm",
-        "cavity": ["2.5 mm", "2.4 mm"],
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": "0.01 mm",
-    },
-    "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
-}
-
 
 def at(*rpm: float, **damper: Any) -> Results:
     """Results at these speeds."""
-    rotor = SCENE["rotor"] | {"speeds": [f"{each:g} rpm" for each in rpm]}
-    return workflows.run(SCENE | {"rotor": rotor, "damper": SCENE["damper"] | damper})
+    rotor = KNOWN["rotor"] | {"speeds": [f"{each:g} rpm" for each in rpm]}
+    return workflows.run(KNOWN | {"rotor": rotor, "damper": KNOWN["damper"] | damper})
 
 
 def load(rpm: float) -> float:
