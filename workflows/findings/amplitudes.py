@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from workflows.findings import worth
+from workflows.findings.cutoffs import in_g
 from workflows.findings.said import at_load, capital, millimetres, percent
 from workflows.solve.records import Results, SpeedPoint
 from workflows.wording import span, whole
@@ -29,14 +30,6 @@ def known_within(point: SpeedPoint) -> str:
     return f" (known within {percent(min(error, 1.0))} %)" if error > _KNOWN else ""
 
 
-def _acceleration(point: SpeedPoint, amplitude: float) -> float | None:
-    """Acceleration over g of a vibration of that amplitude [m]."""
-    if point.reduced is None or not point.load_g:
-        return None
-    gravity = point.omega**2 * point.radius / point.load_g
-    return (2 * math.pi * point.reduced.f1_hz) ** 2 * amplitude / gravity
-
-
 def between(results: Results, points: list[SpeedPoint]) -> str | None:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
     limit = worth.endured(results) or math.inf
@@ -48,7 +41,7 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
     ranges = []
     for point, figures in ends:
         low, high = figures.half[0], min(figures.half[1], limit)
-        loads = [a for value in (low, high) if (a := _acceleration(point, value)) is not None]
+        loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
         said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
         ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
@@ -65,7 +58,7 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
     """Down to where a ball in motion goes on, far below what sets it off, as one in a hollow floor may."""
     if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
         return ""
-    last = point.damping.cutoff_g * results.scene.rotor.gravity / (2 * math.pi * point.reduced.f1_hz) ** 2
+    last = point.damping.cutoff_g / in_g(results, point.reduced, 1.0)
     return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from workflows.solve.records import Results, SpeedPoint
+from workflows.solve.records import Reduced, Results, SpeedPoint
 
 AT_REST, MEANS = "*", "* Up to there a ball at rest stays at rest; the ring-down itself shows no cut-off."
 """Of a number in a table, and what it stands for below."""
@@ -19,6 +19,11 @@ class Shown(NamedTuple):
     mark: str
 
 
+def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
+    """Acceleration over g of a vibration of that amplitude [m]."""
+    return (2 * math.pi * reduced.f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
+
+
 def shown(results: Results, point: SpeedPoint) -> Shown:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
     damping, own, reduced = point.damping, point.level or point.working, point.reduced
@@ -26,7 +31,7 @@ def shown(results: Results, point: SpeedPoint) -> Shown:
         return Shown(damping.cutoff_g, damping.cutoff_ratio, "")
     if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
         return Shown(None, None, "")
-    g = (2 * math.pi * reduced.f1_hz) ** 2 * own.cutoff / results.scene.rotor.gravity
+    g = in_g(results, reduced, own.cutoff)
     return Shown(g, g / point.load_g, AT_REST)
 
 

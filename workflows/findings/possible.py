@@ -8,7 +8,7 @@ import numpy as np
 
 from workflows.scene import thicknesses
 from workflows.scene.faults import ROUNDING
-from workflows.scene.materials import OSMIUM
+from workflows.scene.materials import KNOWN, OSMIUM
 from workflows.solve.records import Floats, Results, SpeedPoint, Surface
 from workflows.wording import significant, whole
 
@@ -16,9 +16,6 @@ STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
 steels (Inco, 18 per cent nickel maraging steels, Nickel Development Institute, publication 4419). Ti-6Al-4V and nickel
 alloys bear less than two thirds of it."""
-
-STEEL = 7_850.0
-"""kg/m³."""
 
 
 def too_dense(results: Results) -> tuple[str, str] | None:
@@ -31,11 +28,11 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     density = together / damper.count / volume
     if density <= OSMIUM * (1 + ROUNDING):
         return None
-    one = together / damper.count
+    one, steel = together / damper.count, KNOWN["steel"].density
     return (
         f"a ball of radius {significant(1e3 * damper.radius)} mm and {significant(1e3 * one)} g would be"
         f" {significant(density / OSMIUM, 2)} times as dense as osmium, and nothing is denser",
-        f"The figures are those of as heavy balls as can be had, such as {math.ceil(together / (STEEL * volume))} of"
+        f"The figures are those of as heavy balls as can be had, such as {math.ceil(together / (steel * volume))} of"
         " steel ([damper] count), each in a cavity of its own, moving in step.",
     )
 
