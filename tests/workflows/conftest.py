@@ -16,6 +16,7 @@ import pytest
 from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
+from workflows.studies.sweep import crew
 
 Scene = dict[str, Any]
 
@@ -81,6 +82,12 @@ def here() -> Iterator[ThreadPoolExecutor]:
     """An executor without processes."""
     with ThreadPoolExecutor(1) as executor:
         yield executor
+
+
+@pytest.fixture
+def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> None:
+    """Commands that hire workers have a thread of this process in their place."""
+    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
 
 
 @pytest.fixture
