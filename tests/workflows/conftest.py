@@ -16,10 +16,12 @@ import pytest
 from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
+from workflows.solve import pilot
 
 Scene = dict[str, Any]
 
-READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
+NO_VTK = ["-I", "-S", "-c", f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"]
+"""What Python does with a ready picture in place of drawing one by VTK."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +69,19 @@ def spindamp(
 @pytest.fixture(autouse=True)
 def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
-    monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
+    monkeypatch.setattr(mode_shape, "COMMAND", NO_VTK)
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reports without their figures, which take most of a report's time and are not looked at."""
     monkeypatch.setattr(drawing, "both", lambda _: "")
+
+
+@pytest.fixture
+def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`check` without the small run that it reckons by, which takes most of its time and is not looked at."""
+    monkeypatch.setattr(pilot, "need", lambda *_: pilot.Need(memory=1e9, seconds=1.0))
 
 
 @pytest.fixture

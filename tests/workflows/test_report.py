@@ -87,6 +87,7 @@ def test_says_what_it_must(page: str) -> None:
         assert words in text, words
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     title = "<script>alert('1')</script> & {{ 7 * 7 }}"
     scene = write(changed(structure, title=title), tmp_path / "scene.toml")
@@ -106,6 +107,7 @@ def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcom
     assert ("img" in reader.tags) == (name != "structure")
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("broken", ["import sys; sys.exit(3)", "import os; os.abort()", "import time; time.sleep(60)"])
 def test_without_vtk_the_report_still_has_its_picture(
     broken: str, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
