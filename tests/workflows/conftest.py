@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import tomllib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -12,11 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from filelock import FileLock
 
 from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
-from workflows.solve import pilot
+from workflows.solve import damper_stage, pilot
+from workflows.studies.sweep.placed import QUICK
 
 Scene = dict[str, Any]
 
@@ -85,6 +88,18 @@ def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The damper's own figures as `sweep --quick` has them, to about a percent, where words are looked at."""
+
+    def figures(system: Any) -> Any:
+        from damper import working
+
+        return working(damper_stage.leading(system), **QUICK)
+
+    monkeypatch.setattr(damper_stage, "figures", figures)
+
+
+@pytest.fixture
 def here() -> Iterator[ThreadPoolExecutor]:
     """An executor without processes."""
     with ThreadPoolExecutor(1) as executor:
@@ -141,9 +156,11 @@ def write(scene: Scene, path: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of one real run of the paper's scene."""
-    folder = tmp_path_factory.mktemp("run") / "out"
-    assert main(["run", "--out", str(folder)]) == 0
+    """The folder of one real run of the paper's scene, one for all processes of the tests."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "run"
+    with FileLock(f"{folder}.lock"):
+        assert folder.exists() or main(["run", "--out", str(folder)]) == 0
     return folder
 
 

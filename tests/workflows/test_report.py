@@ -87,7 +87,7 @@ def test_says_what_it_must(page: str) -> None:
         assert words in text, words
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("undrawn", "quick")
 def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     title = "<script>alert('1')</script> & {{ 7 * 7 }}"
     scene = write(changed(structure, title=title), tmp_path / "scene.toml")

@@ -94,7 +94,7 @@ TITLES = [
 ]
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("undrawn", "quick")
 @pytest.mark.parametrize("title", [title for title in TITLES if title.isprintable()])
 def test_a_title_names_a_folder_here(
     title: str, spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene, monkeypatch: pytest.MonkeyPatch
