@@ -87,16 +87,17 @@ def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pilot, "need", lambda *_: pilot.Need(memory=1e9, seconds=1.0))
 
 
+def quick_figures(system: Any) -> Any:
+    """The damper's own figures as `sweep --quick` has them, to about a percent."""
+    from damper import working
+
+    return working(damper_stage.leading(system), **QUICK)
+
+
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The damper's own figures as `sweep --quick` has them, to about a percent, where words are looked at."""
-
-    def figures(system: Any) -> Any:
-        from damper import working
-
-        return working(damper_stage.leading(system), **QUICK)
-
-    monkeypatch.setattr(damper_stage, "figures", figures)
+    """Quick figures of the damper, where words are looked at, or what is not of the damper."""
+    monkeypatch.setattr(damper_stage, "figures", quick_figures)
 
 
 @pytest.fixture

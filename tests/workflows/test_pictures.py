@@ -19,10 +19,11 @@ import pytest
 
 import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Outcome, Scene, changed, quick_figures, write
 from workflows.report import drawing, mode_picture, mode_shape, palette
 from workflows.report import page as report
 from workflows.scene.file import SceneLike
+from workflows.solve import damper_stage
 from workflows.solve.records import Results
 from workflows.studies.costs import page, plots
 from workflows.studies.costs.ladder import Costs, Ladder, Picked, Rung
@@ -43,7 +44,7 @@ class Drawn:
 
 @pytest.fixture(scope="module")
 def captured() -> Iterator[list[Any]]:
-    """The figures that are drawn, as matplotlib has them."""
+    """The figures that are drawn, as matplotlib has them; of dampers whose curves are measured quickly."""
     drawn: list[Any] = []
     kept = drawing.svg
 
@@ -53,6 +54,7 @@ def captured() -> Iterator[list[Any]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(drawing, "svg", keep)
+        patch.setattr(damper_stage, "figures", quick_figures)
         yield drawn
 
 

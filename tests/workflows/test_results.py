@@ -174,6 +174,7 @@ def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
     np.testing.assert_allclose(first[mesh.points[:, 0] == 0], 0, atol=1e-12)
 
 
+@pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize(
     ("formulation", "impacts", "left"), [("consistent", 164, 0.99138562833), ("printed", 165, 1.0680097305)]
 )

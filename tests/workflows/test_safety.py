@@ -142,6 +142,7 @@ def test_a_mesh_elsewhere_is_only_read(
 HOSTILE = """<script>alert(1)</script><img src=x onerror=alert(1)> "'&lt; {{ 7*7 }} {% raw %} ]]> --> $x_1$ \\\\frac%"""
 
 
+@pytest.mark.usefixtures("quick")
 def test_text_stays_text_in_every_file(spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene) -> None:
     import json
 
