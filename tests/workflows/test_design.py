@@ -29,6 +29,7 @@ from workflows.studies.design import (
     verdict,
 )
 from workflows.studies.design.scored import Found, Scored
+from workflows.studies.response import study as response
 from workflows.studies.sweep import crew
 from workflows.studies.sweep.plates import Plates
 
@@ -47,6 +48,12 @@ def slow(structure):
     """A structure that spins slowly enough, with the table [design]."""
     scene = changed(structure, rotor__speeds=["4000 rpm"], structure__mass="0.3 kg", damper__count=None)
     return scene | {"design": dict(FREE)}
+
+
+@pytest.fixture
+def few_speeds(monkeypatch):
+    """Responses that follow a third of the speeds, the crossing's among them."""
+    monkeypatch.setattr(response, "SPEEDS", 21)
 
 
 def space_of(scene, **design):
@@ -253,9 +260,9 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert "[design]" in wrong.err
 
 
-def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
+def test_designs_without_a_damper_fail(spindamp, slow, tmp_path, here, monkeypatch):
     """None that keeps to the limits is bad input; none that works is no answer, and the results say why."""
-
+    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
     fixed = {"ball_material": ["steel"], "ball_diameter": ["4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
     limits = FREE | fixed | {"mass": "0.1 g"}
     done = spindamp("design", write(slow | {"design": limits}, tmp_path / "a.toml"), "--workers", 1, "--out", "a")
@@ -338,6 +345,7 @@ def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     assert says in str(found.value)
 
 
+@pytest.mark.usefixtures("few_speeds")
 def test_the_tuned_absorber(shaken, here, monkeypatch):
     """A ball that rolls freely in a bowl, far from its walls, in closed form: the greatest amplitude for any tuning.
 
@@ -423,6 +431,7 @@ def test_the_balance_is_that_of_the_motion(shaken):
         assert lines.grows < 1
 
 
+@pytest.mark.usefixtures("few_speeds")
 def test_nothing_better_at_the_crossings(shaken, here):
     """Six designs, each followed: the search finds the best, and the response of its scene says the same."""
     found = spindamp.design(shaken, executor=here)
