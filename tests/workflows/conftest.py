@@ -88,7 +88,7 @@ def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pilot, "need", lambda *_: pilot.Need(memory=1e9, seconds=1.0))
 
 
-def quick_figures(system: Any) -> Any:
+def measured_quickly(system: Any) -> Any:
     """The damper's own figures as `sweep --quick` has them, to about a percent."""
     from damper import working
 
@@ -96,9 +96,9 @@ def quick_figures(system: Any) -> Any:
 
 
 @pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Quick figures of the damper, where words are looked at, or what is not of the damper."""
-    monkeypatch.setattr(damper_stage, "figures", quick_figures)
+    monkeypatch.setattr(damper_stage, "figures", measured_quickly)
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from workflows.findings.answer import answer
 from workflows.report import text as summary
 from workflows.solve.records import Results, SpeedPoint
 
-pytestmark = pytest.mark.usefixtures("undrawn", "quick")
+pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
 BASE = """
 title = "words"

@@ -191,7 +191,7 @@ def test_the_plate_alone_keeps_its_housing(spindamp: Callable[..., Outcome], pap
     assert repeated["speeds"] == alone["speeds"]
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
     """Four layers in 10 mm and 33 side by side across 80 mm: 132 cavities of 2.5 × 2.4 mm."""
     rough = changed(paper, accuracy__frequency=0.05)
@@ -212,7 +212,7 @@ def load_of(scene: Scene) -> Any:
     return SceneFile(parse(scene), "scene", Path())
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize(("ratio", "bounds"), [(0.006, 1), (1.0, 0)])
 def test_a_bound_above_all_the_energy_is_none(ratio: float, bounds: int, structure: Scene) -> None:
     """Nothing is said of it where it holds at no load."""

@@ -14,7 +14,7 @@ from workflows.report import drawing, figure_working, figures, palette
 from workflows.results.curves import Curve
 from workflows.solve.records import Results
 
-pytestmark = pytest.mark.usefixtures("undrawn", "quick")
+pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ def _frequency(scene: Scene) -> float:
     return point.reduced.f2_hz
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("rpm", [0, 17500])
 def test_as_much_mass_more_lowers_what_the_hole_raises(paper: Scene, rpm: int) -> None:
     """Half of the difference between a tip mass of m and one of 2 m from none: the second order cancels.
@@ -61,7 +61,7 @@ def test_a_beam_with_less_at_its_tip(mass: float) -> None:
     assert missing._shift(reduced, mass) == pytest.approx(exact, rel=10 * mass)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_what_is_said(paper: Scene) -> None:
     said = trust.sentence(workflows.run(changed(paper, rotor__speeds=[0], release__cycles=1)))
     assert said is not None

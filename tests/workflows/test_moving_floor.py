@@ -60,7 +60,7 @@ def test_the_verdict_tilts_whatever_the_scene_does(paper: Scene) -> None:
     assert tilting.speeds[1].damping.cutoff_ratio == pytest.approx(PROTOTYPE[3], rel=0.01)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_a_hinged_blade_never_drives_its_ball(structure: Scene) -> None:
     """It flaps as a tilted orbit, at the frequency of rotation: kappa = 1/R takes all of the drive."""
     hinged = changed(structure, structure__frequency=10000 / 60, structure__floor_tilt=5.0, release__cycles=None)
@@ -71,7 +71,7 @@ def test_a_hinged_blade_never_drives_its_ball(structure: Scene) -> None:
     assert "never moves" in repr(found)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scene) -> None:
     scene = changed(structure, structure__frequency=["269.5 Hz", "1400 Hz"], structure__floor_tilt=["6.9 1/m", 2.0])
     system, _ = built(scene)
@@ -183,7 +183,7 @@ def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.
     assert calls
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_a_hollow_floor_is_a_pendulum_of_one_engine_order(paper: Scene, tmp_path: Path) -> None:
     """omega_s² = (5/7) G/rho as it bends, (5/7) (G/rho - Omega²) in the plane of rotation: one order at all speeds."""
     scene = changed(
@@ -216,7 +216,7 @@ def test_a_stagger_couples_the_axes(paper: Scene) -> None:
     assert rules.of(opened(changed(scene, effects=None)))["structural_modes"].on
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_results_carry_the_modes(paper: Scene) -> None:
     import jsonschema
 
@@ -233,7 +233,7 @@ def test_results_carry_the_modes(paper: Scene) -> None:
     assert total == pytest.approx(found["speeds"][0]["damper"]["energy"]["final"], rel=0.05)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_a_load_that_leans_is_said(paper: Scene) -> None:
     """Off the centre line the load leans by atan(y cos(stagger) / R) from the plate's length."""
     scene = changed(paper, rotor__speeds=["5000 rpm"], release__cycles=3, damper__at=["20 cm", "3.5 cm"], **ROUGH)
@@ -243,7 +243,7 @@ def test_a_load_that_leans_is_said(paper: Scene) -> None:
     assert "leans" not in " ".join(workflows.run(changed(scene, damper__at=["20 cm", "0 cm"])).notes)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_modes_that_beat_lose_nothing(paper: Scene) -> None:
     """A ball that never moves, five times as heavy as what carries it: no loss without one, and no word of hits."""
     heavy = changed(paper, effects=None, rotor__speeds=["10000 rpm"], damper__mass_ratio=5.0, damper__damping_ratio=0)
@@ -255,14 +255,14 @@ def test_modes_that_beat_lose_nothing(paper: Scene) -> None:
     assert not any("scatter" in note for note in run.notes)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_the_order_of_a_known_structure(structure: Scene) -> None:
     run = workflows.run(changed(structure, damper__floor_radius=["16 mm", "8 mm"]))
     orders = [math.sqrt(5 / 7 * 0.2 / path) for path in (15e-3, 7e-3)]
     assert run.speeds[0].pendulum.order == pytest.approx(orders, rel=1e-9)
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
     """5 mm at a quarter of the length are many times as much at the tip, by the mode of a cantilever."""
     scene = changed(paper, rotor__speeds=["5000 rpm"], release={"displacement": ["1 mm", "0 mm"], "cycles": 2})

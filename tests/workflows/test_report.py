@@ -87,7 +87,7 @@ def test_says_what_it_must(page: str) -> None:
         assert words in text, words
 
 
-@pytest.mark.usefixtures("undrawn", "quick")
+@pytest.mark.usefixtures("undrawn", "quickly")
 def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     title = "<script>alert('1')</script> & {{ 7 * 7 }}"
     scene = write(changed(structure, title=title), tmp_path / "scene.toml")
@@ -98,7 +98,7 @@ def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Ou
     assert "{{ 7 * 7 }}" in page
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
 def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     assert spindamp("run", name, "--out", "out").status == 0

@@ -94,7 +94,7 @@ TITLES = [
 ]
 
 
-@pytest.mark.usefixtures("undrawn", "quick")
+@pytest.mark.usefixtures("undrawn", "quickly")
 @pytest.mark.parametrize("title", [title for title in TITLES if title.isprintable()])
 def test_a_title_names_a_folder_here(
     title: str, spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene, monkeypatch: pytest.MonkeyPatch
@@ -142,7 +142,7 @@ def test_a_mesh_elsewhere_is_only_read(
 HOSTILE = """<script>alert(1)</script><img src=x onerror=alert(1)> "'&lt; {{ 7*7 }} {% raw %} ]]> --> $x_1$ \\\\frac%"""
 
 
-@pytest.mark.usefixtures("quick")
+@pytest.mark.usefixtures("quickly")
 def test_text_stays_text_in_every_file(spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene) -> None:
     import json
 
