@@ -81,7 +81,9 @@ def test_version(spindamp: Callable[..., Outcome]) -> None:
     assert spindamp("--version") == Outcome(0, f"spindamp {version('spindamp')}\n", "")
 
 
-def test_signatures_of_commands_are_read_once(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_signatures_of_commands_are_read_once(
+    spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert spindamp("--version").status == 0
 
     def read(_: object) -> None:
