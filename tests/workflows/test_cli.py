@@ -81,6 +81,34 @@ def test_version(spindamp: Callable[..., Outcome]) -> None:
     assert spindamp("--version") == Outcome(0, f"spindamp {version('spindamp')}\n", "")
 
 
+def test_signatures_of_commands_are_read_once(
+    spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert spindamp("--version").status == 0
+
+    def read(_: object) -> None:
+        raise AssertionError("read again")
+
+    monkeypatch.setattr("typer.main.get_params_from_function", read)
+    assert spindamp("--version").status == 0
+
+
+RUBBISH = """
+import atexit, gc
+atexit.register(lambda: print(gc.get_freeze_count(), gc.get_threshold()[0]))
+from workflows.cli.entry import main
+raise SystemExit(main())
+"""
+
+
+def test_a_process_seldom_looks_for_rubbish() -> None:
+    """Neither while its packages are loaded nor while it ends, where next to nothing is found."""
+    done = subprocess.run([sys.executable, "-c", RUBBISH, "--version"], capture_output=True, check=True, timeout=HANG)
+    kept, threshold = map(int, done.stdout.split()[-2:])
+    assert kept > 1000
+    assert threshold >= 100_000
+
+
 @pytest.mark.parametrize("command", ["run", "campbell", "ringdown"])
 def test_json_is_all_that_is_printed(
     command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
