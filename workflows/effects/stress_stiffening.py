@@ -17,4 +17,4 @@ def called_for(case: Case) -> Called:
     return Called(True, "the plate spins, and the centrifugal pull stiffens it")
 
 
-EFFECT = Definition("plate", called_for, "stress stiffening", costs=("fem.operators.assembly.stiffening",))
+EFFECT = Definition("plate", called_for, "stress stiffening", costs=("fem.operators.assembly._stiffening",))
