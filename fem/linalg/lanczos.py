@@ -166,23 +166,21 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
     (k, b) such that block = basis @ column + vectors @ coupling.
     """
     column = image.T @ block
-    vectors = block - basis @ column
-    heavy = weight @ vectors
-    size = np.sqrt(np.maximum(np.einsum("ij,ij->j", vectors, heavy), 0.0))
-    scale = np.where(size > 0.0, size, 1.0)
-    vectors = vectors / scale
-    coupling = np.diag(scale)
+    vectors, coupling = block - basis @ column, np.eye(block.shape[1])
     for _ in range(2):
         again = image.T @ vectors
         vectors = vectors - basis @ again
         heavy = weight @ vectors
         gram = vectors.T @ heavy
-        values, rotation = np.linalg.eigh(0.5 * (gram + gram.T))
+        size = np.sqrt(np.maximum(gram.diagonal(), 0.0))
+        scale = np.where(size > 0.0, size, 1.0)
+        values, rotation = np.linalg.eigh(0.5 * (gram + gram.T) / scale / scale[:, None])
         keep = values > NULL
         root = np.sqrt(values[keep])
         column = column + again @ coupling
-        coupling = (root[:, None] * rotation[:, keep].T) @ coupling
-        vectors, heavy = vectors @ (rotation[:, keep] / root), heavy @ (rotation[:, keep] / root)
+        coupling = (root[:, None] * rotation[:, keep].T * scale) @ coupling
+        apart = rotation[:, keep] / root / scale[:, None]
+        vectors, heavy = vectors @ apart, heavy @ apart
         if not keep.any() or values[0] > 0.1:
             break
     return vectors, heavy, column, coupling

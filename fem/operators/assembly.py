@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from fem.linalg.lanczos import Factor
     from fem.plate.given import Plate
     from fem.plate.rotor import Effects, Rotor
     from fem.theory.discretisation import Discretisation
@@ -98,10 +99,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     density = plate.material.density
     stiffness = forms.elastic_stiffness(model)
     load = np.zeros(model.dofs)
-    prestress = geometric = softening = gyroscopic = None
+    prestress = geometric = softening = gyroscopic = held = None
     if effects.stress_stiffening:
         load = forms.centrifugal_load(model, density, rotor)
-        prestress, geometric = stiffening(model, stiffness, load)
+        held = _held(model, stiffness)
+        prestress, geometric = _stiffening(model, held, load)
     if effects.spin_softening:
         softening = forms.inertia(model, density, rotor.projector)
     if effects.coriolis:
@@ -121,7 +123,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         prestress,
     )
     if plate.tip_mass > 0.0 and plate.tip_at is not None:
-        return with_point_mass(operators, plate.tip_at, plate.tip_mass)
+        return _with_point_mass(operators, plate.tip_at, plate.tip_mass, held)
     return operators
 
 
@@ -135,14 +137,19 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     """
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")
+    held = None if operators.prestress is None else _held(operators.model, operators.stiffness)
+    return _with_point_mass(operators, at, mass, held)
+
+
+def _with_point_mass(operators: Operators, at: tuple[float, float], mass: float, held: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
     rows = point_rows(model, at)
     load = mass * (rows.T @ (rotor.projector @ operators.from_axis(at)))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
     }
-    if operators.prestress is not None and operators.geometric is not None:
-        prestress, geometric = stiffening(model, operators.stiffness, load)
+    if held is not None and operators.prestress is not None and operators.geometric is not None:
+        prestress, geometric = _stiffening(model, held, load)
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
@@ -185,9 +192,13 @@ def _through(rows: csc_array, matrix: Array) -> csc_array:
     return sparse(rows.T @ sparse(matrix) @ rows)
 
 
-def stiffening(model: Discretisation, stiffness: csc_array, load: Array) -> tuple[Array, csc_array]:
+def _held(model: Discretisation, stiffness: csc_array) -> Factor:
+    """Factor of the stiffness of the unknowns that a linear prestress may move."""
+    return factorise(stiffness[model.membrane][:, model.membrane].tocsc())
+
+
+def _stiffening(model: Discretisation, held: Factor, load: Array) -> tuple[Array, csc_array]:
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
-    held = model.membrane
     displacement = np.zeros(model.dofs)
-    displacement[held] = factorise(stiffness[held][:, held].tocsc()).solve(load[held])
+    displacement[model.membrane] = held.solve(load[model.membrane])
     return displacement, forms.geometric_stiffness(model, forms.linear_stress(model, displacement))

@@ -45,15 +45,15 @@ class Space:
     signs: Array | None = None
     combined: Array | None = None
 
-    def block(self, derivatives: tuple[tuple[int, ...], ...]) -> Block:
-        """Tabulate derivatives as one block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
+    def table(self, derivatives: tuple[tuple[int, ...], ...]) -> Array:
+        """Tabulate derivatives as the fields of a block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
         functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
         table = np.stack([np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1)
         if self.combined is not None:
             table = table @ self.combined
         if self.signs is not None:
             table = table * self.signs[:, None, None, :]
-        return Block(np.ascontiguousarray(table), self.dofs)
+        return np.ascontiguousarray(table)
 
     def probe(
         self, cells: NDArray[np.int64], reference: Array, derivative: tuple[int, ...] = ()
@@ -71,6 +71,15 @@ class Space:
         source = (np.asarray(field), field.grad, field.hess)[len(derivative)]
         component = source[derivative] if derivative else source
         return np.asarray(component) / self.scale ** len(derivative)
+
+
+def blocks(spaces: tuple[Space, ...], derivatives: tuple[tuple[int, ...], ...]) -> list[Block]:
+    """Derivatives in each of some spaces; those of the same basis have one table."""
+    tables: dict[int, Array] = {}
+    for space in spaces:
+        if id(space.basis) not in tables:
+            tables[id(space.basis)] = space.table(derivatives)
+    return [Block(tables[id(space.basis)], space.dofs) for space in spaces]
 
 
 def number(

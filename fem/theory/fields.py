@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
@@ -79,33 +81,55 @@ class Fields:
 def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
     """Sparse matrix (dofs, dofs) of the sum over terms of integral c_ij f_i f_j.
 
-    terms: pairs of fields and coefficients c, (nfield, nfield) or pointwise (nfield, nfield, ncell, npoint).
-    Pairs of blocks whose coefficients vanish are not computed and leave no entries.
+    terms: pairs of fields and coefficients c, symmetric (nfield, nfield) or pointwise (nfield, nfield, ncell, npoint),
+    or skew (nfield, nfield). Pairs of blocks whose coefficients vanish are not computed and leave no entries.
     """
     from scipy.sparse import coo_array
 
-    parts: dict[tuple[int, int], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]] = {}
+    parts: dict[tuple[int, int, float], tuple[Block, Block, NDArray[np.float64]]] = {}
     for fields, coefficients in terms:
-        starts = np.cumsum([0, *(block.size for block in fields.blocks)])
-        for a, left in enumerate(fields.blocks):
-            for b, right in enumerate(fields.blocks):
-                c = coefficients[starts[a] : starts[a + 1], starts[b] : starts[b + 1]]
-                if not c.any():
-                    continue
-                cells = _cell_matrices(left.table, c, right.table, fields.dx)
-                same = id(left.dofs), id(right.dofs)
-                if same in parts:
-                    parts[same][2][...] += cells
-                else:
-                    parts[same] = left.dofs.astype(np.int32), right.dofs.astype(np.int32), cells
+        for left, right, mirrored, cells in _pairs(fields, coefficients):
+            same = id(left.dofs), id(right.dofs), mirrored
+            parts[same] = left, right, parts[same][2] + cells if same in parts else cells
     n = terms[0][0].dofs
     if not parts:
         return coo_array((n, n)).tocsc()
-    row = np.concatenate([np.broadcast_to(left[:, :, None], cells.shape).ravel() for left, _, cells in parts.values()])
-    col = np.concatenate([np.broadcast_to(right[:, None], cells.shape).ravel() for _, right, cells in parts.values()])
-    value = np.concatenate([cells.ravel() for _, _, cells in parts.values()])
-    free = (row >= 0) & (col >= 0)
-    return coo_array((value[free], (row[free], col[free])), shape=(n, n)).tocsc()
+    entries = [_entries(*part) for part in parts.values()]
+    images = [(col, row, sign * value) for (row, col, value), (_, _, sign) in zip(entries, parts, strict=True) if sign]
+    row, col, value = (np.concatenate(column) for column in zip(*entries, *images, strict=True))
+    return coo_array((value, (row, col)), shape=(n, n)).tocsc()
+
+
+def _pairs(
+    fields: Fields, coefficients: NDArray[np.float64]
+) -> Iterator[tuple[Block, Block, float, NDArray[np.float64]]]:
+    """Pairs of blocks, either way round once, whose coefficients do not vanish.
+
+    With each come the sign of its mirror image, 0 if it has none, and the cell matrices (ncell, ndof left, ndof right);
+    those of equal tables and coefficients are computed once.
+    """
+    starts = np.cumsum([0, *(block.size for block in fields.blocks)])
+    sign = -1.0 if coefficients.ndim == 2 and np.array_equal(coefficients.T, -coefficients) else 1.0
+    known: dict[tuple[int, int, bytes], NDArray[np.float64]] = {}
+    for a, left in enumerate(fields.blocks):
+        for b, right in enumerate(fields.blocks[a:], a):
+            c = coefficients[starts[a] : starts[a + 1], starts[b] : starts[b + 1]]
+            if not c.any():
+                continue
+            alike = id(left.table), id(right.table), c.tobytes()
+            if alike not in known:
+                known[alike] = _cell_matrices(left.table, c, right.table, fields.dx)
+            yield left, right, sign if a != b else 0.0, known[alike]
+
+
+def _entries(
+    left: Block, right: Block, cells: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+    """Rows, columns and values of cell matrices, but for unknowns that are held."""
+    row = np.broadcast_to(left.dofs.astype(np.int32)[:, :, None], cells.shape)
+    col = np.broadcast_to(right.dofs.astype(np.int32)[:, None], cells.shape)
+    free = (row != CLAMPED) & (col != CLAMPED)
+    return row[free], col[free], cells[free]
 
 
 def _cell_matrices(

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import of
-from fem.theory.discretisation import Discretisation, Space, clamped, number
+from fem.theory.discretisation import Discretisation, Space, blocks, clamped, number
 from fem.theory.fields import Fields
 from fem.theory.sections import layers, stretched, weighed
 from fem.theory.springs import energies, springs
@@ -63,10 +63,9 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     slopes = ((0,), (1,))
     fields = ((u, ()), (v, ()), (w, ()), (w, (0,)), (w, (1,)))
     held_by = springs(plate.elastic_root, mesh, fields, total, conforming=element != "morley")
-    planes = [s.block(slopes) for s in (u, v)]
-    bent = stretched(w.block((*slopes, (0, 0), (0, 1), (1, 0), (1, 1))), thickness, start=2)
-    gradient = Fields((*planes, bent), dx, total)
-    moved = (u.block(((),)), v.block(((),)), stretched(w.block(((), *slopes)), thickness, start=1))
+    bent, turned = (blocks((w,), d)[0] for d in ((*slopes, (0, 0), (0, 1), (1, 0), (1, 1)), ((), *slopes)))
+    gradient = Fields((*blocks((u, v), slopes), stretched(bent, thickness, start=2)), dx, total)
+    moved = (*blocks((u, v), ((),)), stretched(turned, thickness, start=1))
     return Discretisation(
         theory=f"kirchhoff/{element}",
         points=np.stack([planar[0], planar[1], np.zeros_like(planar[0])]),

@@ -15,7 +15,7 @@ from fem.meshes.thickness import of
 from fem.theory import assumed_shear as tying
 from fem.theory import director, director_shear
 from fem.theory import springs as root
-from fem.theory.discretisation import Discretisation, Space, clamped, number
+from fem.theory.discretisation import Discretisation, Space, blocks, clamped, number
 from fem.theory.fields import Block, Fields
 from fem.theory.sections import layers, stretched, weighed
 
@@ -62,10 +62,10 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
     floor = 1.0 + SHEAR_FLOOR * np.abs(basis.mapping.detDF(basis.X)) / thickness**2
     modulus = SHEAR_CORRECTION * plate.material.shear_modulus * thickness / floor
     elastic, whole = layers(thickness), weighed(dx, thickness)
-    moved, strained = ([s.block(d) for s in spaces] for d in (value, gradient))
-    for blocks in (moved, strained):
-        blocks[3:] = [stretched(block, thickness) for block in blocks[3:]]
-    turned = Fields(tuple(s.block((*value, *gradient) if s in (tx, ty) else gradient) for s in spaces), dx, total)
+    moved, strained = blocks(spaces, value), blocks(spaces, gradient)
+    turned = Fields((*strained[:3], *blocks((tx, ty), (*value, *gradient))), dx, total)
+    for fields in (moved, strained):
+        fields[3:] = [stretched(block, thickness) for block in fields[3:]]
     springs = root.springs(plate.elastic_root, mesh, tuple((space, ()) for space in spaces), total)
     samples = _samples(spaces, places, total)
     return Discretisation(

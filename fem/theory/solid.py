@@ -22,7 +22,7 @@ import numpy as np
 
 from fem.meshes.ladder import crowded
 from fem.meshes.thickness import of
-from fem.theory.discretisation import Discretisation, Space, number
+from fem.theory.discretisation import Discretisation, Space, blocks, number
 from fem.theory.fields import CLAMPED, Fields
 from fem.theory.sections import Layer
 from fem.theory.springs import energies, face_springs
@@ -61,11 +61,11 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     dx = np.asarray(basis.dx)
     nine = np.eye(9).reshape(3, 3, 9)
     body = (Layer(0.0, 1.0, np.eye(3), nine, nine),)
-    gradient = Fields(tuple(s.block(((0,), (1,), (2,))) for s in spaces), dx, total)
+    gradient = Fields(tuple(blocks(spaces, ((0,), (1,), (2,)))), dx, total)
     return Discretisation(
         theory=f"solid/{layers}",
         points=np.asarray(basis.global_coordinates()),
-        displacement=Fields(tuple(s.block(((),)) for s in spaces), dx, total),
+        displacement=Fields(tuple(blocks(spaces, ((),))), dx, total),
         gradient=gradient,
         inertia=body,
         elastic=body,

@@ -10,6 +10,8 @@ from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, 
 
 DATA = Path(__file__).parent / "data"
 STEEL = Material(2e11, 0.3, 7850.0)
+AT_REST = Effects(stress_stiffening=False, spin_softening=False)
+"""Of plates that are looked at at rest alone: a prestress would be solved for and not used."""
 
 
 def rpm(value):

@@ -19,6 +19,7 @@ from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
 from workflows.solve import damper_stage, pilot
+from workflows.studies.sweep import crew
 from workflows.studies.sweep.placed import QUICK
 
 Scene = dict[str, Any]
@@ -105,6 +106,12 @@ def here() -> Iterator[ThreadPoolExecutor]:
     """An executor without processes."""
     with ThreadPoolExecutor(1) as executor:
         yield executor
+
+
+@pytest.fixture
+def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> None:
+    """Commands that hire workers have a thread of this process in their place."""
+    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
 
 
 @pytest.fixture

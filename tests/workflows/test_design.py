@@ -184,7 +184,7 @@ def test_the_cutoff_is_that_of_the_damper():
     shares = np.array([0.5, 0.8, 0.5, 0.0])
     found = Found(shares, objective.scored(space, shares[None], Plates(), quick=True)[0], 1)
     for each in curves.of(space, found, space.goal):
-        assert damping.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, threads=1).cutoff
+        assert damping.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, sweeps=2, stay=8).cutoff
         assert each.damper.floor_tilt[0] > 1.0
         ratio = damping.bound_of(each.damper, 3e-3)
         assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(each.damper, (3e-3, 0.0)))
@@ -260,9 +260,9 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert "[design]" in wrong.err
 
 
-def test_designs_without_a_damper_fail(spindamp, slow, tmp_path, here, monkeypatch):
+@pytest.mark.usefixtures("no_workers")
+def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     """None that keeps to the limits is bad input; none that works is no answer, and the results say why."""
-    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
     fixed = {"ball_material": ["steel"], "ball_diameter": ["4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
     limits = FREE | fixed | {"mass": "0.1 g"}
     done = spindamp("design", write(slow | {"design": limits}, tmp_path / "a.toml"), "--workers", 1, "--out", "a")

@@ -102,6 +102,7 @@ def test_the_key_that_another_takes_the_place_of():
         assert keys.find(name, "--vary").displaced(scene) is None
 
 
+@pytest.mark.usefixtures("no_workers")
 def test_what_is_replaced_is_said_first(spindamp):
     vary = ("--vary", "damper.mass=0.1 g", "--vary", "rotor.speeds=5000 rpm")
     done = spindamp("sweep", "structure", *vary, "--quick", "--workers", 1, "--out", "out")
