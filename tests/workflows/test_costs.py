@@ -228,6 +228,7 @@ def test_choices_keep_their_word(accuracy: dict[str, Any]) -> None:
     assert chosen["plate"]["error"] / 3 <= chosen["plate"]["error_estimate"] <= max(3 * chosen["plate"]["error"], asked)
     assert chosen["speeds"]["error"] <= chosen["speeds"]["error_estimate"] <= 1e-6
     assert chosen["pipeline: first frequency"]["error"] <= asked
+    assert chosen["pipeline: first frequency"]["setting"] == chosen["plate"]["setting"]
 
 
 def test_accuracy_of_a_known_structure(

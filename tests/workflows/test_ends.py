@@ -235,7 +235,13 @@ def test_a_signal_that_was_lost_comes_again(
 FULL = """
 import resource, sys
 from workflows.cli import entry as cli
-from workflows.report import publish
+from workflows.report import drawing, publish
+both, drawn = drawing.both, {}
+def once(draw):  # the same figures in every run
+    if draw.func not in drawn:
+        drawn[draw.func] = both(draw)
+    return drawn[draw.func]
+drawing.both = once
 assert cli.main(["ringdown", "structure", "--out", "out"]) == 0
 before, room = publish.publish, resource.getrlimit(resource.RLIMIT_FSIZE)
 def without_room(*given):
