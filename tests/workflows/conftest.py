@@ -24,7 +24,8 @@ from workflows.studies.sweep.placed import QUICK
 
 Scene = dict[str, Any]
 
-NO_VTK = ["-I", "-S", "-c", f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"]
+READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
+NO_VTK = ["-I", "-S", "-c", READY]
 """What Python does with a ready picture in place of drawing one by VTK."""
 
 
