@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -86,7 +87,10 @@ def flights(
     """
     alike = harmonic is None or isinstance(harmonic, Harmonic)
     first, which = _distinct(rows) if alike else (np.arange(len(rows)), np.arange(len(rows)))
-    systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
+    if harmonic is None and len(first) == 1 and rows[0] == damper.parameters[0]:
+        systems = _free(damper)
+    else:
+        systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
     runs, axes = np.zeros(len(rows), LINEAR), prepared.axes
     for name, *_ in SHARED:
         runs[name] = prepared.runs[name]
@@ -106,6 +110,12 @@ def flights(
     if isinstance(harmonic, Harmonic):
         _watch(runs["cycle"], harmonic)
     return Flights(runs, systems)
+
+
+@lru_cache(maxsize=4)
+def _free(damper: ParticleDamper) -> Systems:
+    """The system of a damper that nothing drives, worked out once for all that is let go on it."""
+    return systems_of(damper.parameters, structures_by(damper, damper.parameters))
 
 
 def _distinct(rows: Parameters) -> tuple[Integers, Integers]:

@@ -20,17 +20,16 @@ def moved(damper: ParticleDamper) -> None:
 
 
 def on_level_floors() -> None:
-    """The paper's engine, and what is made of a motion that a force keeps up."""
-    paper = level()
-    moved(paper)
-    forced(paper, [Harmonic(paper.stuck_frequency, (5.0, 0.0))])
-    backbone(paper)
-    stepped_ringdown(paper, (1e-3, 0.0), 3)
+    """The paper's engine, and its fixed steps."""
+    moved(level())
+    stepped_ringdown(level(), (1e-3, 0.0), 3)
 
 
 def on_any_floor() -> None:
-    """The engine of linear flights."""
+    """The engine of linear flights, and what is made of a motion that a force keeps up, which calls it."""
     moved(replace(level(), floor_tilt=(5.0, 5.0)))
+    forced(level(), [Harmonic(level().stuck_frequency, (5.0, 0.0))])
+    backbone(level())
 
 
 ENGINES = {"level": on_level_floors, "linear": on_any_floor}

@@ -48,24 +48,25 @@ def draw(seed):
     )
 
 
-def moved(scene, on, name):
-    """Largest relative difference that an effect makes to the six lowest frequencies; None where the plate diverges."""
+def frequencies(scene, switches):
+    """The six lowest with these effects; None where the plate diverges."""
     given, material = scene.plate, scene.material
     mesh = Rectangle(given.length, given.width).mesh(SIZE)
     plate = Plate(mesh, given.thickness, Material(material.youngs_modulus, material.poissons_ratio, material.density))
-    without = Effects(**{effect: on[effect] for effect in EFFECTS if effect != name})
-    found = []
-    for switches in (without, replace(without, **{name: True})):
-        operators = assemble(plate, Rotor(scene.rotor.hub_radius, scene.rotor.stagger), switches)
-        try:
-            found.append(solve_modes(operators, scene.rotor.speeds[0], COUNT).frequencies_hz)
-        except (Divergence, NoEquilibrium):
-            found.append(None)
-    if all(frequencies is None for frequencies in found):
+    operators = assemble(plate, Rotor(scene.rotor.hub_radius, scene.rotor.stagger), switches)
+    try:
+        return solve_modes(operators, scene.rotor.speeds[0], COUNT).frequencies_hz
+    except (Divergence, NoEquilibrium):
         return None
-    if any(frequencies is None for frequencies in found):
+
+
+def moved(decided, other):
+    """Largest relative difference between frequencies; None where the plate diverges either way."""
+    if decided is None and other is None:
+        return None
+    if decided is None or other is None:
         return np.inf
-    return float(np.abs(found[1] / found[0] - 1.0).max())
+    return float(np.abs(other / decided - 1.0).max())
 
 
 def survey(seeds):
@@ -73,9 +74,12 @@ def survey(seeds):
     for seed in seeds:
         scene = draw(seed)
         decided = effects.resolve(scene)
-        on = {name: decided[name].on for name in EFFECTS}
+        switches = Effects(**{name: decided[name].on for name in EFFECTS})
+        out = [name for name in EFFECTS if not decided[name].on]
+        found = frequencies(scene, switches) if out else None
         for name in EFFECTS:
-            yield seed, name, scene.accuracy.frequency, None if on[name] else moved(scene, on, name), decided[name].why
+            change = moved(found, frequencies(scene, replace(switches, **{name: True}))) if name in out else None
+            yield seed, name, scene.accuracy.frequency, change, decided[name].why
 
 
 def main(count=200, first=0):

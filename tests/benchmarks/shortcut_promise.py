@@ -61,13 +61,18 @@ def scene(seed: int) -> tuple[ParticleDamper, float]:
     return damper, reach * 2 * zeta * math.sqrt(1 + ball)
 
 
+def held(damper: ParticleDamper) -> float:
+    """Cut-off over half the clearance."""
+    cutoff = damper.rolling_threshold / damper.stuck_frequency**2 / abs(1 - damper.tilt_share[0])
+    return cutoff / damper.half_gap[0]
+
+
 def points(seed: int) -> list[Point]:
     """The steady states of a scene."""
     damper, force = scene(seed)
     short = backbone(damper)
     nu = short.answers(force)[-1][1]
     promised = np.array([amplitude for amplitude, _ in short.answers(force, nu)])
-    cutoff = damper.rolling_threshold / damper.stuck_frequency**2 / abs(1 - damper.tilt_share[0])
     found = forced(damper, [Harmonic(nu, (force, 0.0))])
     gap = damper.half_gap[0]
     return [
@@ -75,7 +80,7 @@ def points(seed: int) -> list[Point]:
             seed,
             found.regime[0, k],
             float(found.hits_per_cycle[0, k]),
-            cutoff / gap,
+            held(damper),
             float(found.rms[0, k]) / gap,
             damper.ball_mass,
             len(promised),

@@ -67,7 +67,6 @@ def missed(g, it):
     return count
 
 
-@nb.njit
 def check(runs, flows, found):
     """Begin every flight, and look through it up to its next event."""
     for k in range(len(runs)):

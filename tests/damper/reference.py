@@ -1,7 +1,7 @@
 """A slow reference for the ring-down, written from the equations of motion and sharing no code with the engine.
 
 Each axis is the linear system x' = A x for x = (u, v, s, w, 1, spin), with one A per regime; x is stepped densely with
-matrix exponentials, every sign change of an event function between two samples is bisected. What it can miss, two
+matrix exponentials, every sign change of an event function between two samples is narrowed down. What it can miss, two
 roots within one sample, it misses differently at another sampling: run it at two and compare.
 
 Units: time in 1/omega_1 and length in the largest release, so that all numbers are of order one.
@@ -167,7 +167,7 @@ class Reference:
                 k = int(np.argmax(f > 0)) if (f > 0).any() else -1
                 if k >= 0:
                     base = x if k == 0 else block[k - 1]
-                    lag = self.bisect(axis, a, base, dt, kind)
+                    lag = self.narrow(axis, a, base, dt, kind)
                     best = min(best, (t0 + k * dt + lag, kind))
             if best[0] < math.inf:
                 return self.plan(axis, *best)
@@ -177,14 +177,16 @@ class Reference:
     def plan(self, axis: Axis, lag: float, kind: str) -> None:
         axis.next, axis.kind = axis.start + lag, kind
 
-    def bisect(self, axis: Axis, a: np.ndarray, base: np.ndarray, dt: float, kind: str) -> float:
-        low, high = 0.0, dt
-        while high - low > 4e-16 * max(high, 1e-3) and (mid := 0.5 * (low + high)) not in (low, high):
-            if self.tests(axis, expm(a * mid) @ base)[kind] > 0:
-                high = mid
-            else:
-                low = mid
-        return high
+    def narrow(self, axis: Axis, a: np.ndarray, base: np.ndarray, dt: float, kind: str) -> float:
+        """When the first sign change within dt of base happens: its interval cut into CHUNK parts, again and again."""
+        low = 0.0
+        while dt > 4e-16 * max(low, 1e-3):
+            dt /= CHUNK
+            block = _powers(a.tobytes(), dt) @ base
+            happened = self.tests(axis, block)[kind] > 0
+            k = int(np.argmax(happened)) if happened.any() else CHUNK - 1
+            low, base = low + k * dt, base if k == 0 else block[k - 1]
+        return low + dt
 
     # resolution ----------------------------------------------------------------------------------------------
 
@@ -287,7 +289,7 @@ class Reference:
         )
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def _powers(matrix: bytes, dt: float) -> np.ndarray:
     """exp(A k dt) for k = 1 … CHUNK."""
     step = expm(np.frombuffer(matrix).reshape(6, 6) * dt)

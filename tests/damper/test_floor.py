@@ -407,6 +407,14 @@ def test_two_hits_a_cycle_of_a_rolling_ball(over_gap: float) -> None:
     assert lost == pytest.approx(-math.expm1(-4 * math.pi * two_hits(damper, amplitude)), rel=1e-3)
 
 
+def test_a_batch_that_shares_what_its_damper_has_not() -> None:
+    """All rows alike, but unlike the damper that they are varied from, which has just been let go."""
+    damper, other = (replace(PAPER, floor_tilt=tilt) for tilt in ((3.0, 1.0), (5.0, 1.0)))
+    ringdown(damper, (20e-3, 0.0), 6)
+    batch = ringdowns(damper, [(20e-3, 0.0)] * 2, 6, floor_tilt=[other.floor_tilt] * 2)
+    assert batch.final.tolist() == [ringdown(other, (20e-3, 0.0), 6).energy.final] * 2
+
+
 @pytest.mark.parametrize("kind", ["tilt", "coupled", "modes", "mixed"])
 def test_batches_of_linear_flights(kind: str) -> None:
     n = 70

@@ -85,17 +85,19 @@ def held(damper: ParticleDamper, amplitude: float) -> float:
     b, a, h, e = 5 / 7, damper.rolling_threshold, damper.half_gap[0], damper.restitution
     w, steps, settled, counted = damper.stuck_frequency, 800, 300, 100
     dt, s, v, work = 2 * math.pi / w / steps, 0.0, 2 * h * w / math.pi, 0.0
-    for k in range((settled + counted) * steps):
-        phase = 2 * math.pi * (k % steps) / steps
-        rate, push = -amplitude * w * math.sin(phase), -amplitude * w * w * math.cos(phase)
-        drive = -b * push
-        rub = min(b * a, abs(v / dt + drive))
-        before, v = v, v + dt * (drive - math.copysign(rub, v + dt * drive))
-        s += dt * v
-        if abs(s) > h and s * v > 0:
-            s, v = math.copysign(h, s), -e * v
-        if k >= settled * steps:
-            work += rate * (push * dt + v - before)
+    phases = [2 * math.pi * k / steps for k in range(steps)]
+    motion = [(-amplitude * w * math.sin(phase), -amplitude * w * w * math.cos(phase)) for phase in phases]
+    for cycle in range(settled + counted):
+        for rate, push in motion:
+            drive = -b * push
+            before, free = v, v + dt * drive
+            rub = dt * b * a
+            v = free - rub if free > rub else free + rub if free < -rub else 0.0
+            s += dt * v
+            if abs(s) > h and s * v > 0:
+                s, v = math.copysign(h, s), -e * v
+            if cycle >= settled:
+                work += rate * (push * dt + v - before)
     share = damper.ball_mass * work / counted / (0.5 * damper.stiffness[0] * amplitude**2)
     return -math.log1p(-share) / (4 * math.pi)
 

@@ -127,6 +127,10 @@ class Page:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
+    def prefers(self, scheme: str) -> None:
+        """Have it shown as to readers who prefer `light` or `dark`."""
+        self.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+
     def words(self) -> list[dict[str, Any]]:
         """Whatever it had to say on the console."""
         mine = (each for each in self.browser.events if each.get("sessionId") == self.session)
@@ -137,7 +141,7 @@ _running = cache(Browser)
 
 
 @contextmanager
-def opened(path: Path, *, width: int = WIDE, dark: bool = False, gl: tuple[str, ...] = SOFTWARE_GL) -> Iterator[Page]:
+def opened(path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Iterator[Page]:
     """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console."""
     browser = _running(gl)
     browser.events.clear()
@@ -148,8 +152,7 @@ def opened(path: Path, *, width: int = WIDE, dark: bool = False, gl: tuple[str, 
     for domain in ("Page", "Runtime", "Log"):
         page.ask(f"{domain}.enable")
     page.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
-    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-    page.ask("Emulation.setEmulatedMedia", features=[scheme])
+    page.prefers("light")
     page.ask("Page.navigate", url=path.as_uri())
     browser.wait("Page.loadEventFired", session)
     try:
@@ -166,7 +169,7 @@ def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = 
         return page.returned(script)
 
 
-def findings(path: Path, *, dark: bool = False) -> list[str]:
+def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
     """What axe-core finds in a page that hinders readers, of any weight, on a screen as wide as a phone."""
     assert AXE is not None
     assert AXE.origin is not None
@@ -175,9 +178,12 @@ def findings(path: Path, *, dark: bool = False) -> list[str]:
     look += (
         "return violations.map(v => [v.impact, v.id, ...v.nodes.slice(0, 3).map(n => n.html.slice(0, 90))].join(' '));"
     )
-    with opened(path, width=PHONE, dark=dark) as page:
+    found: list[str] = []
+    with opened(path, width=PHONE) as page:
         page.ask("Runtime.evaluate", expression=axe)
-        found: list[str] = page.returned(look)
+        for scheme in schemes:
+            page.prefers(scheme)
+            found += page.returned(look)
     return found
 
 

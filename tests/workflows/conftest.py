@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import tomllib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -12,14 +13,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from filelock import FileLock
 
 from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
+from workflows.solve import damper_stage, pilot
+from workflows.studies.sweep import crew
+from workflows.studies.sweep.placed import QUICK
 
 Scene = dict[str, Any]
 
-READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
+NO_VTK = ["-I", "-S", "-c", f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"]
+"""What Python does with a ready picture in place of drawing one by VTK."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +73,7 @@ def spindamp(
 @pytest.fixture(autouse=True)
 def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
-    monkeypatch.setattr(mode_shape, "COMMAND", ["-I", "-S", "-c", READY])
+    monkeypatch.setattr(mode_shape, "COMMAND", NO_VTK)
 
 
 @pytest.fixture
@@ -77,10 +83,35 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`check` without the small run that it reckons by, which takes most of its time and is not looked at."""
+    monkeypatch.setattr(pilot, "need", lambda *_: pilot.Need(memory=1e9, seconds=1.0))
+
+
+def measured_quickly(system: Any) -> Any:
+    """The damper's own figures as `sweep --quick` has them, to about a percent."""
+    from damper import working
+
+    return working(damper_stage.leading(system), **QUICK)
+
+
+@pytest.fixture
+def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Quick figures of the damper, where words are looked at, or what is not of the damper."""
+    monkeypatch.setattr(damper_stage, "figures", measured_quickly)
+
+
+@pytest.fixture
 def here() -> Iterator[ThreadPoolExecutor]:
     """An executor without processes."""
     with ThreadPoolExecutor(1) as executor:
         yield executor
+
+
+@pytest.fixture
+def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> None:
+    """Commands that hire workers have a thread of this process in their place."""
+    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
 
 
 @pytest.fixture
@@ -133,9 +164,11 @@ def write(scene: Scene, path: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of one real run of the paper's scene."""
-    folder = tmp_path_factory.mktemp("run") / "out"
-    assert main(["run", "--out", str(folder)]) == 0
+    """The folder of one real run of the paper's scene, one for all processes of the tests."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "run"
+    with FileLock(f"{folder}.lock"):
+        assert folder.exists() or main(["run", "--out", str(folder)]) == 0
     return folder
 
 

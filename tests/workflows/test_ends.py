@@ -187,10 +187,61 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
     assert done.stderr == "spindamp: ended by SIGTERM; nothing is half-written; the same command starts over\n"
 
 
+LOST = {
+    "a finaliser": """
+class Last:
+    def __del__(self):
+        os.kill(os.getpid(), number)
+def lose():
+    Last()
+""",
+    "a library": """
+def lose():
+    try:
+        os.kill(os.getpid(), number)
+        time.sleep(1)
+    except BaseException:
+        pass
+""",
+}
+
+LOSING = """
+import os, sys, time
+from workflows.cli import entry as cli
+import workflows.solve.damper_stage as stage
+number, looked_up = int(sys.argv.pop()), stage._look_up
+{lose}
+def lost(*given):
+    lose()
+    return looked_up(*given)
+stage._look_up = lost
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("where", LOST)
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_that_was_lost_comes_again(
+    number: signal.Signals, status: int, where: str, endless: Path, tmp_path: Path
+) -> None:
+    """What a handler raises goes nowhere while an object is given up, or where a library passes over everything."""
+    command = [sys.executable, "-c", LOSING.format(lose=LOST[where]), "ringdown", endless, str(int(number))]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=HANG)
+    assert done.returncode == status
+    assert done.stderr.endswith("nothing is half-written; the same command starts over\n")
+    assert len(done.stderr.splitlines()) == 1
+
+
 FULL = """
 import resource, sys
 from workflows.cli import entry as cli
-from workflows.report import publish
+from workflows.report import drawing, publish
+both, drawn = drawing.both, {}
+def once(draw):  # the same figures in every run
+    if draw.func not in drawn:
+        drawn[draw.func] = both(draw)
+    return drawn[draw.func]
+drawing.both = once
 assert cli.main(["ringdown", "structure", "--out", "out"]) == 0
 before, room = publish.publish, resource.getrlimit(resource.RLIMIT_FSIZE)
 def without_room(*given):

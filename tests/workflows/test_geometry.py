@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +17,7 @@ from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.scene import cavity, plate_mesh
-from workflows.scene.file import load, parse
+from workflows.scene.file import SHIPPED, load, parse
 from workflows.stages import Stages
 
 
@@ -34,17 +35,18 @@ def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0) ->
 
 
 def blade(paper: Scene, **changes: Any) -> Scene:
-    """The paper's damper on a blade from a mesh file, 150 mm from the axis to the root."""
+    """The paper's damper on a blade from a mesh file, 150 mm from the axis to the root; roughly, as places go."""
     mesh = {"length": None, "width": None, "mesh": "blade.msh", "thickness": "6 mm", "theory": "mindlin"}
     base = changed(paper, **{f"plate__{key}": value for key, value in mesh.items()}, damper__at=None)
+    base = changed(base, accuracy__frequency=0.01)
     here = {"rotor__hub_radius": "150 mm", "rotor__speeds": ["12000 rpm"], "rotor__modes": 2, "release__cycles": 3}
     return changed(base, release__displacement=["1 mm", "0 mm"], **(here | changes))
 
 
 def solved(scene: Scene, folder: Path) -> dict[str, Any]:
-    """Speed point of a run without a report, as results.json has it."""
-    results = pipeline.run(load(write(scene, folder / "scene.toml")), Stages(visible=False))
-    point = results.speeds[0]
+    """What the damper of a scene feels of its plate."""
+    source = load(write(scene, folder / "scene.toml"))
+    point = pipeline.structure(source, Stages(visible=False), shapes=False).points[0]
     assert point.reduced is not None
     return {
         "frequencies": [mode.frequency_hz for mode in point.modes],
@@ -53,15 +55,21 @@ def solved(scene: Scene, folder: Path) -> dict[str, Any]:
     }
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """The same blade for all, drawn in metres from 0 on."""
+    paper = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("plain")
+    drawn(folder / "blade.msh")
+    return solved(blade(paper, damper__at=["110 mm", "5 mm"], plate__tip_mass="2 g"), folder)
+
+
 @pytest.mark.parametrize(("x", "unit"), [(0.15, None), (-0.06, None), (0.15, "mm"), (0.0, "inch")])
 def test_a_blade_is_the_same_wherever_and_in_whatever_unit_it_is_drawn(
-    x: float, unit: str | None, paper: Scene, tmp_path: Path
+    x: float, unit: str | None, plain: dict[str, Any], paper: Scene, tmp_path: Path
 ) -> None:
     """It was 67 631 g instead of 43 477 g where the mesh began at the radius of the hub."""
     scale = {None: 1.0, "mm": 1e3, "inch": 1 / 0.0254}[unit]
-    drawn(tmp_path / "blade.msh")
-    place = ["110 mm", "5 mm"]
-    plain = solved(blade(paper, damper__at=place, plate__tip_mass="2 g"), tmp_path)
     drawn(tmp_path / "blade.msh", x, scale)
     moved = [f"{1e3 * x + 110} mm", "5 mm"]
     same = solved(blade(paper, damper__at=moved, plate__tip_mass="2 g", plate__mesh_unit=unit), tmp_path)
@@ -70,6 +78,7 @@ def test_a_blade_is_the_same_wherever_and_in_whatever_unit_it_is_drawn(
         assert same[name] == pytest.approx(values, rel=1e-8), name
 
 
+@pytest.mark.usefixtures("unreckoned")
 def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
     drawn(tmp_path / "blade.msh", 0.15)
     scene = write(blade(paper), tmp_path / "scene.toml")
@@ -80,6 +89,7 @@ def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tm
     assert "Radii from the axis: 200 mm at the damper" in spindamp("check", "structure").out
 
 
+@pytest.mark.usefixtures("unreckoned")
 def test_check_draws_the_axes(spindamp: Callable[..., Outcome]) -> None:
     said = spindamp("check", "paper").out
     assert all(line in said for line in cavity.PICTURE.splitlines())
@@ -181,10 +191,12 @@ def test_the_plate_alone_keeps_its_housing(spindamp: Callable[..., Outcome], pap
     assert repeated["speeds"] == alone["speeds"]
 
 
+@pytest.mark.usefixtures("quickly")
 def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
     """Four layers in 10 mm and 33 side by side across 80 mm: 132 cavities of 2.5 × 2.4 mm."""
+    rough = changed(paper, accuracy__frequency=0.05)
     results = [
-        pipeline.run(load_of(changed(paper, damper__count=count, rotor__speeds=["8000 rpm"], release__cycles=3)))
+        pipeline.run(load_of(changed(rough, damper__count=count, rotor__speeds=["8000 rpm"], release__cycles=3)))
         for count in (132, 133)
     ]
     remarks = [[note for note in found.notes if "side by side" in note] for found in results]
@@ -200,6 +212,7 @@ def load_of(scene: Scene) -> Any:
     return SceneFile(parse(scene), "scene", Path())
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize(("ratio", "bounds"), [(0.006, 1), (1.0, 0)])
 def test_a_bound_above_all_the_energy_is_none(ratio: float, bounds: int, structure: Scene) -> None:
     """Nothing is said of it where it holds at no load."""

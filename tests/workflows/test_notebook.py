@@ -37,7 +37,8 @@ def damper() -> Results:
 def plate() -> Results:
     source = workflows.load("paper")
     rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 2})
-    return workflows.run(source.changed(rotor=rotor))
+    accuracy = source.scene.accuracy.model_copy(update={"frequency": 0.05})
+    return workflows.run(source.changed(rotor=rotor, accuracy=accuracy))
 
 
 def _numbers(results: Results) -> dict[str, Any]:
@@ -56,7 +57,7 @@ def test_the_face_for_people(damper: Results, plate: Results, paper: Scene, stru
     assert _numbers(spindamp.run(structure)) == _numbers(damper)
     one = spindamp.ringdown("structure", rpm=5000)
     assert [point.rpm for point in one.speeds] == [pytest.approx(5000)]
-    alone = changed(paper, rotor__speeds=["0 rad/s", "500 rad/s"], rotor__modes=2)
+    alone = changed(paper, rotor__speeds=["0 rad/s", "500 rad/s"], rotor__modes=2, accuracy__frequency=0.05)
     found = spindamp.campbell(alone)
     assert found.scene.damper is None
     for mine, theirs in zip(found.speeds, plate.speeds, strict=True):

@@ -174,6 +174,7 @@ def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
     np.testing.assert_allclose(first[mesh.points[:, 0] == 0], 0, atol=1e-12)
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize(
     ("formulation", "impacts", "left"), [("consistent", 164, 0.99138562833), ("printed", 165, 1.0680097305)]
 )
@@ -187,6 +188,7 @@ def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, lef
     assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
 
 
+@pytest.mark.usefixtures("quickly")
 def test_nothing_spins(paper: Scene) -> None:
     scene = changed(paper, rotor__speeds=[0], release__cycles=5)
     results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
@@ -196,6 +198,7 @@ def test_nothing_spins(paper: Scene) -> None:
     jsonschema.validate(workflows.document(results), SCHEMA)
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize(("stagger", "said"), [("0 deg", False), ("90 deg", True)])
 def test_coriolis_forces_that_the_damper_does_not_feel(paper: Scene, stagger: str, said: bool) -> None:
     """Bending in the plane of rotation is lowered by 0.4 % at 17500 rpm, bending across it not at all."""
@@ -219,6 +222,7 @@ def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
         assert word in notes, word
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["plate_coarse.msh", "plate_medium.msh"])
 def test_a_scene_may_name_a_mesh(paper: Scene, document: dict[str, Any], name: str, tmp_path: Path) -> None:
     mesh = Path(__file__).parents[2] / "meshes" / name

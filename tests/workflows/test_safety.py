@@ -13,9 +13,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.report import page as report
 from workflows.scene.file import SHIPPED
-from workflows.solve.records import Results
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(path for package in ("fem", "damper", "workflows") for path in (ROOT / package).rglob("*.py"))
@@ -96,25 +94,7 @@ TITLES = [
 ]
 
 
-@pytest.fixture(scope="module")
-def pictures() -> list[report.Drawings]:
-    """Those of the first run, once there are some."""
-    return []
-
-
-@pytest.fixture
-def drawn_once(pictures: list[report.Drawings], monkeypatch: pytest.MonkeyPatch) -> None:
-    """The pictures of the first run serve for all, which differ in their titles."""
-    draw = report.draw
-
-    def once(results: Results) -> report.Drawings:
-        pictures.extend([] if pictures else [draw(results)])
-        return pictures[0]
-
-    monkeypatch.setattr(report, "draw", once)
-
-
-@pytest.mark.usefixtures("drawn_once")
+@pytest.mark.usefixtures("undrawn", "quickly")
 @pytest.mark.parametrize("title", [title for title in TITLES if title.isprintable()])
 def test_a_title_names_a_folder_here(
     title: str, spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene, monkeypatch: pytest.MonkeyPatch
@@ -162,6 +142,7 @@ def test_a_mesh_elsewhere_is_only_read(
 HOSTILE = """<script>alert(1)</script><img src=x onerror=alert(1)> "'&lt; {{ 7*7 }} {% raw %} ]]> --> $x_1$ \\\\frac%"""
 
 
+@pytest.mark.usefixtures("quickly")
 def test_text_stays_text_in_every_file(spindamp: Callable[..., Outcome], tmp_path: Path, structure: Scene) -> None:
     import json
 
@@ -221,6 +202,7 @@ def test_folders_of_the_same_name_do_not_hide_the_packages_from_the_command(tmp_
     assert done.stdout.startswith("{")
 
 
+@pytest.mark.usefixtures("unreckoned")
 def test_shipped_scenes_are_not_the_users(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     """A name is a shipped scene, unless a file of just that name is here."""
     assert spindamp("check", "paper").status == 0

@@ -14,7 +14,7 @@ import spindamp
 from tests.workflows.browser import findings_if_any
 from workflows.errors import BadInput
 from workflows.scene.file import SHIPPED, load
-from workflows.studies.sweep import axes, keys, plans, scenes, study
+from workflows.studies.sweep import axes, keys, plans, scenes, study, summary
 
 G = 9.80665
 
@@ -102,6 +102,7 @@ def test_the_key_that_another_takes_the_place_of():
         assert keys.find(name, "--vary").displaced(scene) is None
 
 
+@pytest.mark.usefixtures("no_workers")
 def test_what_is_replaced_is_said_first(spindamp):
     vary = ("--vary", "damper.mass=0.1 g", "--vary", "rotor.speeds=5000 rpm")
     done = spindamp("sweep", "structure", *vary, "--quick", "--workers", 1, "--out", "out")
@@ -199,6 +200,21 @@ def test_a_point_without_answer_is_a_row_with_its_reason(here):
     assert np.isnan(found.damping_ratio_peak.values[1, 0])
     assert str(found.reason.values[0, 0]) == ""
     assert found.damping_ratio_peak.values[0, 0] > 0
+
+
+def test_the_best_is_one_that_can_be_had(here):
+    """Half a gram of radius 1 mm is five times as dense as osmium: it has its figures, but no verdict."""
+    grams = [5e-5, 5e-4]
+    found = spindamp.sweep("structure", {"damper.mass": grams, "damper.count": 1}, executor=here, quick=True)
+    heavy, light = found.isel({"damper.mass": 1}), found.isel({"damper.mass": 0})
+    assert (heavy.damping_ratio_peak > light.damping_ratio_peak).all()
+    assert (heavy.grade == -1).all()
+    assert np.isnan(heavy.best_damping_ratio).all()
+    assert (light.grade >= 0).all()
+    told = summary.document(found)
+    assert told["best"]["keys"]["damper.mass"] == grams[0]
+    assert (told["without_verdict"], told["without_answer"]) == (1, 0)
+    assert "1 point has no verdict" in summary.text(found)
 
 
 def test_divergence_is_a_reason(here):

@@ -18,9 +18,10 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
 from workflows.cli.entry import main
 from workflows.looking import page, screen, target, window
+from workflows.report import drawing, mode_shape
 from workflows.report.publish import load_results
 from workflows.scene.file import SHIPPED
 
@@ -222,7 +223,10 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
         release=None,
     )
     folder = tmp_path_factory.mktemp("turning")
-    assert main(["run", str(write(scene, folder / "scene.toml")), "--out", str(folder / "out")]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mode_shape, "COMMAND", NO_VTK)
+        patch.setattr(drawing, "both", lambda _: "")
+        assert main(["run", str(write(scene, folder / "scene.toml")), "--out", str(folder / "out")]) == 0
     return folder / "out"
 
 

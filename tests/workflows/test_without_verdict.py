@@ -17,7 +17,7 @@ from workflows.findings.worth import Grade
 from workflows.report import text as summary
 from workflows.solve.records import Results
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
 
 def at(*rpm: float, **damper: Any) -> Results:

@@ -11,9 +11,9 @@ import typer
 from workflows.cli.commands import COMMANDS
 from workflows.errors import BadInput
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 for _name in COMMANDS:
-    app.command(_name)(getattr(import_module(f"workflows.cli.commands.{_name}"), _name))
+    _commands.command(_name)(getattr(import_module(f"workflows.cli.commands.{_name}"), _name))
 
 
 def _version(asked: bool) -> None:
@@ -22,7 +22,7 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
-@app.callback(invoke_without_command=True)
+@_commands.callback(invoke_without_command=True)
 def _spindamp(
     context: typer.Context,
     show: Annotated[
@@ -32,3 +32,7 @@ def _spindamp(
     """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
     if context.invoked_subcommand is None:
         raise BadInput(f"missing command: expected one of {', '.join(COMMANDS)}; spindamp --help says what they do")
+
+
+app = typer.main.get_command(_commands)
+"""Built once: a Typer that is called reads the signatures of all commands anew."""

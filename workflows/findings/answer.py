@@ -40,7 +40,7 @@ def answer(results: Results) -> Answer:
     if not points:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
-    refused = _refused(results)
+    refused = possible.refused(results)
     grades = [(p, worth.grade(results, p)) for p in loaded]
     held = doubt.held(grades)
     if not held and refused is None:
@@ -62,14 +62,6 @@ def answer(results: Results) -> Answer:
     )
     verdict = doubt.beside(results, grades, _verdict(grades)) if refused is None else f"No verdict: {refused}"
     return Answer(verdict, tuple(part for part in parts if part))
-
-
-def _refused(results: Results) -> str | None:
-    """Why there is no verdict at any speed."""
-    if results.scene.damper is not None and results.scene.damper.formulation == "printed":
-        return "the equations as printed do not conserve energy"
-    dense = possible.too_dense(results)
-    return None if dense is None else dense[0]
 
 
 def first_frequency(point: SpeedPoint) -> float | None:

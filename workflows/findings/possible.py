@@ -1,4 +1,4 @@
-"""What cannot be: a ball denser than any solid, and a speed whose pull no blade metal bears."""
+"""What cannot be: equations that feed a vibration, a ball denser than any solid, a pull that no blade metal bears."""
 
 from __future__ import annotations
 
@@ -18,17 +18,41 @@ steels (Inco, 18 per cent nickel maraging steels, Nickel Development Institute, 
 alloys bear less than two thirds of it."""
 
 
+def refused(results: Results) -> str | None:
+    """Why there is no verdict at any speed; None where there may be one."""
+    if _printed(results):
+        return "the equations as printed do not conserve energy"
+    dense = too_dense(results)
+    return None if dense is None else dense[0]
+
+
+def is_refused(results: Results, point: SpeedPoint) -> bool:
+    """Whether there is no verdict at a speed whatever the damper does there: refused, or the plate torn."""
+    dense = _density(results, point) > OSMIUM * (1 + ROUNDING)
+    return _printed(results) or dense or torn(results, point)
+
+
+def _printed(results: Results) -> bool:
+    return results.scene.damper is not None and results.scene.damper.formulation == "printed"
+
+
+def _density(results: Results, point: SpeedPoint) -> float:
+    """Of a ball [kg/m³]; 0 without one."""
+    damper = results.scene.damper
+    if damper is None or point.reduced is None:
+        return 0.0
+    return damper.density(point.reduced.M1 - point.reduced.M2)
+
+
 def too_dense(results: Results) -> tuple[str, str] | None:
     """What of a ball is denser than any solid, and what would weigh as much; None where it can be had."""
     damper = results.scene.damper
-    masses = [point.reduced.M1 - point.reduced.M2 for point in results.speeds if point.reduced is not None]
-    if damper is None or not masses:
+    density = max((_density(results, point) for point in results.speeds), default=0.0)
+    if damper is None or density <= OSMIUM * (1 + ROUNDING):
         return None
-    together, volume = max(masses), 4 / 3 * math.pi * damper.radius**3
-    density = together / damper.count / volume
-    if density <= OSMIUM * (1 + ROUNDING):
-        return None
-    one, steel = together / damper.count, KNOWN["steel"].density
+    volume = 4 / 3 * math.pi * damper.radius**3
+    one, steel = density * volume, KNOWN["steel"].density
+    together = one * damper.count
     return (
         f"a ball of radius {significant(1e3 * damper.radius)} mm and {significant(1e3 * one)} g would be"
         f" {significant(density / OSMIUM, 2)} times as dense as osmium, and nothing is denser",

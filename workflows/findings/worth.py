@@ -81,9 +81,10 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
 def grade(results: Results, point: SpeedPoint) -> Grade:
     """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
 
-    Unknown where the plate would tear, the ball's weight is more than the load, or the ball would slide.
+    Unknown where the plate would tear, the ball's weight is more than the load, or the ball would slide; and of a ball
+    that cannot be had.
     """
-    if possible.torn(results, point):
+    if possible.is_refused(results, point):
         return Grade.UNKNOWN
     found = best(results, point)
     if found is None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import _thread
 import signal
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -19,6 +22,15 @@ _came: list[BaseException] = []
 
 _before: dict[int, _Handler] = {}
 """The signals that a running command has taken, and what was done at them before."""
+
+_REPEAT = 0.2
+"""After how long a signal is raised once more if nothing has come of it [s]."""
+
+_repeated: list[int] = []
+"""The signal that is being raised once more."""
+
+_ending = threading.Lock()
+"""Held while a signal is raised once more, and where a command ends."""
 
 
 def again() -> str:
@@ -46,6 +58,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
     """
     _said[:] = [_AGAIN]
     _came.clear()
+    _repeated.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -56,15 +69,20 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
         if number is not None and signal.getsignal(number) == handler:
             _before[number] = handler
             signal.signal(number, _terminated if handler == signal.SIG_DFL else _interrupted)
+    told = sys.unraisablehook
+    sys.unraisablehook = lambda lost: None if lost.exc_value in _came else told(lost)  # it is raised again
     try:
         yield
     finally:
+        sys.unraisablehook = told
         if to_the_end:
             ignore()
-        else:
-            for number, handler in _before.items():
+        with _ending:
+            before = dict(_before)
+            _before.clear()
+        if not to_the_end:
+            for number, handler in before.items():
                 signal.signal(number, handler)
-        _before.clear()
 
 
 @contextmanager
@@ -88,10 +106,40 @@ def ignore() -> None:
 
 
 def _terminated(number: int, frame: FrameType | None) -> None:
-    _came.append(Terminated(signal.Signals(number).name))
-    raise _came[-1]
+    _raise(number, Terminated(signal.Signals(number).name))
 
 
 def _interrupted(number: int, frame: FrameType | None) -> None:
-    _came.append(KeyboardInterrupt())
-    raise _came[-1]
+    _raise(number, KeyboardInterrupt())
+
+
+def _raise(number: int, error: BaseException) -> None:
+    if _repeated and _on_its_way(sys.exc_info()[1]):
+        _repeated.clear()
+        return
+    _repeated.clear()
+    _came.append(error)
+    if len(_came) == 1:
+        _thread.start_new_thread(_repeat, (number, error))  # threading's own locks may be those it came amid
+    raise error
+
+
+def _on_its_way(error: BaseException | None) -> bool:
+    """Whether a signal, or what a library made of it, is what is being handled."""
+    while error is not None and error not in _came:
+        error = error.__context__
+    return error is not None
+
+
+def _repeat(number: int, error: BaseException) -> None:
+    """Raise a signal until the command ends.
+
+    What a handler raises is lost where nothing can be raised: in a finaliser, in a callback, in a look-up of C.
+    """
+    while True:
+        time.sleep(_REPEAT)
+        with _ending:
+            if number not in _before or _came[:1] != [error]:
+                return
+            _repeated.append(number)
+            _thread.interrupt_main(signal.Signals(number))  # nothing where the signal is ignored

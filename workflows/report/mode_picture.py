@@ -7,6 +7,7 @@ project, so that it needs no path to it, and no file is left behind by a run tha
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -22,6 +23,7 @@ _THICKNESS = 0.02
 
 def main() -> None:
     """Read the archive, draw, write the picture."""
+    gc.disable()  # it ends before there is any rubbish
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever VTK has to say is no part of the picture
     import numpy as np
@@ -61,6 +63,7 @@ def main() -> None:
     with out:
         small = picture.crop(picture.getbbox()).quantize(_COLOURS, Image.Quantize.FASTOCTREE)
         small.save(out, format="PNG", optimize=True)
+    gc.freeze()
 
 
 if __name__ == "__main__":

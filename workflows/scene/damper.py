@@ -116,6 +116,10 @@ class Damper(Table):
             )
         return self
 
+    def density(self, mass: float) -> float:
+        """Of each ball where all of them weigh so much [kg/m³]."""
+        return mass / self.count / (4 / 3 * math.pi * self.radius**3)
+
     def _hollow(self, floor: tuple[float, float]) -> None:
         """A hollow floor in which the ball finds room, and whose equations are not the paper's."""
         if self.formulation == "printed":

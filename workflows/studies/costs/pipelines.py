@@ -50,6 +50,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Pick
     for asked in ASKED:
         step.advance(f"accuracy {asked:g}")
         runs[asked] = _run(_asking(source, asked, theory), asked)
+    own = pipeline.run(_asking(source, None, theory), Stages(visible=False))
     found, chosen = [], {}
     for quantity in (_Quantity(name, shown) for name in QUANTITIES):
         if not quantity(finest):
@@ -64,7 +65,7 @@ def ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Pick
                 tuple(rows),
             )
         )
-        chosen[f"pipeline: {quantity.name}"] = _chosen(source, quantity, finest, theory)
+        chosen[f"pipeline: {quantity.name}"] = _chosen(own, quantity, finest)
     return found, chosen
 
 
@@ -116,8 +117,8 @@ def _setting(row: Rung, results: Results) -> str:
     return row.setting if results.diagram is None else f"{row.setting}: {results.diagram.mesh}"
 
 
-def _chosen(source: SceneFile, quantity: _Quantity, finest: Results, theory: str | None) -> Picked:
-    results = pipeline.run(_asking(source, None, theory), Stages(visible=False))
+def _chosen(results: Results, quantity: _Quantity, finest: Results) -> Picked:
+    """What the scene's own accuracy chose, and its error."""
     estimate = None
     if quantity.name == "first frequency" and results.speeds[quantity.at].modes:
         estimate = results.speeds[quantity.at].modes[0].error_estimate

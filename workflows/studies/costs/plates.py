@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""
 
+FINEST = {"kirchhoff": 12, "mindlin": 16, "solid": 6}
+"""The finest size from which the limit of each theory is extrapolated."""
+
 WITH_THEORY = "plate, with the error of the theory"
 """The stage in which all theories are held against the solid."""
 
@@ -98,7 +101,7 @@ def sizes(problem: Problem, finest: int) -> list[int]:
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
     found = {}
-    for method in (_thin(problem), Method("mindlin", "Mindlin", 16), _bricks(4)):
+    for method in (_thin(problem), Method("mindlin", "Mindlin", FINEST["mindlin"]), _bricks(4)):
         theory, pair = method.theory, _finest(problem, method)
         step.advance(f"limit of {theory}")
         if len(pair) < 2:
@@ -175,11 +178,13 @@ def _setting(problem: Problem, size: int) -> str:
 def _thin(problem: Problem) -> Method:
     from fem import Rectangle
 
-    return Method("kirchhoff/bfs" if isinstance(problem.form, Rectangle) else "kirchhoff", "thin plate", 12)
+    return Method(
+        "kirchhoff/bfs" if isinstance(problem.form, Rectangle) else "kirchhoff", "thin plate", FINEST["kirchhoff"]
+    )
 
 
 def _bricks(layers: int) -> Method:
-    return Method(f"solid/{layers}", "solid", 6)
+    return Method(f"solid/{layers}", "solid", FINEST["solid"])
 
 
 def _finest(problem: Problem, method: Method) -> list[int]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,12 +83,10 @@ class Crossed:
         """At the cavity along x, of the same effect on the leading mode [N]."""
         return driven.at_cavity(self.system, self.harmonic)
 
-    @cached_property
+    @property
     def backbone(self) -> Backbone:
         """Free vibration at the crossing."""
-        from damper import backbone
-
-        return backbone(self.system, threads=1)
+        return _free(self.system)
 
     @property
     def stuck(self) -> float:
@@ -195,6 +193,14 @@ def linear(crossed: Crossed) -> Linear:
     return Linear(
         float(np.abs(alone).max()), resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0)
     )
+
+
+@lru_cache(maxsize=16)
+def _free(system: ParticleDamper) -> Backbone:
+    """Free vibration, measured once for a design that is followed again, or under other forces."""
+    from damper import backbone
+
+    return backbone(system, threads=1)
 
 
 def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:

@@ -9,7 +9,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from workflows.findings import possible, worth
 from workflows.studies.design import space as spaces
+from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.scored import BEYOND, NONE, Scored
 from workflows.studies.design.space import Space
 from workflows.studies.sweep import blocks, plans, quantities
@@ -48,4 +50,11 @@ def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
     if over is not None:
         name, ratio = over
         return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=f"beyond the limit of {name}")
-    return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used)
+    fastest = max(placed, key=lambda each: each.point.omega)
+    if (torn := possible.torn_from(fastest.results)) is not None:
+        return Scored(0.0, -NONE, mass=mass, why=torn)
+    endured = worth.endured(fastest.results)
+    endured = math.inf if endured is None else endured
+    if isinstance(space.goal, LeastDamping) and space.goal.low > endured:
+        return Scored(0.0, -NONE, mass=mass, why=f"the least of its amplitudes would {worth.beyond(fastest.results)}")
+    return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)

@@ -17,7 +17,10 @@ def verdict(found: Found) -> str:
     if not scored.works:
         return "No damper of these helps at the crossings"
     cut = significant(100 * (1 - scored.value / scored.without), 2)
-    return f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper"
+    more = f", and more than the plate endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
+    return (
+        f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper{more}"
+    )
 
 
 def sentences(found: Found, goal: LeastAmplitude) -> list[str]:

@@ -12,13 +12,14 @@ from workflows.studies.design.space import Space
 from workflows.wording import significant
 
 
-def verdict(found: Found) -> str:
+def verdict(found: Found, goal: LeastDamping) -> str:
     """The answer in a line."""
     scored = found.scored
     if not scored.works:
         return "No damper of these works over the whole range"
     grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
-    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade"
+    limit = f", where the plate endures it: up to {significant(1e3 * scored.endured)} mm" * (goal.high > scored.endured)
+    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade{limit}"
 
 
 def sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:

@@ -33,6 +33,7 @@ class Scored:
         grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
         mass: of all balls [kg].
         used: shares of the limits.
+        endured: amplitude that the plate endures [m]; inf where it is not known.
         why: why it is worth nothing; empty where it is worth something.
     """
 
@@ -48,6 +49,7 @@ class Scored:
     order: int = 0
     without: float = math.nan
     grows: float = math.nan
+    endured: float = math.inf
 
     @property
     def impossible(self) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from workflows.scene import thicknesses
 from workflows.scene.design import FLAT, Design
+from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.studies.design.scored import Goal
@@ -73,8 +74,10 @@ def misfit(design: Design, scene: Scene, ball_mass: float) -> tuple[str, float] 
 
 
 def used(design: Design, scene: Scene, ball_mass: float) -> dict[str, float]:
-    """How much of each limit a damper uses up: of the mass, and of the plate's thickness."""
+    """How much of each limit a damper uses up: of osmium's density, of the mass, and of the plate's thickness."""
     found = {}
+    if scene.damper is not None and scene.damper.ball_density is None:
+        found["density"] = scene.damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
         found["mass"] = ball_mass / design.mass
     damper, plate = scene.damper, scene.plate

@@ -77,6 +77,9 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     if over is None or over[1] <= 1:
         return BadInput(f"no design makes sense: {nearest.why}", file=space.source.name, key="[design]")
     name, share = over
+    if name == "density":
+        problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"
+        return BadInput(problem, file=space.source.name, key="[damper]")
     key = "mass" if name == "mass" else "wall"
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
     what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"

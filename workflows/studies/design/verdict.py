@@ -13,7 +13,8 @@ from workflows.wording import significant
 
 def verdict(space: Space, found: Found) -> str:
     """The answer in a line."""
-    return of_damping.verdict(found) if isinstance(space.goal, LeastDamping) else of_amplitude.verdict(found)
+    goal = space.goal
+    return of_damping.verdict(found, goal) if isinstance(goal, LeastDamping) else of_amplitude.verdict(found)
 
 
 def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:

@@ -14,7 +14,7 @@ from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt
 from workflows.solve.quantity import taken_over
-from workflows.solve.records import OwnFigures, Results
+from workflows.solve.records import OwnFigures
 from workflows.studies.sweep import quantities, scenes
 from workflows.studies.sweep.keys import SPEEDS
 from workflows.studies.sweep.placed import QUICK, Carried, Placed, measured
@@ -91,8 +91,7 @@ def said(error: SpindampError, source: SceneFile) -> str:
 def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     figures = taken_over(OwnFigures, measured(each.judged, known, **how))
     point = replace(each.point, working=figures)
-    results = Results(each.scene, each.carried.effects, (point,), surface=each.carried.surface)
-    quantities.of_the_damper(row, results, point)
+    quantities.of_the_damper(row, replace(each.results, speeds=(point,)), point)
 
 
 def _ring_down(rows: Rows, placed: list[Placed]) -> None:

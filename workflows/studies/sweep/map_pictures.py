@@ -92,7 +92,7 @@ def draw(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], 
         each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
         each.grid(visible=False)
     axes[0].set_ylabel(labels.label(data, y))
-    maps.colour_key(figure, sheet, levels, colours, named, idle="nothing endured" if idle else "")
+    maps.colour_key(figure, sheet, levels, colours, named, idle="nothing, or no verdict" if idle else "")
     return drawing.svg(figure, sheet, f"map-{quantity}", f"{named} over {x} and {y}")
 
 

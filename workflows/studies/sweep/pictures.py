@@ -101,7 +101,7 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
     air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
     of_maps = (
         "; dashed where the ball does as much as the least of that, and a tenth of it. Hatched: nothing at any"
-        " amplitude that the plate endures. The cross is where it does most"
+        " amplitude that the plate endures, or no verdict. The cross is where it does most"
     )
     about = {
         HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the plate"

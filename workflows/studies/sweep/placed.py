@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.effects.effect import Effect
 from workflows.scene.scene import Scene
 from workflows.solve import damper_stage
-from workflows.solve.records import SpeedPoint, Surface
+from workflows.solve.records import Results, SpeedPoint, Surface
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working
@@ -41,6 +41,11 @@ class Placed:
     def judged(self) -> ParticleDamper:
         """The damper that a verdict speaks of."""
         return damper_stage.judged(self.scene, self.carried.effects, self.point)
+
+    @property
+    def results(self) -> Results:
+        """A run at this point alone, without the damper's own figures."""
+        return Results(self.scene, self.carried.effects, (self.point,), surface=self.carried.surface)
 
 
 def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:

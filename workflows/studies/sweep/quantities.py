@@ -36,7 +36,7 @@ _OF_A_RUN = tuple(headlines(SpeedPoint))
 QUANTITIES = (
     *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind is int else "f8") for each in _OF_A_RUN),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
-    Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures"),
+    Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
@@ -94,8 +94,10 @@ def of_the_structure(row: Any, point: SpeedPoint, ball_mass: float) -> None:
 def of_the_damper(row: Any, results: Results, point: SpeedPoint) -> None:
     """Fill in the damper's own figures."""
     _fill(row, point)
-    best = worth.best(results, point)
-    row["grade"] = int(worth.grade(results, point))
+    best, grade = worth.best(results, point), worth.grade(results, point)
+    row["grade"] = int(grade)
+    if grade is Grade.UNKNOWN:
+        return
     row["best_damping_ratio"] = 0.0
     if best is not None:
         row["best_damping_ratio"], row["best_amplitude"] = best.damping_ratio, best.amplitude

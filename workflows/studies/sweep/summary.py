@@ -29,6 +29,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "dimensions": {str(name): int(data.sizes[name]) for name in data[HEADLINE].dims},
         "points": int(flat.size),
         "without_answer": sum(reasons.values()),
+        "without_verdict": int(((data["grade"] == quantities.UNGRADED) & (data["reason"] == "")).sum()),
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": None,
     }
@@ -63,6 +64,9 @@ def text(data: xr.Dataset) -> str:
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
     if "ST" in data:
         lines += _uncertain(data)
+    if found["without_verdict"]:
+        have = "point has" if found["without_verdict"] == 1 else "points have"
+        lines.append(f"{found['without_verdict']} {have} no verdict: `spindamp run` of one says why")
     if found["without_answer"]:
         have = "point has" if found["without_answer"] == 1 else "points have"
         lines.append(f"{found['without_answer']} {have} no answer:")
