@@ -127,6 +127,10 @@ def test_point_masses_add_up():
     twice = with_point_mass(with_point_mass(bare, (0.2, 0.01), 0.1), (0.2, 0.01), 0.2)
     for a, b in ((once.mass, twice.mass), (once.at(500.0), twice.at(500.0))):
         assert abs(a - b).max() < 1e-12 * abs(a).max()
+    held = once.model.membrane
+    for operators in (once, twice):
+        balanced = (operators.stiffness @ operators.prestress)[held]
+        np.testing.assert_allclose(balanced, operators.load[held], atol=1e-9 * abs(operators.load).max())
 
 
 @pytest.mark.hard(
