@@ -555,6 +555,32 @@ def test_what_ring_downs_take_is_found_at_speeds_all_over(monkeypatch: pytest.Mo
     assert seconds == pytest.approx(250 * 0.1, rel=0.3)
 
 
+def test_ring_downs_that_take_little_are_tried_at_two_speeds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the lowest and the highest; at all that may be tried where they are a good part of a run."""
+    clock, each, asked = [0.0], [0.1], list[float]()
+
+    def simulate(_: object, __: object, points: Any, ___: object) -> Any:
+        (point,) = points
+        asked.append(point.omega)
+        clock[0] += each[0]
+        return (SimpleNamespace(omega=point.omega, damping=None),)
+
+    monkeypatch.setattr(pilot, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(pilot.ringdowns, "simulate", simulate)
+    source = load("paper")
+    points = tuple(SimpleNamespace(omega=omega) for omega in _some(source.scene.rotor.speeds, trials.PROBED))
+    for seconds, tried in ((0.1, 2), (0.5, trials.PROBED)):
+        each[0] = seconds
+        asked.clear()
+        pilot._damper(source, {}, points)  # type: ignore[arg-type]
+        assert len(asked) == tried
+        assert set(asked[:2]) == {points[0].omega, points[-1].omega}
+
+
+def _some(speeds: tuple[float, ...], most: int) -> list[float]:
+    return [speeds[round(k * (len(speeds) - 1) / (most - 1))] for k in range(most)]
+
+
 def test_compiling_once_is_no_part_of_a_run(monkeypatch: pytest.MonkeyPatch, structure: Scene, tmp_path: Path) -> None:
     """The first ring-down of an installation compiles for 1000 s; whoever asks for the need has then waited for it."""
     clock, called, ringdown = [0.0], [], damper.ringdown

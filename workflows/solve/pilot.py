@@ -164,24 +164,27 @@ def _compiled(source: SceneFile, effects: dict[str, Effect], points: tuple[Speed
 
 
 def _damper(source: SceneFile, effects: dict[str, Effect], points: tuple[SpeedPoint, ...]) -> tuple[float, float]:
-    """Cycles of all ring-downs, and the seconds that they and the damper's own figures take."""
+    """Cycles of all ring-downs, and the seconds that they and the damper's own figures take.
+
+    The lowest and the highest speed tell them alone where they are little beside a run's start.
+    """
     release = source.scene.release
     if release is None or not points:
         return 0.0, 0.0
     asked = None if isinstance(release.cycles, str) else release.cycles
     few = release.model_copy(update={"cycles": "auto" if asked is None else min(asked, _CYCLES)})
+    more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
     scene, quiet = source.scene.model_copy(update={"release": few}), Stages(visible=False)
-    began, found = perf_counter(), list[tuple[float, float, float]]()
+    speeds, began, found = sorted(source.scene.rotor.speeds), perf_counter(), list[tuple[float, float, float]]()
     last = len(points) - 1
     for number in sorted(range(len(points)), key=lambda k: (0 < k < last, abs(k - 0.5 * (last + 0.5)))):
         since = perf_counter()
         (done,) = ringdowns.simulate(scene, effects, (points[number],), quiet)
         now = perf_counter()
         found.append((done.omega, 0.0 if done.damping is None else done.damping.sdc.size, now - since))
-        if now - began > PATIENCE:
+        little = more * len(speeds) * max(took for *_, took in found) < 0.5 * _START
+        if now - began > PATIENCE or (little and len(found) > 1):
             break
-    speeds = sorted(source.scene.rotor.speeds)
-    more = 1.0 if asked is None else max(asked / _CYCLES, 1.0)
     omega, *each = np.array(sorted(found)).T
     cycles, spent = (more * float(np.interp(speeds, omega, of).sum()) for of in each)
     return cycles, spent
