@@ -381,29 +381,27 @@ def test_a_mesh_takes_what_its_factor_has(
     assert 0.5 < promised / peaks[sides, size, modes] < 2.0
 
 
-TIES = 0.45
-"""How far a factor of few cells parts from its pattern in blocks: minimum degree breaks ties its own way."""
-
-
 @pytest.mark.parametrize(
-    ("model", "triangles", "cells", "within"),
+    ("model", "triangles", "cells", "numberings", "within"),
     [
-        ("kirchhoff", False, (16, 36), TIES),
-        ("kirchhoff", True, (12, 28), TIES),
-        ("mindlin/held", False, (12, 28), TIES),
-        ("mindlin/held", True, (12, 28), TIES),
-        ("solid/2", False, (4, 8), TIES),
-        ("solid/2", True, (3, 6), TIES),
-        ("solid/6", False, (4, 8), TIES),
-        ("solid/6", False, (8, 14), 0.2),
+        ("kirchhoff", False, (16, 36), 5, 0.3),
+        ("kirchhoff", True, (12, 28), 5, 0.3),
+        ("mindlin/held", False, (12, 28), 5, 0.3),
+        ("mindlin/held", True, (12, 28), 5, 0.3),
+        ("solid/2", False, (4, 8), 5, 0.3),
+        ("solid/2", True, (3, 6), 5, 0.3),
+        ("solid/6", False, (4, 8), 5, 0.6),  # few blocks of many unknowns
+        ("solid/6", False, (8, 14), 1, 0.2),
     ],
 )
 def test_what_a_factor_will_have_is_known_from_the_mesh(
-    model: str, triangles: bool, cells: tuple[int, int], within: float
+    model: str, triangles: bool, cells: tuple[int, int], numberings: int, within: float
 ) -> None:
-    """Entries and work grow from a coarse mesh to a fine one as those of the true factors do."""
-    from fem.linalg.lanczos import factorise
+    """Entries and work grow from a coarse mesh to a fine one as those of the true factors do.
 
+    Minimum degree breaks ties by the order of the unknowns, and by entries that happen to cancel: the true growth is
+    anything between those of several numberings, which for mindlin's rectangles are 11.4 and 17.0 times the work.
+    """
     told, true = [], []
     for along in cells:
         mesh = fem.rectangle(0.2, 0.1, along, along // 2)
@@ -411,13 +409,23 @@ def test_what_a_factor_will_have_is_known_from_the_mesh(
             mesh = mesh.to_meshtri()
         body = fem.Plate(mesh, 0.004, fem.Material(2e11, 0.3, 7850.0))
         pulled = fem.Effects(stress_stiffening=not model.startswith("solid"))  # fills no brick that is not full
-        operators = fem.assemble(body, fem.Rotor(0.1, 0.3), pulled, model)
-        lower = factorise(operators.at(100.0)).lu.L
-        columns = np.diff(lower.indptr).astype(float)
+        matrix = fem.assemble(body, fem.Rotor(0.1, 0.3), pulled, model).at(100.0)
         found = fill(model, mesh)
         told.append((found.entries, found.work))
-        true.append((lower.nnz, (columns**2).sum() + 130.0 * lower.nnz))
-    np.testing.assert_allclose(np.divide(*told), np.divide(*true), rtol=within)
+        true.append([_factored(matrix, seed) for seed in range(numberings)])
+    growth, grown = np.divide(told[1], told[0]), np.divide(true[1], true[0])
+    assert (growth > grown.min(axis=0) / (1 + within)).all(), (growth, grown)
+    assert (growth < grown.max(axis=0) * (1 + within)).all(), (growth, grown)
+
+
+def _factored(matrix: Any, seed: int) -> tuple[float, float]:
+    """Entries of a factor and the work of making it; of unknowns in their own order, or in another one."""
+    from fem.linalg.lanczos import factorise
+
+    order = np.random.default_rng(seed).permutation(matrix.shape[0]) if seed else np.arange(matrix.shape[0])
+    lower = factorise(matrix[order][:, order].tocsc()).lu.L
+    columns = np.diff(lower.indptr).astype(float)
+    return lower.nnz, (columns**2).sum() + 130.0 * lower.nnz
 
 
 def test_factors_and_solutions_are_booked() -> None:
