@@ -172,10 +172,10 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
         vectors = vectors - basis @ again
         heavy = weight @ vectors
         gram = vectors.T @ heavy
-        size = np.sqrt(np.maximum(gram.diagonal(), 0.0))
+        size = np.sqrt(np.maximum(gram.diagonal(), 0.0) + np.einsum("ij,ij->j", again, again))  # before `again`
         scale = np.where(size > 0.0, size, 1.0)
         values, rotation = np.linalg.eigh(0.5 * (gram + gram.T) / scale / scale[:, None])
-        keep = values > NULL
+        keep = (values > NULL) & (np.arange(values.size)[::-1] < basis.shape[0] - basis.shape[1])
         root = np.sqrt(values[keep])
         column = column + again @ coupling
         coupling = (root[:, None] * rotation[:, keep].T * scale) @ coupling
