@@ -26,6 +26,22 @@ def test_no_more_vectors_are_orthonormal_than_there_are_dimensions(n, known):
     assert np.abs(image.T @ vectors).max(initial=0.0) < 1e-6
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_directions_without_weight_are_dropped(seed):
+    random = np.random.default_rng(seed)
+    n, rank = 30, 18
+    weight = csc_array(np.diag(np.where(np.arange(n) < rank, 10.0 ** random.uniform(-4, 4, n), 0.0)))
+    flexible = np.linalg.inv((root := random.standard_normal((n, n))) @ root.T + 1e-3 * np.eye(n))
+    empty = np.empty((n, 0))
+    basis, image, _, _ = orthonormal(flexible @ (weight @ random.standard_normal((n, 4))), empty, empty, weight)
+    while basis.shape[1] < rank:
+        block, heavy, _, _ = orthonormal(flexible @ image[:, -4:], basis, image, weight)
+        basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
+    assert basis.shape == (n, rank)
+    assert np.abs(basis.T @ image - np.eye(rank)).max() < 1e-6
+    assert orthonormal(flexible @ image[:, -4:], basis, image, weight)[0].shape == (n, 0)
+
+
 def test_modes_of_unknowns_without_mass_are_not_made_up():
     plate = Plate(rectangle(0.2, 0.1, 2, 1), 0.01, STEEL)
     operators = assemble(plate, Rotor(0.1), Effects(rotary_inertia=False), "mindlin")
