@@ -98,6 +98,11 @@ class ParticleDamper:
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
         validate(self.parameters)
+        for name in ("stiffness", "cavity", "floor_tilt", "floor_radius"):  # lists and arrays have no hash
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, pair(name, getattr(self, name)))
+        if self.modes is not None:
+            object.__setattr__(self, "modes", tuple(self.modes))
 
     @property
     def parameters(self) -> Parameters:

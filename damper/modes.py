@@ -40,6 +40,9 @@ class Mode:
                 raise ValueError(f"a mode's {name} must be finite, got {getattr(self, name)}")
         if self.damping_ratio is not None and not 0 <= number("damping_ratio", self.damping_ratio) < 1:
             raise ValueError(f"a mode's damping_ratio must be at least 0 and below 1, got {self.damping_ratio:g}")
+        for name in ("shape", "slope", "drawn"):  # lists and arrays have no hash
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, pair(name, getattr(self, name)))
 
     @property
     def participation(self) -> tuple[float, float]:

@@ -167,15 +167,15 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
     """
     column = image.T @ block
     vectors, coupling = block - basis @ column, np.eye(block.shape[1])
-    for _ in range(2):
+    for number, null in enumerate((NULL, NULL**0.5)):  # what was made a unit vector and is none was rounding
         again = image.T @ vectors
         vectors = vectors - basis @ again
         heavy = weight @ vectors
         gram = vectors.T @ heavy
-        size = np.sqrt(np.maximum(gram.diagonal(), 0.0))
-        scale = np.where(size > 0.0, size, 1.0)
+        before = np.sqrt(np.maximum(gram.diagonal(), 0.0) + np.einsum("ij,ij->j", again, again))
+        scale = np.where((before > 0.0) & (number == 0), before, 1.0)
         values, rotation = np.linalg.eigh(0.5 * (gram + gram.T) / scale / scale[:, None])
-        keep = values > NULL
+        keep = (values > null) & (np.arange(values.size)[::-1] < basis.shape[0] - basis.shape[1])
         root = np.sqrt(values[keep])
         column = column + again @ coupling
         coupling = (root[:, None] * rotation[:, keep].T * scale) @ coupling

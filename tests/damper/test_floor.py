@@ -531,3 +531,27 @@ def test_let_go_at_rest_under_coupled_modes() -> None:
     for angle in np.linspace(0.0, 2 * math.pi, 361):
         run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(math.cos(angle), math.sin(angle)), keep_events=True)
         assert abs(run.energy.residual) <= 1e-13 * run.energy.initial
+
+
+@pytest.mark.parametrize(
+    "listed",
+    [
+        {"cavity": [4e-3, 4e-3]},
+        {"stiffness": np.array([2e3, 2e3])},
+        {"floor_tilt": [0.0, 0.0]},
+        {"floor_radius": [0.1, 0.1]},
+        {"modes": [Mode(0.02, 2e3, (1.0, 0.0), drawn=(0.02, 0.0))]},
+        {"modes": (Mode(0.02, 2e3, [1.0, 0.0], np.zeros(2), drawn=[0.02, 0.0]),)},  # type: ignore[arg-type]
+    ],
+    ids=lambda listed: f"{type(next(iter(listed.values()))).__name__} of {next(iter(listed))}",
+)
+def test_lists_and_arrays_are_as_good_as_tuples(listed: dict[str, Any]) -> None:
+    plain = replace(paper_like(Formulation.CONSISTENT), stiffness=(2e3, 2e3), cavity=(4e-3, 4e-3), modal_mass=0.02)
+    plain = replace(plain, floor_radius=(0.1, 0.1), floor_tilt=(0.0, 0.0))
+    if "modes" in listed:
+        plain = replace(plain, modes=(Mode(0.02, 2e3, (1.0, 0.0), drawn=(0.02, 0.0)),))
+    given = replace(plain, **listed)
+    assert given == plain
+    assert hash(given) == hash(plain)
+    one, other = (ringdown(each, (1e-3, 0.0), 10, keep_events=True) for each in (given, plain))
+    same(one, other)
