@@ -157,15 +157,26 @@ def test_the_plates_thickness_is_room():
     [
         ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the plate's root by over 0.4 %"),
         ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
+        ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is left out, is more than"),
+        ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is left out, is more than the load"),
     ],
 )
-def test_what_no_plate_bears_is_no_design(changes, why):
+def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
     space = asked.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
     (found,) = objective.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
     assert found.impossible
     assert why in found.why
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
+    assert (66 * math.pi / 30) ** 2 * 0.2 < 10
+    (thick,) = objective.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), Plates(), quick=True)
+    said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
+    assert why in said  # not the wall, which another choice would mend
+
+
+def test_the_printed_equations_have_no_design(slow):
+    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the equations as printed do not conserve energy"):
+        space_of(changed(slow, damper__formulation="printed"))
 
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():

@@ -14,7 +14,7 @@ import spindamp
 from tests.workflows.browser import findings_if_any
 from workflows.errors import BadInput
 from workflows.scene.file import SHIPPED, load
-from workflows.studies.sweep import axes, keys, plans, scenes, study, summary
+from workflows.studies.sweep import axes, keys, map_pictures, pictures, plans, scenes, study, summary
 
 G = 9.80665
 
@@ -215,6 +215,15 @@ def test_the_best_is_one_that_can_be_had(here):
     assert told["best"]["keys"]["damper.mass"] == grams[0]
     assert (told["without_verdict"], told["without_answer"]) == (1, 0)
     assert "1 point has no verdict" in summary.text(found)
+
+
+def test_speeds_without_a_picture_are_named(here):
+    """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
+    varied = {"damper.restitution": [0.2, 0.4, 0.6, 0.8], "damper.friction": [0.1, 0.2, 0.3, 0.4]}
+    speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
+    found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
+    said = map_pictures.in_words(found, pictures._best(found), "damper.restitution", "damper.friction")
+    assert "Nothing to draw at 0 rpm to 20 rpm, 60000 rpm: there, no ball has a verdict, or takes anything" in said
 
 
 def test_divergence_is_a_reason(here):

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import spindamp
+from tests.workflows.conftest import changed
 from workflows.errors import BadInput
-from workflows.scene.file import load
-from workflows.studies.sweep import axes, uncertain
+from workflows.scene.file import SHIPPED, load
+from workflows.studies.sweep import axes, page, summary, uncertain
 
 A, B = 7.0, 0.1
 
@@ -62,6 +64,47 @@ def test_points_without_answer_take_their_base_point_along():
     assert np.all(np.abs(found["ST"] - known_indices()[1]) <= 2 * found["ST_conf"])
     assert np.isnan(uncertain.indices(np.full_like(values, np.nan), 3, seed=3)["S1"]).all()
     assert not uncertain.indices(np.full_like(values, 2.0), 3, seed=3)["S1"].any()
+
+
+def test_what_is_uncertain_has_a_verdict(here):
+    """Balls denser than osmium, and amplitudes that the plate does not endure, have no part in what is said."""
+    dense = changed(tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")), damper__count=1)
+    for scene, says in ((dense, "no verdict"), (at_full_speed(), "No ball takes anything at an amplitude that the")):
+        found = spindamp.sweep(
+            scene, {"damper.friction": "0.2:0.4"}, uncertain=True, sample=8, quick=True, executor=here
+        )
+        assert (found.damping_ratio_peak > 0).all()
+        assert not (found.percentiles.sel(quantity="best_damping_ratio") > 0).any()
+        assert summary.document(found)["best"] is None
+        assert says in summary.text(found)
+        assert "largest damping ratio" not in summary.text(found)
+        said = page.render(found)
+        assert says in said
+        assert ">nan" not in said
+
+
+def test_few_points_with_a_verdict(here):
+    """The ball's weight is more than the load at 50 rpm; above 0.095 g the ball is denser than osmium."""
+    scene = changed(
+        tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")),
+        damper__count=1,
+        damper__mass_ratio=None,
+        damper__mass="0.05 g",
+        rotor__speeds=["50 rpm", "9000 rpm", "10000 rpm"],
+    )
+    found = spindamp.sweep(scene, {"damper.mass": "0.05 g:0.4 g"}, uncertain=True, sample=8, quick=True, executor=here)
+    shares = found.percentiles.sel(quantity="best_damping_ratio").values
+    assert np.isnan(shares[:, 0]).all()
+    assert (shares[:, 1:] > 0).all()
+    assert not any(line.strip() == "" for line in summary.text(found).splitlines())
+    assert "nan" not in summary.text(found)
+    assert ">nan" not in page.render(found)
+
+
+def at_full_speed():
+    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene["effects"] = {"structural_modes": False}
+    return changed(scene, rotor__speeds=["17500 rpm"])
 
 
 def test_what_is_uncertain_unless_it_is_said():

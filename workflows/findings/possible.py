@@ -17,11 +17,13 @@ STRONGEST = 2.4e9
 steels (Inco, 18 per cent nickel maraging steels, Nickel Development Institute, publication 4419). Ti-6Al-4V and nickel
 alloys bear less than two thirds of it."""
 
+PRINTED = "the equations as printed do not conserve energy"
+
 
 def refused(results: Results) -> str | None:
     """Why there is no verdict at any speed; None where there may be one."""
     if _printed(results):
-        return "the equations as printed do not conserve energy"
+        return PRINTED
     dense = too_dense(results)
     return None if dense is None else dense[0]
 

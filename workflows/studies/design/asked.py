@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from workflows.errors import BadInput
+from workflows.findings import possible
 from workflows.scene.design import FLAT
 from workflows.scene.source import SceneFile
 from workflows.stages import Stages
@@ -27,7 +28,8 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
 
     Raises:
-        BadInput: it has no [design] or no damper to begin with; see also :func:`amplitude.of`.
+        BadInput: it has no [design] or no damper to begin with, or one by the printed equations; see also
+            :func:`amplitude.of`.
         NoAnswer: the plate has none.
     """
     scene = source.scene
@@ -37,6 +39,9 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     design = scene.design
     if design is None or scene.damper is None:
         raise ValueError("the scene has no [design]")
+    if scene.damper.formulation == "printed":
+        problem = f"no design makes sense: {possible.PRINTED}; expected 'consistent'"
+        raise BadInput(problem, file=source.name, key="[damper] formulation", value=scene.damper.formulation)
     if design.place is not None and scene.plate is None:
         raise BadInput("belongs to a plate", file=source.name, key="[design] place")
     found = []

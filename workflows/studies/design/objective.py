@@ -9,7 +9,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from workflows.findings import possible, worth
+from workflows.findings import doubt, possible, worth
 from workflows.studies.design import space as spaces
 from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.scored import BEYOND, NONE, Scored
@@ -18,6 +18,7 @@ from workflows.studies.sweep import blocks, plans, quantities
 from workflows.studies.sweep.placed import Placed
 from workflows.studies.sweep.plates import Plates
 from workflows.studies.sweep.quantities import Reasons
+from workflows.wording import whole
 
 if TYPE_CHECKING:
     from workflows.studies.design.scored import Floats
@@ -45,16 +46,26 @@ def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
     """A design on its structure at every speed."""
     scene = placed[0].scene
     mass = max(each.damper.ball_mass for each in placed)
+    if (why := _no_verdict(space, placed)) is not None:
+        return Scored(0.0, -NONE, mass=mass, why=why)
     used = tuple(spaces.used(space.design, scene, mass).items())
     over = spaces.misfit(space.design, scene, mass)
     if over is not None:
         name, ratio = over
         return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=f"beyond the limit of {name}")
-    fastest = max(placed, key=lambda each: each.point.omega)
-    if (torn := possible.torn_from(fastest.results)) is not None:
-        return Scored(0.0, -NONE, mass=mass, why=torn)
-    endured = worth.endured(fastest.results)
+    endured = worth.endured(max(placed, key=lambda each: each.point.omega).results)
     endured = math.inf if endured is None else endured
-    if isinstance(space.goal, LeastDamping) and space.goal.low > endured:
-        return Scored(0.0, -NONE, mass=mass, why=f"the least of its amplitudes would {worth.beyond(fastest.results)}")
     return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
+
+
+def _no_verdict(space: Space, placed: list[Placed]) -> str | None:
+    """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
+    slowest, fastest = (end(placed, key=lambda each: each.point.omega) for end in (min, max))
+    if worth.weighs(slowest.point):
+        return f"at {whole(slowest.point.rpm)} rpm {doubt.WEIGHT}"
+    if (torn := possible.torn_from(fastest.results)) is not None:
+        return torn
+    endured = worth.endured(fastest.results)
+    if endured is not None and isinstance(space.goal, LeastDamping) and space.goal.low > endured:
+        return f"the least of its amplitudes would {worth.beyond(fastest.results)}"
+    return None

@@ -48,10 +48,12 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
     ends = [labels.short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
     found = f" It lies at an end of {' and '.join(ends)}: beyond, there may be more." if ends else ""
     if name is not None:
-        idle = [labels.titled(data, name, int(k)) for k in np.flatnonzero(~_works(data, name))]
-        if idle and len(idle) < data.sizes[name]:
-            listed = idle[0] if len(idle) == 1 else f"{idle[0]} to {idle[-1]}"
-            found += f" Nothing to draw at {listed}: there, no ball takes anything that the plate endures."
+        idle = np.flatnonzero(~_works(data, name))
+        if idle.size and idle.size < data.sizes[name]:
+            found += (
+                f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
+                " the plate endures."
+            )
     if not varies(data, "cutoff", (x, y)):
         ends = []
         for k in places:
@@ -60,6 +62,13 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
             ends.append(f"{significant(float(np.nanmin(there)), 2)} mm{at}")
         found += f" The load holds the ball at rest below {', '.join(ends)}."
     return found
+
+
+def _runs(data: xr.Dataset, name: str, places: Any) -> str:
+    """Values of a key in words, each run of neighbours by its ends."""
+    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    ends = [[labels.titled(data, name, int(k)) for k in sorted({run[0], run[-1]})] for run in runs]
+    return ", ".join(" to ".join(each) for each in ends)
 
 
 def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:

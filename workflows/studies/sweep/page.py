@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from workflows import wording
 from workflows.report import palette, templating
 from workflows.studies.sweep import folder, labels, maps, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
+from workflows.studies.sweep.quantities import HEADLINE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,8 +56,8 @@ def render(data: xr.Dataset) -> str:
         palette.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
-        headline=summary.spread(data) if "ST" in data else "",
-        doubts=_doubts(data) if "ST" in data else [],
+        headline=summary.headline(data, found),
+        doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
         spreads=_spreads(data) if "ST" in data else {},
         figures=[(Markup(picture.svg), picture.caption) for picture in pictures.draw(data)],
         code=json.loads(data.attrs["code"]),
@@ -66,7 +68,7 @@ def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
     rows = []
     for quantity, factor, called in (
-        ("damping_ratio_peak", 100.0, "damping ratio, %"),
+        (HEADLINE, 100.0, "damping ratio, %"),
         ("cutoff", 1e3, "at rest below, mm"),
     ):
         q = uncertain.QUANTITIES.index(quantity)
@@ -76,7 +78,8 @@ def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
                 f"{n.partition('.')[2].replace('_', ' ')} {100 * t:.0f} %" for n, t, _ in ranked if t > 0.05
             )
             values = [factor * float(value) for value in data["percentiles"].values[q, :, k]]
-            rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
+            if math.isfinite(values[0]):
+                rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
     return rows
 
 

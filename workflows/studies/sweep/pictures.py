@@ -37,7 +37,7 @@ class Picture:
 
 def draw(data: xr.Dataset) -> list[Picture]:
     """What a study looks like: the damping first, then the amplitude below which the ball rests."""
-    if not np.isfinite(data[HEADLINE].values).any():
+    if not (data[HEADLINE].values > 0).any():
         return []
     if "ST" in data:
         return [_picture(partial(_bars, data), _OF_BARS)]
@@ -146,7 +146,7 @@ _OF_BARS = (
 
 def _bars(data: xr.Dataset, sheet: Sheet) -> str:
     """Total indices of the peak and of the cut-off, a bar for each parameter."""
-    shown = ("damping_ratio_peak", "cutoff_ratio")
+    shown = (HEADLINE, "cutoff_ratio")
     k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
     figure, panels = drawing.canvas(sheet, 0.9 + 0.34 * len(names), len(shown))
     for axes, quantity in zip(panels, shown, strict=True):
@@ -161,7 +161,7 @@ def _bars(data: xr.Dataset, sheet: Sheet) -> str:
     return drawing.svg(figure, sheet, "indices", "Total Sobol' indices of each parameter")
 
 
-_CALLED = {"damping_ratio_peak": "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
+_CALLED = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
 
 _SCATTERED = 6
 _DOTS = 2000

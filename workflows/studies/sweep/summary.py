@@ -17,6 +17,8 @@ from workflows.wording import significant
 if TYPE_CHECKING:
     import xarray as xr
 
+_HEADLINE = uncertain.QUANTITIES.index(HEADLINE)
+
 
 def document(data: xr.Dataset) -> dict[str, Any]:
     """The machine-readable result: ``sweep.json``, and what ``--json`` prints."""
@@ -33,7 +35,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": None,
     }
-    if np.isfinite(flat).any():
+    if (flat > 0).any():
         found["best"] = at(data, int(np.nanargmax(flat)))
     if "ST" in data:
         found["uncertain"] = uncertain.document(data)
@@ -62,7 +64,9 @@ def text(data: xr.Dataset) -> str:
         amplitude = values["best_amplitude"]
         there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
-    if "ST" in data:
+    elif headline(data, found):
+        lines.append(headline(data, found))
+    if "ST" in data and _is_spread(data):
         lines += _uncertain(data)
     if found["without_verdict"]:
         have = "point has" if found["without_verdict"] == 1 else "points have"
@@ -74,10 +78,24 @@ def text(data: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
+def headline(data: xr.Dataset, found: dict[str, Any]) -> str:
+    """The answer of a study that is not that of its best point; empty where it is."""
+    if found["best"] is not None:
+        return spread(data) if "ST" in data and _is_spread(data) else ""
+    if found["without_answer"] + found["without_verdict"] < found["points"]:
+        return "No ball takes anything at an amplitude that the plate endures"
+    return "No point has a verdict" if found["without_verdict"] else "No point has an answer"
+
+
+def _is_spread(data: xr.Dataset) -> bool:
+    """Whether the middle speed has a damping ratio to speak of."""
+    return bool((data["percentiles"].values[_HEADLINE, :, (data.sizes[SPEEDS] - 1) // 2] > 0).any())
+
+
 def spread(data: xr.Dataset) -> str:
     """How far the largest damping ratio spreads at the middle speed."""
     k = (data.sizes[SPEEDS] - 1) // 2
-    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[0, :, k])
+    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[_HEADLINE, :, k])
     return (
         f"At {float(data['rpm'].values[k]):.6g} rpm the largest damping ratio is {significant(low)} to"
         f" {significant(high)} % (90 %), in the median {significant(middle)} %"
@@ -86,6 +104,8 @@ def spread(data: xr.Dataset) -> str:
 
 def _uncertain(data: xr.Dataset) -> list[str]:
     """The spread, and what it is worth measuring for it."""
-    ranked = uncertain.worth_measuring(data, uncertain.QUANTITIES[0], (data.sizes[SPEEDS] - 1) // 2)
+    ranked = uncertain.worth_measuring(data, HEADLINE, (data.sizes[SPEEDS] - 1) // 2)
     shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
+    if not shares:
+        return [spread(data)]
     return [f"{spread(data)}; of its variance each has, with all it acts together with:", f"  {', '.join(shares)}"]

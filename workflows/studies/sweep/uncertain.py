@@ -18,6 +18,7 @@ from workflows.studies.sweep import axes as read_axes
 from workflows.studies.sweep import keys, plans, table
 from workflows.studies.sweep.axes import SPEEDS, Axis, Spread
 from workflows.studies.sweep.plans import SAMPLE, Sample
+from workflows.studies.sweep.quantities import HEADLINE
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 BASE = 128
 """Base points, unless it is said; the study has as many times the parameters and two."""
 
-QUANTITIES = ("damping_ratio_peak", "at_amplitude", "range_high", "cutoff", "cutoff_ratio", "peak_sdc")
+QUANTITIES = ("damping_ratio_peak", "at_amplitude", "range_high", "cutoff", "cutoff_ratio", "peak_sdc", HEADLINE)
 PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
 
 _RESAMPLES, _CONFIDENCE = 200, 0.95
