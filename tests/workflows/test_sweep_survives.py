@@ -77,6 +77,20 @@ def test_the_order_of_the_work_is_not_seen(asked, undisturbed, tmp_path):
     assert len([name for name in undisturbed if name.startswith("shards/")]) == 4
 
 
+def test_stopped_while_the_whole_is_put_together(asked, undisturbed, tmp_path, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("workflows.studies.sweep.table.write", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            complete(asked, tmp_path / "out")
+    assert signals.again() == "what is finished stays; the same command goes on"
+    second = Here()
+    assert complete(asked, tmp_path / "out", second) == undisturbed
+    assert second.count == 0
+
+
 def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tmp_path):
     first = Here(stops=4)
     with pytest.raises(KeyboardInterrupt):

@@ -163,9 +163,8 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
     Raises:
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
-    with folder.opened(out, study.key, study.identity) as place:
-        with signals.going_on(_GOES_ON):
-            fill(study, place, hired, stages)
+    with signals.going_on(_GOES_ON), folder.opened(out, study.key, study.identity) as place:
+        fill(study, place, hired, stages)
         with stages("write"), folder.writing(out), folder.replaced(place.path / DATA) as aside:
             said = table.attributes(study.source.scene.title, study.plan, study.identity, study.key)
             table.write(study.plan, partial(rows, study, place), said, aside)
