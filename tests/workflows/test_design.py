@@ -158,6 +158,7 @@ def test_the_plates_thickness_is_room():
         ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the plate's root by over 0.4 %"),
         ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
         ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is left out, is more than"),
+        ({"rotor__speeds": ["700 rpm"]}, "at 700 rpm every ball would slide, for to roll takes a friction of 2.1 at"),
         ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is left out, is more than the load"),
     ],
 )
@@ -169,6 +170,11 @@ def test_what_has_no_verdict_is_no_design(changes, why):
     assert why in found.why
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
+    drive, load = (
+        (2 * math.pi * 203) ** 2 * 5e-3,
+        (700 * math.pi / 30) ** 2 * 0.2,
+    )  # of the plate at rest; 2/7 is rubbed
+    assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
     (thick,) = objective.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), Plates(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend

@@ -74,4 +74,4 @@ def _grips(results: Results, points: Sequence[SpeedPoint]) -> str:
 
 def _grip(results: Results, point: SpeedPoint) -> float:
     found = worth.best(results, point)
-    return 0.0 if found is None else worth.grip(results, point, found)
+    return 0.0 if found is None else worth.grip(results, point, found.amplitude)

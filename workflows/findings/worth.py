@@ -103,11 +103,11 @@ def weighs(point: SpeedPoint) -> bool:
 
 def slides(results: Results, point: SpeedPoint, found: Best) -> bool:
     """Whether rolling at the best amplitude takes more friction than any dry pair of metals has."""
-    return grip(results, point, found) > DRY
+    return grip(results, point, found.amplitude) > DRY
 
 
-def grip(results: Results, point: SpeedPoint, found: Best) -> float:
-    """Friction on the floor that pure rolling needs at the best amplitude, over the normal load; 0 without a load.
+def grip(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """Friction on the floor that pure rolling needs at an amplitude, over the normal load; 0 without a load.
 
     A rolling ball lags behind its floor by 5/7 of what drives it, u'' + G κ u: friction gives it the other 2/7, and
     holds it against 5/7 of the rolling resistance.
@@ -115,7 +115,7 @@ def grip(results: Results, point: SpeedPoint, found: Best) -> float:
     damper = results.scene.damper
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
-    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * found.amplitude
+    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * amplitude
     resistance = damper.rolling_friction / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.radius) + 5 * resistance) / 7
 

@@ -18,7 +18,7 @@ from workflows.studies.sweep import blocks, plans, quantities
 from workflows.studies.sweep.placed import Placed
 from workflows.studies.sweep.plates import Plates
 from workflows.studies.sweep.quantities import Reasons
-from workflows.wording import whole
+from workflows.wording import significant, whole
 
 if TYPE_CHECKING:
     from workflows.studies.design.scored import Floats
@@ -65,7 +65,13 @@ def _no_verdict(space: Space, placed: list[Placed]) -> str | None:
         return f"at {whole(slowest.point.rpm)} rpm {doubt.WEIGHT}"
     if (torn := possible.torn_from(fastest.results)) is not None:
         return torn
+    if not isinstance(space.goal, LeastDamping):
+        return None
     endured = worth.endured(fastest.results)
-    if endured is not None and isinstance(space.goal, LeastDamping) and space.goal.low > endured:
+    if endured is not None and space.goal.low > endured:
         return f"the least of its amplitudes would {worth.beyond(fastest.results)}"
+    grip = worth.grip(slowest.results, slowest.point, space.goal.high)
+    if grip > worth.DRY:
+        taken = f"to roll takes a friction of {significant(grip, 2)} at the greatest of its amplitudes"
+        return f"at {whole(slowest.point.rpm)} rpm every ball would slide, for {taken}"
     return None
