@@ -206,7 +206,8 @@ def lose():
 }
 
 LOSING = """
-import os, sys, time
+import os, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
 from workflows.cli import entry as cli
 import workflows.solve.damper_stage as stage
 number, looked_up = int(sys.argv.pop()), stage._look_up
