@@ -17,4 +17,6 @@ def called_for(case: Case) -> Called:
     return Called(True, "the plate spins, and the centrifugal pull stiffens it")
 
 
-EFFECT = Definition("plate", called_for, "stress stiffening", costs=("fem.operators.assembly._stiffening",))
+_COSTS = ("fem.operators.assembly._held", "fem.operators.assembly._stiffening")
+
+EFFECT = Definition("plate", called_for, "stress stiffening", costs=_COSTS)

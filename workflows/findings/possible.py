@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from workflows.scene import thicknesses
-from workflows.scene.faults import ROUNDING
-from workflows.scene.materials import KNOWN, OSMIUM
+from workflows.scene.materials import KNOWN, OSMIUM, is_too_dense
 from workflows.solve.records import Floats, Results, SpeedPoint, Surface
 from workflows.wording import significant, whole
 
@@ -30,8 +29,7 @@ def refused(results: Results) -> str | None:
 
 def is_refused(results: Results, point: SpeedPoint) -> bool:
     """Whether there is no verdict at a speed whatever the damper does there: refused, or the plate torn."""
-    dense = _density(results, point) > OSMIUM * (1 + ROUNDING)
-    return _printed(results) or dense or torn(results, point)
+    return _printed(results) or is_too_dense(_density(results, point)) or torn(results, point)
 
 
 def _printed(results: Results) -> bool:
@@ -50,7 +48,7 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     """What of a ball is denser than any solid, and what would weigh as much; None where it can be had."""
     damper = results.scene.damper
     density = max((_density(results, point) for point in results.speeds), default=0.0)
-    if damper is None or density <= OSMIUM * (1 + ROUNDING):
+    if damper is None or not is_too_dense(density):
         return None
     volume = 4 / 3 * math.pi * damper.radius**3
     one, steel = density * volume, KNOWN["steel"].density

@@ -96,7 +96,7 @@ class Damper(Table):
             )
         if self.ball_density is not None:
             materials.dense_enough("ball_density", self.ball_density)
-            if self.ball_density > materials.OSMIUM * (1 + ROUNDING):
+            if materials.is_too_dense(self.ball_density):
                 raise fault(
                     "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium: nothing is denser"
                 )

@@ -62,6 +62,11 @@ def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...
     return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}
 
 
+def is_too_dense(density: float) -> bool:
+    """Whether nothing is as dense [kg/m³]."""
+    return density > OSMIUM * (1 + ROUNDING)
+
+
 def dense_enough(key: str, value: float) -> None:
     """A density [kg/m^3] that something solid has."""
     if value < LIGHTEST * (1 - ROUNDING):
