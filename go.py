@@ -20,7 +20,7 @@ VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 OLDEST = (3, 11)
 EXTRAS = ("test", "docs")
-PACKAGES = ["spindamp.py", "fem", "damper", "workflows", "tests", "meshes", "go.py"]
+PACKAGES = ["spindamp.py", "fem", "damper", "workflows", "tests", "meshes", "go.py", ".ci"]
 
 
 def program(name):
@@ -60,7 +60,7 @@ def test(arguments):
         ("mypy", [PYTHON, "-m", "mypy"]),
         ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
     ]
-    ready = [PYTHON, "-m", "tests.kernels_ready"]
+    ready = [PYTHON, "-W", "error", "-m", "tests.kernels_ready"]
     kernels = [subprocess.Popen([*ready, engine], cwd=ROOT) for engine in ("level", "linear")]  # mypy takes one core
     failed = []
     for name, command in steps:
@@ -75,8 +75,9 @@ def test(arguments):
 
 
 def install(extra):
-    """Make .venv and install the project into it, unless that was done for this very pyproject.toml."""
-    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest()
+    """Make .venv with the versions of constraints.txt, unless that was done for it and for this very pyproject.toml."""
+    constraints = ROOT / "constraints.txt"
+    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes() + constraints.read_bytes()).hexdigest()
     stamp = VENV / ".installed"
     done = stamp.read_text() if stamp.is_file() else ""
     if PYTHON.is_file() and done.startswith(wanted) and extra in done:
@@ -85,7 +86,7 @@ def install(extra):
         make_venv()
     print("installing spindamp into .venv (once, a minute or two)", file=sys.stderr, flush=True)
     pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-    subprocess.run([*pip, "-e", f"{ROOT}{extra}"], check=True)
+    subprocess.run([*pip, "-c", constraints, "-e", f"{ROOT}{extra}"], check=True)
     stamp.write_text((done if done.startswith(wanted) else wanted) + extra)
 
 

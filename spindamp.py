@@ -17,8 +17,8 @@
     spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
     spindamp.design()                            # the best damper within what a scene's [design] allows
 
-Each does what the command of its name does, writes nothing that it is not told to, and returns what it found. The
-plate alone is in `fem`, the damper alone in `damper`.
+Each does what the command of its name does, writes nothing that it is not told to, and returns what it found, or raises
+`ImpossibleResult` where a figure violates a law of physics. The plate alone is in `fem`, the damper alone in `damper`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
+from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError, lawful
 from workflows.scene.file import DEFAULT, SceneLike, load, opened, parse, shipped
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BadInput",
+    "ImpossibleResult",
     "NoAnswer",
     "NotAvailable",
     "Scene",
@@ -71,6 +72,7 @@ __all__ = [
 ]
 
 
+@lawful()
 def run(scene: SceneLike = DEFAULT) -> Results:
     """Plate at every speed, then the damper.
 
@@ -87,6 +89,7 @@ def run(scene: SceneLike = DEFAULT) -> Results:
     return running.run(scene)
 
 
+@lawful()
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
     from workflows import parts, running
@@ -94,6 +97,7 @@ def campbell(scene: SceneLike = DEFAULT) -> Results:
     return running.run(parts.plate_only(opened(scene)))
 
 
+@lawful()
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
     from workflows import parts, running
@@ -101,6 +105,7 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     return running.run(parts.at_one_speed(opened(scene), rpm))
 
 
+@lawful()
 def response(scene: SceneLike = DEFAULT) -> Response:
     """Steady states where engine orders cross modes, without and with the ball; forces from the scene's [excitation].
 
@@ -111,6 +116,7 @@ def response(scene: SceneLike = DEFAULT) -> Response:
     return respond(opened(scene))
 
 
+@lawful()
 def reproduce() -> Reproduction:
     """The paper's every claim against this code."""
     from workflows.studies import reproduction
@@ -118,6 +124,7 @@ def reproduce() -> Reproduction:
     return reproduction.reproduce()
 
 
+@lawful()
 def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.costs.study import study
@@ -125,6 +132,7 @@ def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     return study(opened(scene))
 
 
+@lawful()
 def effects(scene: SceneLike = DEFAULT) -> Switches:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
     from workflows.studies.costs.switching import switching
@@ -132,6 +140,7 @@ def effects(scene: SceneLike = DEFAULT) -> Switches:
     return switching(opened(scene))
 
 
+@lawful()
 def sweep(
     scene: SceneLike = DEFAULT,
     vary: Mapping[str, object] | Iterable[str] = (),
@@ -179,6 +188,7 @@ def sweep(
     return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
 
 
+@lawful()
 def design(
     scene: SceneLike = "design",
     *,

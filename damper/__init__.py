@@ -14,6 +14,7 @@ from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
 from damper.curve import Working
 from damper.forced import forced
+from damper.laws import LawViolation
 from damper.model import Formulation, ParticleDamper
 from damper.modes import Harmonic, Mode
 from damper.outcome import EnergyBooks, Outcome, RingDown
@@ -34,6 +35,7 @@ __all__ = [
     "Formulation",
     "Harmonic",
     "History",
+    "LawViolation",
     "Mode",
     "Outcome",
     "ParticleDamper",

@@ -126,7 +126,7 @@ class Backbone:
         """Amplitudes of a branch between which all answers lie, closely."""
         nu = branch.frequency.max() if frequency is None else frequency
         stiffest = self.stiffness + self.mass * nu**2 + self.dashpot * nu
-        low = 0.5 * force / (stiffest + self.stiffness * branch.damping_ratio.max())
+        low: float = 0.5 * force / (stiffest + self.stiffness * branch.damping_ratio.max())
         linear = force / (self.dashpot * branch.frequency.min()) if self.dashpot > 0 else 0.0
         high = 2 * max(linear, force / stiffest, 1e3 * branch.amplitude[-1] if self.dashpot == 0 else low)
         low, high = max(low, branch.range[0]), min(high, branch.range[1])

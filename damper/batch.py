@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from damper import laws, self_check
 from damper.arrays import Floats, Integers
 from damper.blocks import BLOCK, in_blocks
 from damper.flows import at_once
@@ -17,6 +18,7 @@ from damper.motion import COUPLED, LEVEL, flights, kinds
 from damper.outcome import outcome_of
 from damper.parameters import energy, ensemble, stuck_frequency, table, whole
 from damper.prepare import Prepared, prepare
+from damper.ringdown import ringdown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -121,7 +123,13 @@ def ringdowns(
     kind = kinds(damper, rows, harmonic)
     closed = bool((kind == LEVEL).all())
     status, final = (run.closed if closed else functools.partial(run.by_kinds, kind))(rows, prepared, progress)
-    return _summary(rows, prepared, status, final, asked=cycles is not None)
+    batch = _summary(rows, prepared, status, final, asked=cycles is not None)
+    velocity = np.maximum(prepared.clocks["first_speed"], prepared.cycles["last_speed"])
+    extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
+    laws.check_ringdowns(damper, rows, batch, extremes)
+    for family in {"level" if each == LEVEL else "linear" for each in np.unique(kind)}:
+        self_check.once(family, ringdown)
+    return batch
 
 
 @dataclass(frozen=True)
@@ -145,6 +153,7 @@ class _Run:
             engine.run_block(block, p.runs, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
+        laws.check_rest(p.runs)
         return status, energy(rows, p.axes)
 
     def linear(
@@ -163,6 +172,7 @@ class _Run:
 
         in_blocks(work, len(status), self.threads, progress)
         f.give_back(p)
+        laws.check_rest(f.runs)
         return status, f.energy(rows)
 
     def by_kinds(

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from damper.outcome import RingDown
+from damper import laws
+from damper.outcome import Outcome, RingDown
 from damper.parameters import number, pair, whole
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ def capacity(ringdown: RingDown) -> Capacity:
     if ringdown.rested and ringdown.last_motion is not None and len(amplitude):
         last = int(np.searchsorted(ringdown.peak_times[:-1], ringdown.last_motion, side="right")) - 1
         cutoff = float(amplitude[max(last, 0)])
+        if ringdown.harmonic is None and ringdown.outcome is Outcome.AT_REST:
+            laws.check_cutoff(damper, float(v[max(last, 0) + 1]))
     return Capacity(start, amplitude, sdc, intrinsic_sdc(damper), cutoff)
 
 

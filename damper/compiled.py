@@ -8,10 +8,14 @@ Where neither the sources' folder nor the user's can be written, every start com
 from __future__ import annotations
 
 import contextlib
+import platform
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+import llvmlite
 import numba as nb
+import numpy as np
+from llvmlite.binding import get_host_cpu_name as host
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,24 +34,33 @@ def _drop_stale_cache() -> None:
 _drop_stale_cache()
 
 
+COMPILES: bool = not getattr(nb.config, "DISABLE_JIT", False)
+"""Whether kernels are compiled at all: NUMBA_DISABLE_JIT=1 has them run as plain Python."""
+
+
 def _place() -> Path | None:
     try:
         found = nb.njit(cache=True)(_drop_stale_cache)  # a folder is looked for here, compiled is nothing
     except RuntimeError:  # no locator available
         return None
-    return None if found.stats.cache_path is None else Path(found.stats.cache_path)
+    return Path(found.stats.cache_path) if COMPILES and found.stats.cache_path is not None else None
 
 
-_KEPT = _place()
+FOLDER = _place()
 """Folder of compiled code; None where there can be none."""
 
-CACHED = _KEPT is not None
+CACHED = FOLDER is not None
 """Whether compiled code is kept for the next start."""
 
 
 def fresh() -> bool:
     """Whether no kernel has been compiled yet that this start could use."""
-    return _KEPT is None or next(_KEPT.glob("*.nbi"), None) is None
+    return FOLDER is None or next(FOLDER.glob("*.nbi"), None) is None
+
+
+def versions() -> tuple[str, ...]:
+    """Versions of what compiles the kernels, and the processor that they are compiled for."""
+    return (platform.python_version(), np.__version__, nb.__version__, llvmlite.__version__, host())
 
 
 _F = TypeVar("_F", bound="Callable[..., object]")

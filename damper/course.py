@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from damper.motion import LEVEL, flights, kinds
+from damper.motion import APART, COUPLED, LEVEL, flights, kinds
 from damper.parameters import energy
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Record
+    from damper.arrays import Floats, Record, Records
     from damper.model import ParticleDamper
     from damper.modes import Harmonic
     from damper.motion import Flights
@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 class Course(Protocol):
     """What `ringdown` asks of either engine."""
 
+    runs: Records
     run: Record
     initial: float
+    kind: int
 
     def states(self, size: int) -> Floats:
         """A table of states for as many events."""
@@ -55,7 +57,7 @@ def course_of(
 class _Closed:
     def __init__(self, damper: ParticleDamper, one: Prepared) -> None:
         self.rows, self.one = damper.parameters, one
-        self.run, self.initial = one.runs[0], float(one.initial[0])
+        self.runs, self.run, self.initial, self.kind = one.runs, one.runs[0], float(one.initial[0]), LEVEL
 
     def states(self, size: int) -> Floats:
         return np.zeros((0, 2, 0))
@@ -81,8 +83,8 @@ class _Closed:
 class _Linear:
     def __init__(self, damper: ParticleDamper, flights: Flights) -> None:
         self.damper, self.rows, self.flights = damper, damper.parameters, flights
-        self.run, self.flow = flights.runs[0], flights.systems.flows[0]
-        self.initial = self.energy()
+        self.runs, self.run, self.flow = flights.runs, flights.runs[0], flights.systems.flows[0]
+        self.initial, self.kind = self.energy(), (COUPLED, APART)[int(self.run["system"]["groups"]) - 1]
 
     def states(self, size: int) -> Floats:
         return np.zeros((size, 2, len(self.run["motion"]["z"])))

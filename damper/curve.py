@@ -121,7 +121,8 @@ def spread(samples: Floats, whole: Working) -> float:
 
     def around(amplitude: Floats, ratio: Floats) -> Floats:
         near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / _BINS
-        return ratio[near]
+        selected: Floats = ratio[near]
+        return selected
 
     halves = [samples[samples[:, column] == value] for column in (2, 3) for value in (0, 1)]
     seen = [part.mean() for half in halves if (part := around(*_curve(half, whole.cutoff))).size]

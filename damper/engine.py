@@ -115,6 +115,7 @@ def _fly(i: int, tau: float, it: Record) -> None:
         path = axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau
         axis.s += path
         axis.w += axis.f * tau - axis.beta * dv
+        axis.excursion = max(axis.excursion, abs(axis.s))
     if axis.regime == ROLLING:
         _account(axis, law, tau, acceleration)
     spend(axis, path, tau, it.ball, it.books)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from damper import laws, self_check
 from damper.arrays import Floats
 from damper.blocks import in_blocks
 from damper.flows import at_once
@@ -78,6 +79,7 @@ def forced(
         done = begin * len(columns)
         count = None if progress is None else functools.partial(_further, progress, done)
         parts.append(_part(dampers[here], harmonics[here], begin, how, count))
+    self_check.once("forced", forced)
     return Forced(columns, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
@@ -118,7 +120,9 @@ def _part(
 
     in_blocks(work, len(m.runs), how.threads, progress, _BLOCK)
     shape = len(dampers), len(how.starts)
-    shaped = {name: value.reshape(shape) for name, value in summary(m, _divergence(m, how.threads)).items()}
+    figures = summary(m, _divergence(m, how.threads))
+    laws.check_steady_states(m, figures)
+    shaped = {name: value.reshape(shape) for name, value in figures.items()}
     return shaped | {name: getattr(m, name).reshape(shape)[:, 0] for name in ("linear", "without", "moves_from")}
 
 

@@ -71,6 +71,7 @@ def read(i: int, it: Record) -> None:
     """Copy position and velocity of an axis from z into its record."""
     axis, z, rate, s = it.axes[i], it.motion.z, it.motion.rate, it.system.place[i]
     axis.s, axis.w, axis.u, axis.v = z[s], rate[s], 0.0, 0.0
+    axis.excursion = max(axis.excursion, abs(axis.s))
     for m in range(it.system.coordinates):
         axis.u += it.system.mode_shape[i, m] * z[m]
         axis.v += it.system.mode_shape[i, m] * rate[m]

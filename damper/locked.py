@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from damper.structures import Structures
     from damper.systems import Systems
 
-Complex = npt.NDArray[np.complex128]
+Complex = npt.NDArray[np.complexfloating]
 
 _LOSSLESS = 1e-14
 """Loss factor that keeps the answer of a structure without damping finite."""
@@ -49,7 +49,7 @@ def locked(systems: Systems) -> Locked:
     stiffness, damping, force = of.stiffness[:, 0], of.damping[:, 0], of.force[:, 0]
     nu, size = of.frequency, stiffness.shape[1]
     turn = np.exp(1j * of.phase)[:, None]
-    loss = np.where(damped, 0.0, 1j * _LOSSLESS) * nu**2
+    loss = 1j * np.where(damped, 0.0, _LOSSLESS) * nu**2
     matrix = stiffness + 1j * nu[:, None, None] * damping - (nu**2 - loss)[:, None, None] * np.eye(size)
     z = np.linalg.solve(matrix, (force * turn)[..., None])[..., 0]
     rate = (1j * nu[:, None] * z)[:, systems.order]

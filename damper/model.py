@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 import numpy as np
 
@@ -97,7 +98,7 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
-        validate(self.parameters)
+        validate(_row(self))
         for name in ("stiffness", "cavity", "floor_tilt", "floor_radius"):  # lists and arrays have no hash
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, pair(name, getattr(self, name)))
@@ -106,15 +107,8 @@ class ParticleDamper:
 
     @property
     def parameters(self) -> Parameters:
-        """The fields as one row, shape (1,), for what works on many dampers alike."""
-        rows = np.zeros(1, PARAMETERS)
-        for name in PARAMETERS.names or ():
-            if name == "printed" or (name in ("floor_friction", "floor_radius") and getattr(self, name) is None):
-                rows[name] = _ABSENT[name]
-                continue
-            rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(self, name))
-        rows["printed"] = self.formulation == Formulation.PRINTED
-        return rows
+        """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
+        return _known_row(self)
 
     @property
     def level(self) -> bool:
@@ -189,3 +183,19 @@ class ParticleDamper:
     def spin_mass(self) -> float:
         """Mass-equivalent of the rolling ball's spin, 2/5 m_p [kg]; none in the printed equations or afloat."""
         return float(derived.spin_mass(self.parameters)[0])
+
+
+def _row(damper: ParticleDamper) -> Parameters:
+    """The fields of a damper as one row, shape (1,)."""
+    rows = np.zeros(1, PARAMETERS)
+    for name in PARAMETERS.names or ():
+        if name == "printed" or (name in ("floor_friction", "floor_radius") and getattr(damper, name) is None):
+            rows[name] = _ABSENT[name]
+            continue
+        rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(damper, name))
+    rows["printed"] = damper.formulation == Formulation.PRINTED
+    rows.flags.writeable = False
+    return rows
+
+
+_known_row = lru_cache(maxsize=256)(_row)

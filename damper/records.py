@@ -72,6 +72,7 @@ AXIS = record(
     ("kind", "i8"),  # and what it is
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
+    ("excursion", "f8"),  # largest distance of the ball from the cavity's middle at an event so far
 )
 
 BOOKS = record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"), ("work", "f8"))

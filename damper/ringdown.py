@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from damper import laws, self_check
 from damper.course import course_of
+from damper.motion import COUPLED, LEVEL
 from damper.outcome import EnergyBooks, Outcome, RingDown, outcome_of
 from damper.parameters import number, pair, whole
 from damper.prepare import prepare
@@ -77,7 +79,11 @@ def ringdown(
     course = course_of(damper, one, harmonic, amplitudes)
     done, tables = _followed(course, limits.max_events, keep_events, progress)
     outcome = outcome_of(done, cycles is not None, course.run["clock"])
-    return replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
+    result = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
+    longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
+    _check(result, course, start, longest)
+    self_check.once("level" if course.kind == LEVEL else "linear", ringdown)
+    return result
 
 
 class _Start(NamedTuple):
@@ -148,6 +154,23 @@ def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: 
         states=tables.states if tables.states.size else None,
         modal_energies=course.modal_energies(),
     )
+
+
+def _check(result: RingDown, course: Course, start: _Start, longest: float) -> None:
+    """Check a ring-down against its laws; `longest`: it lasts so long at most [s]."""
+    damper, (velocity, spin) = result.damper, (np.square(start.ball_velocity).sum(), np.square(start.ball_spin).sum())
+    extremes = laws.Extremes(
+        kind=np.array([course.kind]),
+        excursion=course.run["axes"]["excursion"][None],
+        velocity=result.peak_velocities.max(initial=0.0),
+        ball_energy=0.5 * float(damper.ball_mass * velocity + damper.spin_mass * spin),
+        driven=result.harmonic is not None,
+    )
+    laws.check_ringdowns(damper, damper.parameters, result, extremes)
+    laws.check_times(result, longest)
+    laws.check_rest(course.runs)
+    if result.rows is not None and course.kind != COUPLED:
+        laws.check_hits(result, result.rows)
 
 
 def _moved(damper: ParticleDamper, amplitudes: tuple[float, ...]) -> tuple[float, float]:

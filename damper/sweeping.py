@@ -11,7 +11,7 @@ from damper.detect import schedule
 from damper.ending import DONE
 from damper.flight import begin
 from damper.records import STUCK
-from damper.trace import stored
+from damper.trace import lost, stored
 
 if TYPE_CHECKING:
     from damper.arrays import Floats, Record, Records
@@ -22,9 +22,10 @@ class Descent(NamedTuple):
     """How ring-downs are led down, and what they show.
 
     After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
-    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 2) [J], are that of the structure, the
-    ball counted as stuck, before each cycle, and what the losses in it leave of that; a row stays as it is from where
-    it falls below `least` or the budget of events is spent.
+    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
+    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
+    it, and those losses by the books. A row stays as it is from where it falls below `least` or the budget of events is
+    spent.
     """
 
     budget: int
@@ -44,10 +45,12 @@ def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: De
                 engine.release(it, tables)
             else:
                 _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
+            _open(it.books)
             before, swing = _stored_level(it), _of_the_structure(it)
             if swing < descent.least or engine.run(it, tables, descent.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
+            energies[n, 2], energies[n, 3] = before, lost(it.books)
 
 
 @kernel
@@ -61,10 +64,18 @@ def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tab
                 engine_linear.release(it, flow, tables)
             else:
                 _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
+            _open(it.books)
             before, swing = stored(it), _of_the_modes(it)
             if swing < descent.least or engine_linear.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
+            energies[n, 2], energies[n, 3] = before, lost(it.books)
+
+
+@kernel
+def _open(books: Record) -> None:
+    """Begin the books anew: what is lost at small amplitudes would drown in what was lost at large ones."""
+    books.structure = books.rolling = books.impact = books.slip = 0.0
 
 
 @kernel

@@ -21,15 +21,20 @@ if TYPE_CHECKING:
 _POINTS = 8
 
 
-def _lobatto() -> tuple[Floats, Floats]:
-    """Points and weights on [0, 1]."""
-    last = np.eye(_POINTS)[_POINTS - 1]
-    points = np.array([-1.0, *legendre.legroots(legendre.legder(last)), 1.0])
-    weights = 2.0 / (_POINTS * (_POINTS - 1) * legendre.legval(points, last) ** 2)
+def lobatto() -> tuple[Floats, Floats]:
+    """Points and weights of Lobatto's rule on [0, 1].
+
+    Points inside are roots of the Jacobi polynomial of weight 1 - x², which are the eigenvalues of a symmetric matrix
+    (G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221) and so float64 whatever the version of numpy.
+    """
+    k = np.arange(1, _POINTS - 2)
+    inside = np.linalg.eigvalsh(np.diag(np.sqrt(k * (k + 2) / ((2 * k + 1) * (2 * k + 3))), -1), UPLO="L")
+    points = np.array([-1.0, *(0.5 * (inside - inside[::-1])), 1.0])
+    weights = 2.0 / (_POINTS * (_POINTS - 1) * legendre.legval(points, np.eye(_POINTS)[-1]) ** 2)
     return 0.5 * (1.0 + points), 0.5 * weights
 
 
-_PLACES, _SHARES = _lobatto()
+_PLACES, _SHARES = lobatto()
 _ORDER = np.arange(TERMS)[:, None]
 
 _SLOPES = _ORDER * _PLACES ** np.maximum(_ORDER - 1, 0)

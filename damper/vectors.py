@@ -33,7 +33,7 @@ _VECTOR, _INDEX = ir.VectorType(ir.DoubleType(), WIDTH), ir.IntType(32)
 
 class _Model(models.PrimitiveModel):
     def __init__(self, manager: Any, fe_type: Any) -> None:
-        super().__init__(manager, fe_type, _VECTOR)  # type: ignore[no-untyped-call]
+        super().__init__(manager, fe_type, _VECTOR)
 
 
 register_model(_Eight)(_Model)
@@ -41,7 +41,7 @@ register_model(_Eight)(_Model)
 
 def _place(context: Any, builder: Any, row: Any, values: Any) -> Any:
     """Pointer to eight neighbours in a row, from the place values[1] on."""
-    data = make_array(row)(context, builder, value=values[0]).data  # type: ignore[no-untyped-call]
+    data = make_array(row)(context, builder, value=values[0]).data
     return builder.bitcast(builder.gep(data, [values[1]]), _VECTOR.as_pointer())
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from damper import laws, self_check
 from damper.blocks import in_blocks
 from damper.curve import BINNED, Working, figures, nothing, spread
 from damper.motion import LEVEL, flights, kinds
@@ -127,9 +128,12 @@ def _falling(
 
 def _found(damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None) -> Working:
     """Figures of sweeps at a pace."""
-    samples = _sweep(damper, low, top, pace, threads)
+    samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
     whole = figures(samples, cutoff)
-    return nothing(cutoff) if whole is None else replace(whole, error=max(spread(samples, whole), BINNED))
+    if whole is None:
+        return nothing(cutoff)
+    laws.check_curve(damper, whole)
+    return replace(whole, error=max(spread(samples, whole), BINNED))
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
@@ -149,7 +153,7 @@ def _freely(damper: ParticleDamper) -> float:
     return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
 
 
-def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads: int | None) -> Floats:
+def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None) -> Floats:
     """Samples on sweeps from high to low, a row for each cycle of each sweep.
 
     From cycle to cycle the structure is led to a little less motion, the ball keeps its own in its cavity. Columns: the
@@ -158,17 +162,18 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
     """
     from damper import sweeping
 
-    each = np.arange(pace.sweeps)
-    start = np.zeros((pace.sweeps, 5, 2))
-    start[:, 0, 0] = high * 2 ** ((each + 1) / pace.sweeps)  # at least one octave's share above, to settle on the way
-    start[:, 2, 0] = damper.half_gap[0] * (1 - each / pace.sweeps)
-    cycles = SETTLING + math.ceil(pace.stay * (math.log2(high / low) + 1))
-    many = np.repeat(damper.parameters, pace.sweeps)
+    each = np.arange(sweeps)
+    start = np.zeros((sweeps, 5, 2))
+    start[:, 0, 0] = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
+    start[:, 2, 0] = damper.half_gap[0] * (1 - each / sweeps)
+    cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
+    many = np.repeat(damper.parameters, sweeps)
     p = prepare(many, start, cycles, cycles)
     tables = nothing_kept()
-    energy = np.full((pace.sweeps, cycles, 2), np.nan)
+    energy = np.full((sweeps, cycles, 4), np.nan)
+    energy[..., 3] = laws.NOT_REACHED
     least = 0.5 * damper.stiffness[0] * low**2
-    descent = sweeping.Descent(_EVENTS * cycles, 4 ** (-1 / pace.stay), float(least), energy)
+    descent = sweeping.Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
     closed = kinds(damper, damper.parameters)[0] == LEVEL
     f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
@@ -178,13 +183,15 @@ def _sweep(damper: ParticleDamper, low: float, high: float, pace: _Pace, threads
         else:
             sweeping.run_linear(block, f.runs, f.systems.flows, tables, descent)
 
-    in_blocks(work, pace.sweeps, threads or os.cpu_count() or 1, block_size=1)
+    in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
     if f is not None:
         f.give_back(p)
+    laws.check_sweeps(damper, energy, p.axes["excursion"])
+    self_check.once("level sweeps" if closed else "linear sweeps", samples_of)
     with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
-        level = 0.5 * np.log(2 * energy[:, SETTLING:] / damper.stiffness[0])
-    halves = np.repeat(np.column_stack([each % 2, each // (pace.sweeps // 2)]), level.shape[1], axis=0)
-    rows = np.column_stack([level.reshape(-1, 2), halves])
+        level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
+    halves = np.repeat(np.column_stack([each % 2, each // (sweeps // 2)]), level.shape[1], axis=0)
+    rows: Floats = np.column_stack([level.reshape(-1, 2), halves])
     return rows[np.isfinite(rows).all(axis=1)]
 
 

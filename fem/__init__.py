@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fem.statics.large_deflection import NoEquilibrium, equilibrium
     from fem.statics.rest import Unresolved
     from fem.sweep.diagram import Campbell, campbell
+    from fem.sweep.laws import LawViolation
     from fem.sweep.tracking import Veering
 
 _HOMES = {
@@ -46,6 +47,7 @@ _HOMES = {
     "Effects": "fem.plate.rotor",
     "ElasticRoot": "fem.plate.root",
     "Given": "fem.meshes.ladder",
+    "LawViolation": "fem.sweep.laws",
     "Material": "fem.plate.given",
     "MeshError": "fem.meshes.planform",
     "Modes": "fem.modes.real",
@@ -89,6 +91,7 @@ __all__ = [
     "Effects",
     "ElasticRoot",
     "Given",
+    "LawViolation",
     "Material",
     "MeshError",
     "Modes",

@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from workflows.errors import BadInput, NoAnswer, NotAvailable, SpindampError
+    from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
     from workflows.report.publish import load_results, save, save_report
     from workflows.results.document import document
     from workflows.results.files import dataset
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "BadInput": "workflows.errors",
+    "ImpossibleResult": "workflows.errors",
     "NoAnswer": "workflows.errors",
     "NotAvailable": "workflows.errors",
     "Results": "workflows.solve.records",
@@ -47,6 +48,7 @@ _HOMES = {
 
 __all__ = [
     "BadInput",
+    "ImpossibleResult",
     "NoAnswer",
     "NotAvailable",
     "Results",

@@ -3,18 +3,24 @@
 SpindampError
 ├── BadInput          exit 2   a file, a key or a value is wrong; says what would be right
 │   └── NotAvailable  exit 2   right in itself, but this version does not do it yet
-└── NoAnswer          exit 3   the input is fine, the physics has no answer (divergence, say)
+├── NoAnswer          exit 3   the input is fine, the physics has no answer (divergence, say)
+└── ImpossibleResult  exit 1   a figure violates a law of physics: a defect, of which nothing is published
 
-Anything else that reaches the command line is a defect of ours: exit 1.
+`fem.LawViolation` and `damper.LawViolation` become an `ImpossibleResult` where a command or a function of `spindamp`
+ends (`lawful`); on the way there no handler of other errors takes them. Anything else that reaches the command line is
+a defect of ours: exit 1.
 """
 
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import date, time
 from itertools import islice
+
+from workflows import versions
 
 _LONGEST_KEY = 80
 
@@ -70,6 +76,38 @@ class NoAnswer(SpindampError):
     """The physics has no answer to give, and why."""
 
     exit_status = 3
+
+
+class ImpossibleResult(SpindampError):
+    """A figure violates a law of physics: law, figure, bound, place and versions, in one line."""
+
+
+@contextmanager
+def lawful() -> Iterator[None]:
+    """Translate the violation of a law by a figure of `fem` or `damper`; serves as a decorator as well.
+
+    Raises:
+        ImpossibleResult: such a violation.
+    """
+    loaded = (sys.modules.get(name) for name in ("fem.sweep.laws", "damper.laws"))
+    try:
+        yield
+    except Exception as error:
+        if not isinstance(error, tuple(module.LawViolation for module in loaded if module is not None)):
+            raise
+        places = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
+        problem = f"a defect of ours: {error}{places}; nothing was published, please report it with the scene"
+        raise ImpossibleResult(one_line(f"{problem} ({versions.line()})")) from error
+
+
+@contextmanager
+def during(place: str) -> Iterator[None]:
+    """Note on an error where it came up, such as a speed."""
+    try:
+        yield
+    except Exception as error:
+        error.add_note(place)
+        raise
 
 
 def shown(value: object, limit: int = 60) -> str:

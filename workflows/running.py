@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from workflows import pipeline
+from workflows.errors import lawful
 from workflows.report.brief import Shown, shown
 from workflows.scene.file import DEFAULT, SceneLike
 from workflows.stages import Stages
 
 
+@lawful()
 def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Shown:
     """The whole of a run, nothing written.
 
@@ -16,6 +18,7 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Shown:
         stages: the clock to go by, if not one of its own.
 
     Raises:
+        ImpossibleResult: a figure violates a law of physics.
         BadInput, NoAnswer, TypeError: see :func:`workflows.pipeline.run`.
     """
     return shown(pipeline.run(scene, stages))

@@ -167,7 +167,7 @@ class Estimates:
         return unseen(self.meshes.planform.edge(size), self.meshes.operators(size).plate.mean_thickness)
 
 
-def _falling(first: Array, second: Array, sizes: tuple[int, int, int], most: float) -> Array:
+def _falling(first: Array | float, second: Array | float, sizes: tuple[int, int, int], most: float) -> Array:
     """Orders, from `LEAST` to a greatest, at which the differences of three meshes fall, those of any shape."""
     before, coarse, fine = sizes
     orders = np.linspace(LEAST, most, 36)

@@ -30,6 +30,7 @@ from fem.reduction.at_one_speed import (
     searched,
 )
 from fem.sweep.diagram import campbell
+from fem.sweep.laws import EXACT, require
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +39,10 @@ if TYPE_CHECKING:
     from fem.sweep.diagram import Campbell
 
     Array = NDArray[np.float64]
+
+ALONE, LIGHT = 1.5, 0.1
+"""Least ratio of the second eigenvalue to the lowest, and most that a ball may add to the mass and stiffness of a mode,
+for the lowest mode to stay the lowest when the ball sticks."""
 
 RIGHT = 1e-9
 """Relative error of a squared frequency at a speed between two known ones that counts as none."""
@@ -91,6 +96,7 @@ class Reduction:
         ratio = mass_ratio or 0.0
         masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
         stuck = self._family.follow(masses)[0] if masses.any() else self._free
+        self._family.check(stuck, masses)
         every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
             reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(held))
@@ -143,6 +149,24 @@ class _Family:
             if wrong <= right or 0.5 * before < wrong <= ROUNDED:
                 return values, motions
             before = wrong
+
+    def check(self, stuck: Array, masses: Array) -> None:
+        """Check squared frequencies (k,) with balls of masses (k,) stuck, at the lowest speed and at the highest.
+
+        Where the flap mode is the lowest, stands alone and is hardly changed by the ball, it stays the lowest.
+
+        Raises:
+            LawViolation: it exceeds Rayleigh's quotient of its shape without the ball.
+        """
+        law = "a stuck ball leaves the lowest eigenvalue below Rayleigh's quotient"
+        for k in {0, masses.size - 1}:
+            omega, free = self._diagram.omega[[k]], (2.0 * np.pi * self._diagram.frequencies_hz[k]) ** 2
+            shape = self._diagram.shapes(k)[:, self._indices[k]]
+            heavier, stiffer = (masses[k] * (shape @ (each @ shape)) for each in (self._mass, self._spinning))
+            stiffer *= omega**2 / free[0]
+            if self._indices[k] == 0 and free[1] > ALONE * free[0] and max(heavier, abs(stiffer)) < LIGHT:
+                slack = (EXACT + 2.0 * self._diagram.bounds[k, 0]) * free[0]
+                require(law, stuck[[k]] - free[0] * (1.0 + stiffer) / (1.0 + heavier), slack, omega)
 
     def _rounding(self, values: Array, shapes: Array) -> float:
         """What double precision leaves uncertain of some squared frequencies (k,) with shapes (n, k), relatively."""

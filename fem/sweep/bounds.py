@@ -115,7 +115,7 @@ def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArra
     lowered = np.where(inside, rates / others, np.inf)
     above = np.minimum.accumulate(lowered[:, ::-1], axis=1)[:, ::-1]
     clear = np.hstack([above[:, 1:], np.full((len(rates), 1), np.inf)]) > rates
-    return np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf))
+    return np.asarray(np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf)))
 
 
 def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:

@@ -19,6 +19,7 @@ from fem.modes.real import Divergence, Modes, check_count, check_damping
 from fem.modes.solve import solve_modes
 from fem.statics.large_deflection import NoEquilibrium, tangent
 from fem.sweep.grow import Swept, answer
+from fem.sweep.laws import check_diagram
 from fem.sweep.tracking import Veering, follow
 
 if TYPE_CHECKING:
@@ -108,6 +109,7 @@ def campbell(
         ValueError: for no speeds or a count, tolerance or ratio out of range.
         Divergence: when every speed is at or beyond the critical one, NoEquilibrium.
         Unresolved: for a plate too thin for the theory.
+        LawViolation: a frequency is impossible: see `fem.sweep.laws`.
     """
     asked = np.unique(np.asarray(omega, dtype=float))
     if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
@@ -123,7 +125,7 @@ def campbell(
         parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
     below = asked[: sum(part.rates.shape[0] for part in parts)]
     branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
-    return Campbell(
+    diagram = Campbell(
         omega=below,
         frequencies_hz=np.vstack([part.rates for part in parts]) / (2.0 * np.pi),
         bounds=np.vstack([part.bounds for part in parts]),
@@ -135,6 +137,8 @@ def campbell(
         sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
         parts=tuple(parts),
     )
+    check_diagram(operators, diagram, damping_ratio)
+    return diagram
 
 
 def hardly_any(speeds: int, count: int) -> bool:

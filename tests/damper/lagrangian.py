@@ -28,6 +28,7 @@ class Lagrangian:
     harmonic: Harmonic | None = None
     step: float = math.inf
     most: int = 200
+    place: tuple[float, float] = (0.0, 0.0)  # of the ball at the release
     events: list[tuple[float, int, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -54,7 +55,7 @@ class Lagrangian:
         self.gap = [c / 2 - d.ball_radius for c in d.cavity]
         self.floor = 1e-9 * d.stuck_frequency * float(np.abs(self.shape @ self.release).max())
         self.regime, self.direction = ["stuck", "stuck"], [0, 0]
-        self.y = np.concatenate([self.release, np.zeros(2 + self.k + 2 + 2 + 1)])
+        self.y = np.concatenate([self.release, self.place, np.zeros(self.k + 2 + 2 + 1)])
         self.time = 0.0
         self.initial = self.energy()
         self.run()
@@ -177,6 +178,9 @@ class Lagrangian:
     def run(self) -> None:
         for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
             self.settle(i)
+        self.go_on()
+
+    def go_on(self) -> None:
         scale = max(float(np.abs(self.release).max()), 1e-3)
         while self.time < self.end and len(self.events) < self.most:
             guards = self.guards()

@@ -14,6 +14,7 @@ from damper.flows import flows_of
 from damper.structures import members_of, structures_by
 from damper.system import STEP, TERMS
 from damper.systems import systems_of
+from damper.travel import lobatto
 from tests.damper.test_linear import scene
 
 
@@ -68,3 +69,22 @@ def test_terms_left_out_are_rounding() -> None:
     """Of the fastest motion over a step, and of its second derivative."""
     assert STEP**TERMS / math.factorial(TERMS) < 1e-17
     assert STEP ** (TERMS - 2) / math.factorial(TERMS - 2) < 1e-17
+
+
+def test_lobattos_rule() -> None:
+    """Real numbers on every version of numpy, symmetric, with the ends, and exact up to the degree 2 n - 3."""
+    places, weights = lobatto()
+    n = len(places)
+    assert places.dtype == weights.dtype == np.float64
+    assert places.shape == weights.shape == (n,)
+    assert (places[0], places[-1]) == (0.0, 1.0)
+    assert (np.diff(places) > 0.0).all()
+    assert places + places[::-1] == pytest.approx(1.0, rel=1e-15)
+    assert weights == pytest.approx(weights[::-1], rel=1e-15)
+    assert weights[0] == pytest.approx(1.0 / (n * (n - 1)), rel=1e-15)
+    for degree in range(2 * n - 2):
+        assert weights @ places**degree == pytest.approx(1.0 / (degree + 1), rel=1e-15)
+    # The next one is missed by what theory says: Abramowitz & Stegun, 25.4.32, on [0, 1].
+    factorial = math.factorial
+    missed = n * (n - 1) ** 3 * factorial(n - 2) ** 4 / ((2 * n - 1) * factorial(2 * n - 2) ** 2)
+    assert weights @ places ** (2 * n - 2) - 1.0 / (2 * n - 1) == pytest.approx(missed, rel=1e-5)

@@ -22,11 +22,31 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
+def _self_check(asked: bool) -> None:
+    if asked:
+        from workflows.cli.commands import kernels
+        from workflows.solve import self_check
+
+        kernels.say()
+        lines, passed = self_check.report()
+        typer.echo("\n".join(lines))
+        raise typer.Exit(0 if passed else 1)
+
+
 @_commands.callback(invoke_without_command=True)
 def _spindamp(
     context: typer.Context,
     show: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--self-check",
+            callback=_self_check,
+            is_eager=True,
+            help="Compare reference plates and motions with independent results, and print the versions.",
+        ),
     ] = False,
 ) -> None:
     """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400

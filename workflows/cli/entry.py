@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 
-from workflows.errors import SpindampError, one_line
+from workflows.errors import SpindampError, lawful, one_line
 from workflows.output import signals
 from workflows.output.signals import Terminated
 
@@ -42,7 +42,7 @@ def _run(arguments: list[str] | None) -> int:
     except ImportError as error:
         return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
-        with signals.to_blame():
+        with lawful(), signals.to_blame():
             status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
         if status == STOPPED:  # some versions of typer swallow a Ctrl-C
             raise KeyboardInterrupt

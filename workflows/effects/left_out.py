@@ -24,7 +24,8 @@ class LeftOut:
         rows = np.vstack([np.zeros(self.shifts.shape[1]), self.shifts]) if self.omega[0] > 0.0 else self.shifts
         found = np.array([np.interp(omega**2, square, column) for column in rows.T])
         beyond = np.full(max(count - found.size, 0), found.max(initial=0.0))
-        return np.concatenate([found, beyond])[:count]
+        shifts: Floats = np.concatenate([found, beyond])[:count]
+        return shifts
 
     @property
     def largest(self) -> float:

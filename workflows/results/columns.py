@@ -56,7 +56,8 @@ class _Listed:
         lengths = np.fromiter(map(len, self.each), np.int64, len(self.each))
         inner = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
         outer = (np.repeat(places, lengths) for places in self.at)
-        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner), (*self.shape, lengths.max(initial=0)))
+        longest = int(lengths.max(initial=0))
+        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner), (*self.shape, longest))
 
     def table(self, nothing: float | str) -> npt.NDArray[Any]:
         """The values as one array, filled up with what stands for nothing."""

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import platform
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 
 from workflows.results import resolved
 from workflows.solve.records import Results
-
-_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba")
+from workflows.versions import versions as versions
 
 
 def scene_sha256(results: Results) -> str:
@@ -29,22 +25,6 @@ def hashes(results: Results) -> dict[str, str]:
     """What this was computed from, by the names that every file gives them."""
     found = {"scene_sha256": scene_sha256(results)}
     return found if results.mesh_sha256 is None else found | {"mesh_sha256": results.mesh_sha256}
-
-
-@cache
-def _versions() -> tuple[tuple[str, str], ...]:
-    found = [("python", platform.python_version())]
-    for package in _PACKAGES:
-        try:
-            found.append((package, version(package)))
-        except PackageNotFoundError:
-            found.append((package, "not installed"))
-    return tuple(found)
-
-
-def versions() -> dict[str, str]:
-    """What computed this."""
-    return dict(_versions())
 
 
 def line(results: Results) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from workflows.effects.effect import Effect
 from workflows.effects.table import EFFECTS
-from workflows.errors import BadInput
+from workflows.errors import BadInput, during
 from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import felt
@@ -48,8 +48,10 @@ def simulate(
     with stages("damper", len(points)) as step:
         done = []
         for number, point in enumerate(points):
-            done.append(_simulated(scene, effects, point, keep=number == shown))
-            step.advance(f"{whole(point.rpm)} rpm")
+            speed = f"{whole(point.rpm)} rpm"
+            with during(f"at {speed}"):
+                done.append(_simulated(scene, effects, point, keep=number == shown))
+            step.advance(speed)
     return tuple(done)
 
 

@@ -14,7 +14,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh, thicknesses
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
-from workflows.solve import at_the_cavity, needs, plate_records, theorising
+from workflows.solve import at_the_cavity, needs, plate_records, self_check, theorising
 from workflows.solve.answering import answering
 from workflows.solve.decided import Decided
 from workflows.solve.plate_records import Discrete
@@ -177,6 +177,7 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
     from fem import campbell
 
+    self_check.plates()
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
     if not one_by_one(scene, operators):

@@ -15,4 +15,7 @@ def say() -> None:
         problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
         typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
     elif compiled.fresh() and sys.stderr.isatty():
-        typer.echo("spindamp: compiling the damper's kernels, once for an installation: up to a minute", err=True)
+        typer.echo(
+            "spindamp: compiling the damper's kernels, once for an installation: up to a minute, with their check",
+            err=True,
+        )

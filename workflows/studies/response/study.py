@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.errors import BadInput
+from workflows.errors import BadInput, during
 from workflows.findings import worth
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
@@ -59,7 +59,8 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         raise crossings.unmet(points, excitation.orders, source.name)
     passed, idle = [], []
     for crossing in met:
-        found = _through(solved, crossing, excitation)
+        with during(f"order {crossing.order} at {whole(crossing.rpm)} rpm"):
+            found = _through(solved, crossing, excitation)
         if isinstance(found, str):
             idle.append((crossing, found))
         else:

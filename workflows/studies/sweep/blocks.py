@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.errors import BadInput, SpindampError, one_line
+from workflows.errors import BadInput, SpindampError, during, one_line
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt
@@ -33,8 +33,10 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
     placed = list(all_placed(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
-        _measure(rows[each.number], each, known, QUICK if quick else {})
-    _ring_down(rows, placed)
+        with during(f"at point {begin + each.number}, {each.point.rpm:.6g} rpm"):
+            _measure(rows[each.number], each, known, QUICK if quick else {})
+    with during(f"at points {begin} to {end - 1}"):
+        _ring_down(rows, placed)
     return Block(begin, rows, tuple(reasons.texts))
 
 

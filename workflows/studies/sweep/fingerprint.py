@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from workflows.errors import BadInput
-from workflows.results.provenance import versions
+from workflows.versions import versions
 
 _PACKAGES = ("fem", "damper", "workflows")
 _ROOT = Path(__file__).parents[3]

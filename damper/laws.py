@@ -1,0 +1,377 @@
+"""Laws that every figure obeys before it is published, whatever computed it.
+
+Each follows from the equations of motion for all dampers that it is applied to, so that a violation is a defect: of the
+kernels, or of what compiled them. Tolerances are some thousand times the rounding seen in 10⁴ random dampers.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from damper.bounds import Bounds, bounds_of
+from damper.motion import COUPLED, kinds
+from damper.outcome import Outcome, RingDown
+from damper.records import HIT, ROLLING, RUB, STUCK
+from damper.structures import load_of, structures_by
+from damper.tallies import LOCKED, PERIODIC, TIRED
+
+if TYPE_CHECKING:
+    from damper.arrays import Floats, Integers, Records
+    from damper.curve import Working
+    from damper.model import ParticleDamper
+    from damper.parameters import Parameters
+    from damper.starts import Motions
+    from damper.structures import Structures
+
+BOOKS, ROUNDING = 1e-6, 1e-9
+"""Share of the energy that went through, and of the energy that was there, which the books may leave unexplained."""
+
+EXACT, TINY = 1e-9, 1e-13
+"""Rounding of figures, relative; and of damping ratios, absolute."""
+
+NOT_REACHED = -1.0
+"""Stands for the losses of a cycle that a sweep did not reach."""
+
+_FINITE, _CLOSED, _INSIDE = "every figure is finite", "the energy books close", "the ball stays in its cavity"
+_LOSSES, _WORK = "every loss removes energy", "the ball takes at most the work of its drive along its cavity"
+
+
+class LawViolation(Exception):
+    """A figure that violates a law: a defect of the program or of what it rests on.
+
+    Attributes:
+        law: the law, as a statement.
+        figure: the quantity and its unit.
+        value: what it is.
+        bound: the largest value that it may have.
+        where: the motion.
+    """
+
+    def __init__(self, law: str, figure: str, value: float, bound: float, where: str = "") -> None:
+        super().__init__(law, figure, value, bound, where)
+        self.law, self.figure, self.value, self.bound, self.where = law, figure, value, bound, where
+
+    def __str__(self) -> str:
+        place = f" in {self.where}" if self.where else ""
+        return f"{self.law}, but {self.figure} is {self.value:.6g}, beyond the bound of {self.bound:.6g}{place}"
+
+
+def require(law: str, figure: str, value: Any, bound: Any, where: Any = "") -> None:
+    """Require every value to be a number within its bound.
+
+    Args:
+        law: see `LawViolation`.
+        figure: see there.
+        value: a number or an array.
+        bound: of the same shape, or one for all.
+        where: the motion, or a function that names it for an index.
+
+    Raises:
+        LawViolation: a value exceeds its bound, or is nan.
+    """
+    holds = value <= bound
+    if np.all(holds):
+        return
+    index = tuple(int(k) for k in np.argwhere(~np.asarray(holds))[0])
+    worst, most = (float(np.broadcast_to(each, np.shape(holds))[index]) for each in (value, bound))
+    raise LawViolation(law, figure, worst, most, where(index) if callable(where) else where)
+
+
+class Extremes(NamedTuple):
+    """What n ring-downs reached.
+
+    Attributes:
+        kind: see `damper.motion.kinds`, shape (n,).
+        excursion: largest distance of the ball from the middle of its cavity, shape (n, 2) [m].
+        velocity: largest velocity maximum, shape (n,) [m/s].
+        ball_energy: energy of the ball's own motion at the release [J].
+        driven: whether a harmonic force acted.
+    """
+
+    kind: Integers
+    excursion: Floats
+    velocity: Floats
+    ball_energy: float
+    driven: bool
+
+
+def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes: Extremes) -> None:
+    """Check the energies and extremes of ring-downs.
+
+    Where modes couple the axes and the ball does not slip, its spin follows a hit along the other axis at once: it may
+    then gain energy, which the books enter as a negative impact loss. The printed equations do not conserve energy.
+
+    Args:
+        damper: the damper that they share.
+        rows: their own parameters, shape (n,).
+        run: a `RingDown`, or a `Batch` of n.
+        extremes: what they reached.
+
+    Raises:
+        LawViolation: a figure is impossible.
+    """
+    books = run.energy if isinstance(run, RingDown) else run
+    structures, bounds = _bounds(damper, rows)
+    losses = {name: getattr(books, name) for name in ("structure", "rolling", "impact", "slip")}
+    through = sum(abs(loss) for loss in losses.values()) + abs(books.work)
+    present = abs(books.initial) + abs(books.final) + bounds.depth + rows["modal_mass"] * extremes.velocity**2
+    rounding, consistent = ROUNDING * (present + through), ~rows["printed"]
+    count = len(extremes.kind)
+
+    def where(index: tuple[int, ...]) -> str:
+        return f"ring-down {index[0] + 1} of {count}" if count > 1 else "a ring-down"
+
+    require(_FINITE, "energy [J]", present + through + 0 * run.duration, sys.float_info.max, where)
+    spins = consistent & (rows["floor_friction"] == 0) & (rows["centrifugal_acceleration"] > 0)
+    for name, loss in losses.items():
+        exempt = spins & (extremes.kind == COUPLED) & (name == "impact")
+        require(_LOSSES, f"energy gained from {name} [J]", -loss, np.where(exempt, np.inf, rounding), where)
+    unexplained = np.where(consistent, abs(books.residual), 0.0)
+    require(_CLOSED, "unexplained energy [J]", unexplained, BOOKS * through + rounding, where)
+    amplitude = np.sqrt(2 * bounds.flexibility * (present + through)[:, None])
+    outside = extremes.excursion - bounds.gap
+    require(_INSIDE, "excursion beyond the wall [m]", outside, EXACT * (bounds.gap + amplitude), where)
+    require("every hit is an event", "number of hits", run.impacts, run.events, where)
+    if extremes.driven:
+        return
+    speed, riding = bounds.speed(books.initial + 0 * present), bounds.mobility
+    if structures.mass.shape[1] > 2:  # velocity maxima then stand for the energy of all modes: `damper.watch`
+        riding = (1 + rows["ball_mass"] * bounds.mobility) / (rows["modal_mass"] + rows["ball_mass"])
+    most = np.where(consistent, np.sqrt(riding) * speed * (1 + EXACT), np.inf)
+    require("no velocity exceeds what all energy gives", "velocity maximum [m/s]", extremes.velocity, most, where)
+    if damper.modes is not None and structures.dashpot.any():
+        return  # the last term of `damper.bounds` has no bound there
+    with np.errstate(invalid="ignore"):
+        path = bounds.damped * np.sqrt(run.duration * losses["structure"] + 0 * present)[:, None]
+    most = bounds.work(speed, run.duration, np.where(path > 0, path, np.inf)) + extremes.ball_energy + 2 * bounds.bowl
+    if damper.modes is None:
+        most = most + bounds.dashpot_work(structures, speed, run.duration)
+    taken = losses["rolling"] + losses["impact"] + losses["slip"]
+    require(_WORK, "energy taken [J]", taken, np.where(consistent, most + rounding, np.inf), where)
+
+
+def check_times(run: RingDown, longest: float) -> None:
+    """Check the clock of a ring-down that lasts at most so long [s].
+
+    Raises:
+        LawViolation: time runs backwards, or a run ends at the wrong time.
+    """
+    require("a run ends in time", "duration [s]", run.duration, longest * (1 + EXACT))
+    if run.outcome is Outcome.CYCLES_DONE:
+        require("a run completes its cycles", "time left [s]", longest - run.duration, EXACT * longest)
+    capped, law = run.outcome is Outcome.EVENT_CAP, "time runs forwards"
+    times = [run.peak_times] if run.rows is None else [run.peak_times, run.rows["time"]]
+    for each in times:
+        require(law, "step back in time [s]", each[:-1] - each[1:], EXACT * run.duration)
+        if len(each) and not capped:
+            require(law, "time of the last record [s]", each[-1], run.duration * (1 + EXACT))
+
+
+def check_hits(run: RingDown, rows: Records) -> None:
+    """Check restitution and wall friction, event by event, where the axes are not coupled.
+
+    Raises:
+        LawViolation: an event does not obey its law.
+    """
+    w, before, kind = abs(rows["w"]), abs(rows["w_before"]), rows["kind"]
+    rests = rows["regime"] == STUCK
+
+    def where(index: tuple[int, ...]) -> str:
+        return f"a ring-down at {rows['time'][index[0]]:.6g} s"
+
+    error = np.where((kind == HIT) & ~rests, abs(w - run.damper.restitution * before), 0.0)
+    require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
+    require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)
+    require("a stuck ball has no speed", "speed [m/s]", np.where(rests, w, 0.0), 0.0, where)
+
+
+def check_rest(runs: Records) -> None:
+    """Check that balls said to rest for good are never driven off again.
+
+    Args:
+        runs: at their ends, dtype `damper.records.LEVEL` or `damper.system.LINEAR`.
+
+    Raises:
+        LawViolation: the drive to come exceeds the rolling threshold.
+    """
+    runs = runs[np.isfinite(runs["clock"]["rest"]) & (runs["clock"]["trembles"] == 0)]
+    if len(runs):
+        drive = _drive_in_modes(runs) if "system" in (runs.dtype.names or ()) else _drive_on_level_floor(runs)
+        most = runs["ball"]["threshold"][:, None] * (1 + EXACT)
+        require("the load holds a ball at rest", "drive [m/s²]", drive, most, "a ring-down")
+
+
+def _drive_on_level_floor(runs: Records) -> Floats:
+    """Lower bound of the largest drive to come along x and y, shape (n, 2) [m/s²].
+
+    K u + c v swings with M1 omega² U, where U is at least hypot(u, v / omega) / sqrt(1 + zeta), and its next crest
+    comes within half a period. The printed equations have a second threshold where the structure is damped.
+    """
+    law, axes = runs["laws"][:, :, STUCK], runs["axes"]
+    omega = np.sqrt(law["square"])
+    free = (axes["half_gap"] > 0) & (law["damping"] == runs["laws"][:, :, ROLLING]["damping"])
+    swing = omega**2 * np.hypot(axes["u"], axes["v"] / omega) / _decay(law["decay"] / omega)
+    drive: Floats = np.where(free, swing, 0.0)
+    return drive
+
+
+def _decay(zeta: Any) -> Any:
+    """Amplitude by energy over the next crest, at most."""
+    with np.errstate(divide="ignore", over="ignore"):  # next to critical damping there is no bound
+        return np.exp(math.pi * zeta / np.sqrt(1 - zeta**2)) / np.sqrt(1 - zeta)
+
+
+def _drive_in_modes(runs: Records) -> Floats:
+    """Largest drive to come in linear flights, away from the walls that balls rest on, shape (n, 2) [m/s²]."""
+    system, state = runs["system"], runs["motion"]
+    parts = [
+        np.einsum("nij,nj->ni", system[name], state[each]) for name, each in (("deflection", "z"), ("swing", "rate"))
+    ]
+    swing = (system["reach"] * np.hypot(*parts)[:, None]).sum(axis=2)
+    bias = (system["bias"] * state["z"][:, None]).sum(axis=2)
+    place, gap = np.take_along_axis(state["z"], system["place"], axis=1), runs["axes"]["half_gap"]
+    drive: Floats = np.max([np.where(d * place < gap, d * bias + swing, 0.0) for d in (-1, 1)], axis=0)
+    return drive
+
+
+def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
+    """Check the first velocity maximum after the ball's last motion [m/s].
+
+    Where one mode moves each axis, abs(omega² - E) A is at most the rolling threshold, plus the floor's slope where the
+    ball rests: A is at most the cut-off of `damper.working`. The cut-off of a ring-down belongs to the cycle before,
+    whose decay is its resolution. A ball that keeps bouncing may have a much lower one.
+
+    Raises:
+        LawViolation: it exceeds what the load can hold.
+    """
+    rows, (structures, bounds) = damper.parameters, _bounds(damper, damper.parameters)
+    if damper.modes is not None or damper.formulation == "printed" or kinds(damper, rows)[0] == COUPLED:
+        return
+    pull, curve = (np.diag(each[0]) for each in load_of(rows, structures))
+    omega = np.sqrt(structures.spring[0] / damper.stuck_mass)
+    slope = abs(curve - damper.ball_mass * pull**2 / structures.spring[0]) * bounds.gap[0]
+    with np.errstate(divide="ignore"):
+        amplitude = np.where(bounds.gap[0] > 0, (damper.rolling_threshold + slope) / abs(omega**2 - pull), np.inf)
+    most = math.hypot(*(omega * amplitude)) * float(_decay(damper.damping_ratio)) * (1 + BOOKS)
+    require("a ball rests below the cut-off", "velocity maximum after its last motion [m/s]", velocity, most)
+
+
+def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) -> None:
+    """Check sweeps through the amplitudes of a structure without damping of its own.
+
+    Args:
+        damper: what was swept.
+        energies: see `damper.sweeping.Descent`; the last is `NOT_REACHED` for a cycle that was not reached.
+        excursion: see `Extremes`.
+
+    Raises:
+        LawViolation: an energy is impossible, or a ball left its cavity.
+    """
+    reached = energies[..., 3] != NOT_REACHED
+    swing, left, before, lost = (np.where(reached, each, 0.0) for each in np.moveaxis(energies, 2, 0))
+    present = swing + abs(before)
+
+    def where(index: tuple[int, ...]) -> str:
+        amplitude = math.sqrt(
+            2 * max(float(swing[index[0], index[-1] if len(index) > 1 else 0]), 0.0) / damper.stiffness[0]
+        )
+        return f"a sweep {'at' if len(index) > 1 else 'from'} an amplitude of {amplitude:.3g} m"
+
+    require(_FINITE, "energy [J]", present + abs(left) + abs(lost), sys.float_info.max, where)
+    bounds = _bounds(damper, damper.parameters)[1]
+    outside, amplitude = excursion - bounds.gap, np.sqrt(2 * bounds.flexibility * present.max(axis=1)[:, None])
+    require(_INSIDE, "excursion beyond the wall [m]", outside, EXACT * (bounds.gap + amplitude), where)
+    if damper.formulation == "printed":
+        return
+    taken, rounding = swing - left, ROUNDING * (present + bounds.depth)
+    require(_CLOSED, "unexplained energy [J]", abs(taken - lost), BOOKS * abs(lost) + rounding, where)
+    speed = np.where(reached, bounds.speed(before), 0.0).sum(axis=1)
+    most = bounds.work(speed, 2 * math.pi / damper.stuck_frequency) + 2 * bounds.bowl + rounding.sum(axis=1)
+    require(_WORK, "energy taken [J]", taken.sum(axis=1), most, where)
+
+
+def check_curve(damper: ParticleDamper, curve: Working) -> None:
+    """Check the damping ratio over amplitude.
+
+    Raises:
+        LawViolation: a ratio is not below 1, or below 0 although the ball cannot feed the vibration.
+    """
+    amplitude, ratio = curve.amplitude, curve.damping_ratio
+
+    def where(index: tuple[int, ...]) -> str:
+        return f"a sweep at an amplitude of {amplitude[index[0]]:.3g} m"
+
+    require("what vibrates is damped less than critically", "damping ratio", ratio, 1 - EXACT, where)
+    spins = damper.floor_friction is None and damper.centrifugal_acceleration > 0
+    if damper.formulation != "printed" and not (spins and kinds(damper, damper.parameters)[0] == COUPLED):
+        require(_LOSSES, "negative damping ratio", -ratio, TINY, where)
+    require("amplitudes ascend", "amplitude [m]", amplitude[:-1], amplitude[1:], where)
+
+
+def check_steady_states(m: Motions, figures: dict[str, Any]) -> None:
+    """Check motions under a harmonic force.
+
+    In a cycle of length T in which the probe u covers 2 a, a force F cos(nu t + phi) along it puts in at most 4 F a,
+    and F times the drift of u; dashpots take c times the integral of u'², at least (4 a)² c / T where the motion
+    repeats itself every cycle, and (2 a)² c / T in any case (Cauchy and Schwarz).
+
+    Args:
+        m: the motions, n of them.
+        figures: fields of `damper.Forced`, each of shape (n,).
+
+    Raises:
+        LawViolation: a figure is impossible.
+    """
+    run, trace = m.runs["run"], m.runs["envelope"]
+    system, gap, period, verdict = run["system"], run["axes"]["half_gap"], trace["period"], trace["verdict"]
+    ended, locked, repeats = verdict != TIRED, verdict == LOCKED, verdict == PERIODIC
+    least, mean, rms, most = (np.where(ended, figures[name], 0.0) for name in ("least", "mean", "rms", "greatest"))
+    put_in, lost, stored = (np.where(ended, figures[name], 0.0) for name in ("power_in", "power_lost", "stored"))
+
+    def where(index: tuple[int, ...]) -> str:
+        k = index[0]
+        return f"a {figures['regime'][k]} motion at {2 * math.pi / period[k]:.6g} rad/s, {k + 1} of {len(mean)}"
+
+    through = abs(put_in) + abs(lost) + abs(stored)
+    require(_FINITE, "power [W] and amplitude [m]", through + most, sys.float_info.max, where)
+    swing = run["ball"]["host_mass"] * rms**2 + run["ball"]["mass"] * (run["axes"]["excursion"] ** 2).sum(axis=1)
+    rounding = ROUNDING * swing * (2 * math.pi / period) ** 2 / period
+    unexplained = abs(put_in - lost - stored)
+    require(_CLOSED, "unexplained power [W]", unexplained, BOOKS * through + rounding, where)
+    require(_LOSSES, "power gained [W]", -lost, rounding, where)
+    outside = run["axes"]["excursion"] - gap
+    require(_INSIDE, "excursion beyond the wall [m]", outside, EXACT * (gap + most[:, None]), where)
+    for low, high in ((least, mean), (mean, rms), (rms, most)):
+        require("means lie between the extremes", "amplitude [m]", low, high * (1 + EXACT), where)
+    probe, force = trace["probe"], system["power"]
+    height = abs((force * probe).sum(axis=1) / (probe**2).sum(axis=1))
+    along = (abs(abs(force) - height[:, None] * abs(probe)) <= EXACT * height[:, None]).all(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cycles = np.where(repeats | locked, np.inf, m.runs["window"]["cycles"])
+        power = np.where(along, height * (4 * mean + 2 * most / cycles) / period, np.inf)
+        compliance = np.where(probe == 0, 0.0, probe**2 / system["dashpot"]).sum(axis=1)
+        ways = np.where(locked | (repeats & (figures["repeats"] == 1)), 4.0, 2.0)
+        amplitude = np.where(compliance < np.inf, np.sqrt(lost * compliance) * period / ways, np.inf)
+    power = np.where(np.isnan(power), np.inf, power)  # nothing is known of a motion that took all its events
+    require("a force works along its displacement", "power put in [W]", put_in, power * (1 + BOOKS), where)
+    floor = EXACT * (most + run["axes"]["excursion"].max(axis=1))
+    require("an amplitude costs its dashpots power", "rms amplitude [m]", rms, amplitude * (1 + BOOKS) + floor, where)
+
+
+@lru_cache(maxsize=64)
+def _own_bounds(damper: ParticleDamper) -> tuple[Structures, Bounds]:
+    structures = structures_by(damper, damper.parameters)
+    return structures, bounds_of(damper.parameters, structures)
+
+
+def _bounds(damper: ParticleDamper, rows: Parameters) -> tuple[Structures, Bounds]:
+    """Structures and bounds, one for each row, or one for all where they are equal."""
+    if rows is damper.parameters or (rows == damper.parameters).all():
+        return _own_bounds(damper)
+    structures = structures_by(damper, rows)
+    return structures, bounds_of(rows, structures)

@@ -1,0 +1,105 @@
+"""Laws that frequencies over speed obey before they are published, whatever computed them.
+
+With a linear prestress K(Omega) = K_0 + Omega² K_1. The sum of the lowest eigenvalues, however many, is then concave
+in Omega²: it is the least trace over all subspaces of that dimension (Ky Fan), and every trace is linear in Omega². So
+it lies above its chords and below its tangents, whose slopes are Rayleigh's quotients of K_1. Southwell's theorem is
+such a chord: the lowest eigenvalue is at least the sum of the lowest ones of K_0 and of Omega² K_1. With a large
+deflection the stiffness is not linear in Omega², and with Coriolis forces the eigenvalues are not those of K alone;
+what remains are the quotients of each mode, w² x'Mx = x'Kx + w x'(i Omega G)x.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.statics.linearised import linearise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.operators.assembly import Operators
+
+    Array = NDArray[np.float64]
+
+EXACT = 1e-6
+"""Relative error of an eigenvalue beyond its own bound, and of the quotients that it is compared with."""
+
+
+class LawViolation(Exception):
+    """A frequency that violates a law: a defect of the program or of what it rests on."""
+
+
+def check_diagram(operators: Operators, diagram: Any, damping_ratio: float) -> None:
+    """Check frequencies over speed.
+
+    Args:
+        operators: matrices of the plate.
+        diagram: a `fem.Campbell`.
+        damping_ratio: of its modes.
+
+    Raises:
+        LawViolation: one is impossible.
+    """
+    values = (2.0 * np.pi * diagram.frequencies_hz) ** 2
+    slack = (EXACT + 2.0 * diagram.bounds) * values
+    lowered = np.where(values < np.inf, -np.sign(diagram.frequencies_hz) * values, np.inf)
+    require("every frequency is positive and finite", lowered, -np.finfo(float).tiny, diagram.omega)
+    require("frequencies ascend", values[:, :-1] - values[:, 1:], slack[:, 1:], diagram.omega)
+    turning, bent = operators.gyroscopic is not None, operators.effects.large_deflection
+    if turning and damping_ratio > 0.0:
+        return
+    last = diagram.omega.size - 1
+    ends = [last] if bent else sorted({0, last})  # about a bent state a stiffness has to be assembled for it
+    rises = [_check_quotients(operators, diagram, k, values[k], slack[k]) for k in ends]
+    if turning or bent:
+        return
+    squares, sums, slack = diagram.omega**2, values.cumsum(axis=1), slack.cumsum(axis=1)
+    for k, rise in zip(ends, rises, strict=True):
+        tangent = sums[k] + (squares - squares[k])[:, None] * rise.cumsum()
+        require("eigenvalues lie below their tangents", sums - tangent, slack + slack[k], diagram.omega)
+    if squares.size > 2:
+        share = ((squares[1:-1] - squares[:-2]) / (squares[2:] - squares[:-2]))[:, None]
+        chord = (1.0 - share) * sums[:-2] + share * sums[2:]
+        allowed = slack[1:-1] + np.maximum(slack[:-2], slack[2:])
+        require("eigenvalues lie above their chords", chord - sums[1:-1], allowed, diagram.omega[1:-1])
+
+
+def _check_quotients(operators: Operators, diagram: Any, number: int, values: Array, slack: Array) -> Array:
+    """Compare eigenvalues (count,) with their shapes' quotients at a speed; returns those of K_1, (count,)."""
+    omega, shapes = float(diagram.omega[number]), diagram.shapes(number)[:, : values.size]
+    mass, rise = _quotients(operators.mass, shapes), _quotients(operators.spinning, shapes)
+    if operators.effects.large_deflection:
+        stiffness = _quotients(linearise(operators, omega, state=diagram.states[number])[0], shapes)
+    else:
+        stiffness = _quotients(operators.stiffness, shapes) + omega**2 * rise
+    if operators.gyroscopic is not None:
+        turned = np.einsum("nk,nk->k", shapes.conj(), operators.gyroscopic @ shapes)
+        stiffness = stiffness - omega * np.sqrt(values) * turned.imag
+    require("shapes have a modal mass of 1", abs(mass - 1.0), np.full(values.size, EXACT), diagram.omega[[number]])
+    require("eigenvalues are Rayleigh's quotients", abs(stiffness - values), slack, diagram.omega[[number]])
+    return rise
+
+
+def _quotients(matrix: Any, shapes: NDArray[Any]) -> Array:
+    """Quadratic forms x'Ax of the columns x, (count,)."""
+    return np.asarray(np.einsum("nk,nk->k", shapes.conj(), matrix @ shapes).real)
+
+
+def require(law: str, excess: Array, allowed: Array | float, omega: Array) -> None:
+    """Require excesses (k, count) in (rad/s)², at speeds (k,), to be numbers within what is allowed.
+
+    Raises:
+        LawViolation: one is not.
+    """
+    holds = np.atleast_2d(excess <= allowed)
+    if not holds.all():
+        row, mode = (int(k) for k in np.argwhere(~holds)[0])
+        found, most = (
+            float(np.broadcast_to(np.atleast_2d(each), holds.shape)[row, mode]) for each in (excess, allowed)
+        )
+        raise LawViolation(
+            f"{law}, but mode {mode + 1} at {omega[row] * 30 / np.pi:.6g} rpm misses that by {found:.6g},"
+            f" beyond the bound of {most:.6g}"
+        )

@@ -1,0 +1,327 @@
+"""Whether a program with a broken kernel publishes numbers: `python -m tests.benchmarks.broken_kernels [NAME …]`.
+
+Each break is made in a copy of this tree. Its commands are run with a self-check that is said to be passed (`laws
+alone`), and as they are (`all guards`). A command has published if it ends with status 0, or with 3, which is a
+statement on the physics. `--beside TREE` makes the same breaks in another tree, of an earlier commit, say. A break of a
+kernel takes some minutes, for all kernels have to be compiled anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+PARTS = ("damper", "fem", "workflows", "meshes", "spindamp.py")
+"""Of a tree, what a command needs."""
+
+HANGS = 1500.0
+"""Seconds after which a command counts as hanging, which publishes nothing."""
+
+
+def callers(folder: Path, name: str) -> set[str]:
+    """A module and all that import it, directly or not."""
+    sources = {path.stem: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
+    found = {name}
+    while more := {each for each, text in sources.items() for one in found if f"damper.{one} import" in text} - found:
+        found |= more
+    return found
+
+
+@dataclass(frozen=True)
+class Break:
+    """What is made wrong: in each file, every one of some texts by others."""
+
+    name: str
+    changes: tuple[tuple[str, str, str], ...]
+
+    def apply(self, tree: Path) -> None:
+        """Make it wrong in a tree, and drop what was compiled of it there and of all that calls it."""
+        for file, right, wrong in self.changes:
+            path = tree / file
+            text, written = path.read_text(encoding="utf-8"), path.stat()
+            if right not in text:
+                raise SystemExit(f"{self.name}: {file} no longer holds: {right}")
+            path.write_text(text.replace(right, wrong), encoding="utf-8")
+            os.utime(path, ns=(written.st_atime_ns, written.st_mtime_ns))  # or all of the cache would be dropped
+            for compiled in (tree / "damper" / "__pycache__").glob("*.pyc"):
+                compiled.unlink()
+            for module in callers(tree / "damper", path.stem):
+                for compiled in (tree / "damper" / "__pycache__").glob(f"{module}.*.nb?"):
+                    compiled.unlink()
+
+
+BREAKS = (
+    Break("nothing", ()),
+    Break(
+        "a weight of the quadrature is off by 1e-3",
+        (
+            (
+                "damper/travel.py",
+                "    return 0.5 * (1.0 + points), 0.5 * weights",
+                "    weights[3] *= 1.001\n    return 0.5 * (1.0 + points), 0.5 * weights",
+            ),
+        ),
+    ),
+    Break(
+        "the guard of a wall hit has the wrong sign",
+        (
+            ("damper/guards.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),
+            ("damper/rolling.py", "distance = axis.half_gap - here", "distance = axis.half_gap + here"),
+        ),
+    ),
+    Break(
+        "the guard of setting off has the wrong sign",
+        (("damper/guards.py", "_drive(i, it, -d)", "_drive(i, it, d)"),),
+    ),
+    Break(
+        "a reversal leaves a stale series",
+        (
+            (
+                "damper/engine_linear.py",
+                "    expand(g, it, flow)\n    seek(g, it)",
+                "    if it.motion.kind[g] != 3:\n        expand(g, it, flow)\n    seek(g, it)",
+            ),
+        ),
+    ),
+    Break(
+        "restitution has the wrong sign",
+        (
+            (
+                "damper/resolve.py",
+                "_exchange(axis, -ball.restitution * axis.w",
+                "_exchange(axis, ball.restitution * axis.w",
+            ),
+            ("damper/jumps.py", "_exchange(i, -ball.restitution * axis.w", "_exchange(i, ball.restitution * axis.w"),
+        ),
+    ),
+    Break(
+        "restitution is a tenth too small",
+        (
+            ("damper/resolve.py", "_exchange(axis, -ball.restitution", "_exchange(axis, -0.9 * ball.restitution"),
+            ("damper/jumps.py", "_exchange(i, -ball.restitution", "_exchange(i, -0.9 * ball.restitution"),
+        ),
+    ),
+    Break(
+        "the rolling ball has 1 % too much inertia",
+        (
+            (
+                "damper/parameters.py",
+                'np.where(rows["printed"], 5 / 2, 5 / 7)',
+                'np.where(rows["printed"], 5 / 2, 5 / 7.07)',
+            ),
+        ),
+    ),
+    Break(
+        "rolling friction has the wrong sign",
+        (
+            ("damper/flight.py", "-axis.direction * ball.relative_push", "axis.direction * ball.relative_push"),
+            ("damper/series.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),
+        ),
+    ),
+    Break(
+        "wall friction has the wrong sign",
+        (
+            ("damper/resolve.py", "axis.w - way * change", "axis.w + way * change"),
+            ("damper/jumps.py", "axis.w - way * change", "axis.w + way * change"),
+        ),
+    ),
+    Break(
+        "the rolling threshold is 1 % too high",
+        (
+            (
+                "damper/parameters.py",
+                'rows["rolling_friction"] / rows["ball_radius"]',
+                '1.01 * rows["rolling_friction"] / rows["ball_radius"]',
+            ),
+        ),
+    ),
+    Break(
+        "the floor does not tilt",
+        (("damper/structures.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),),
+    ),
+    Break(
+        "a step is taken 0.1 % too long",
+        (
+            (
+                "damper/travel.py",
+                "time, squares, first = x * system.span[g]",
+                "time, squares, first = 1.001 * x * system.span[g]",
+            ),
+        ),
+    ),
+    Break(
+        "rolling is booked twice",
+        (("damper/slip.py", "books.rolling += ball.mass", "books.rolling += 2.0 * ball.mass"),),
+    ),
+    Break(
+        "a hit of the second axis is not carried out",
+        (
+            (
+                "damper/engine.py",
+                "impulse = hit(axis, ball, it.books)",
+                "impulse = hit(axis, ball, it.books) if i == 0 else 0.0",
+            ),
+        ),
+    ),
+    Break(
+        "eigenvalues are 1 % too large",
+        (
+            (
+                "fem/modes/real.py",
+                "    order = np.argsort(values)\n",
+                "    values = 1.01 * values\n    order = np.argsort(values)\n",
+            ),
+            (
+                "fem/sweep/galerkin.py",
+                "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5\n",
+                "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5 * 1.005\n",
+            ),
+        ),
+    ),
+    Break(
+        "geometric stiffness is 1 % too large",
+        (
+            (
+                "fem/operators/assembly.py",
+                "geometric = forms.geometric_stiffness",
+                "geometric = 1.01 * forms.geometric_stiffness",
+            ),
+        ),
+    ),
+)
+
+STRUCTURE = """
+title = "broken"
+[structure]
+frequency = "200 Hz"
+mass = "0.3 kg"
+floor_tilt = 2.0
+[rotor]
+speeds = ["3000 rpm", "5000 rpm"]
+radius = "20 cm"
+[damper]
+mass_ratio = 0.01
+count = 12
+radius = "2 mm"
+cavity = ["5 mm", "5 mm"]
+restitution = 0.5
+friction = 0.3
+rolling_friction = "0.05 mm"
+damping_ratio = 0.05
+[release]
+ratio = 0.5
+[excitation]
+orders = [3]
+force = ["20 N"]
+"""
+
+DESIGN = (
+    STRUCTURE.replace('[excitation]\norders = [3]\nforce = ["20 N"]\n', "")
+    + """
+[design]
+clearance = ["0.5 mm", "1 mm", "2 mm"]
+mass = "20 g"
+amplitude = ["1 mm", "3 mm"]
+"""
+)
+
+ON_STRUCTURES = {
+    "run": ("run", "scene.toml", "--out", "out-run"),
+    "ringdown": ("ringdown", "scene.toml", "--json"),
+    "response": ("response", "scene.toml", "--out", "out-response"),
+    "design": ("design", "design.toml", "--workers", "1", "--out", "out-design"),
+    "sweep": ("sweep", "scene.toml", "--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1"),
+}
+ON_PLATES = {
+    "run": ("run", "paper", "--out", "out-run"),
+    "campbell": ("campbell", "paper", "--json"),
+    "sweep": ("sweep", "paper", "--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1"),
+}
+
+STAMPS = """
+from damper import self_check
+from damper.stamps import leave
+from workflows.solve.self_check import stamp_of_plates
+for path in (*map(self_check.stamp_of, self_check.FAMILIES), stamp_of_plates()):
+    leave(path)
+"""
+"""Leaves the stamps of a self-check that was passed, so that no process makes it."""
+
+
+def run(tree: Path, command: tuple[str, ...]) -> tuple[str, str]:
+    """What became of a command in a tree, and the last that it said."""
+    done = python(tree, "-m", "workflows.cli", *command)
+    if done is None:
+        return "hangs", ""
+    said = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else ""
+    return ("PUBLISHED" if done.returncode in (0, 3) else f"status {done.returncode}"), said
+
+
+def python(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str] | None:
+    """Run Python in a tree; None where it hangs."""
+    environment = os.environ | {"PYTHONPATH": str(tree), "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, *arguments]
+    try:
+        return subprocess.run(
+            command, cwd=tree, env=environment, capture_output=True, text=True, check=False, timeout=HANGS
+        )
+    except subprocess.TimeoutExpired:
+        return None
+
+
+def copied(source: Path, tree: Path, each: Break) -> Path:
+    """A copy of a tree, with what is compiled in it, that is broken."""
+    for part in PARTS:
+        if (source / part).is_dir():
+            shutil.copytree(source / part, tree / part, ignore=shutil.ignore_patterns("*.checked"))
+        else:
+            shutil.copy2(source / part, tree / part)
+    each.apply(tree)
+    (tree / "scene.toml").write_text(STRUCTURE, encoding="utf-8")
+    (tree / "design.toml").write_text(DESIGN, encoding="utf-8")
+    return tree
+
+
+def results(each: Break, source: Path, *, guarded: bool) -> Iterator[tuple[str, str, str, str]]:
+    """Break, guards, command and what became of it, in a copy of a tree."""
+    with tempfile.TemporaryDirectory() as folder:
+        tree = copied(source, Path(folder), each)
+        for guards in ("laws alone", "all guards") if guarded else ("before",):
+            if guards == "laws alone":
+                python(tree, "-c", STAMPS)
+            if guards == "all guards":
+                for stamp in tree.rglob("*.checked"):
+                    stamp.unlink()
+            commands = ON_PLATES if each.changes and each.changes[0][0].startswith("fem") else ON_STRUCTURES
+            for name, command in commands.items():
+                yield each.name, guards, name, " ".join(run(tree, command))
+                for out in tree.glob("out-*"):
+                    shutil.rmtree(out)
+
+
+def main() -> None:
+    """Print a line for each break, guards and command."""
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.broken_kernels")
+    parser.add_argument("names", nargs="*", help="breaks whose names begin so; default: all")
+    parser.add_argument("--beside", type=Path, help="another tree")
+    given = parser.parse_args()
+    for each in BREAKS:
+        if given.names and not any(each.name.startswith(name) for name in given.names):
+            continue
+        trees = [(ROOT, True)] if given.beside is None else [(given.beside, False), (ROOT, True)]
+        for source, guarded in trees:
+            for row in results(each, source, guarded=guarded):
+                print(" | ".join(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

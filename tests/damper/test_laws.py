@@ -1,0 +1,326 @@
+"""Every law lets sound figures pass, and none that violates it."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from damper import (
+    Formulation,
+    Harmonic,
+    LawViolation,
+    Mode,
+    ParticleDamper,
+    RingDown,
+    Start,
+    capacity,
+    forced,
+    laws,
+    ringdown,
+    ringdowns,
+    work_bound,
+    working,
+)
+from damper.bounds import bounds_of
+from damper.motion import LEVEL
+from damper.records import HIT, RUB, STUCK
+from damper.structures import structures_by
+from damper.tallies import TIRED
+from tests.compiler import needs_compiler
+from tests.damper.test_linear import scene
+from tests.damper.test_reference import paper_like
+
+DAMPER = paper_like(Formulation.CONSISTENT)
+RELEASE = (20e-3, 5e-3)
+MOTION = ringdown(DAMPER, RELEASE, 20, keep_events=True)
+EXTREMES = laws.Extremes(
+    np.array([LEVEL]), np.array([DAMPER.half_gap]), np.array([MOTION.peak_velocities.max()]), 0.0, False
+)
+Figures = tuple[ParticleDamper, RingDown, laws.Extremes]
+
+
+def energy(**changes: float) -> Callable[[Figures], Figures]:
+    """Shares of the initial energy, added to the books."""
+
+    def change(figures: Figures) -> Figures:
+        damper, run, extremes = figures
+        books = run.energy
+        moved = {name: getattr(books, name) + share * books.initial for name, share in changes.items()}
+        return damper, replace(run, energy=replace(books, **moved)), extremes
+
+    return change
+
+
+def reached(name: str, factor: float) -> Callable[[Figures], Figures]:
+    return lambda f: (f[0], f[1], f[2]._replace(**{name: factor * getattr(f[2], name)}))
+
+
+def narrow(figures: Figures) -> Figures:
+    """The same losses in a cavity a hundredth as long and wide."""
+    damper, run, extremes = figures
+    damper = replace(damper, cavity=tuple(2 * damper.ball_radius + 0.02 * gap for gap in damper.half_gap))
+    return damper, replace(run, damper=damper), extremes._replace(excursion=0 * extremes.excursion)
+
+
+VIOLATIONS = {
+    "every figure is finite": energy(impact=math.nan),
+    "energy gained from impact": energy(impact=-0.01, final=0.01),
+    "energy gained from rolling": energy(rolling=-0.01, final=0.01),
+    "energy books close": energy(final=1e-7),
+    "excursion beyond the wall": reached("excursion", 1 + 1e-4),
+    "every hit is an event": lambda f: (f[0], replace(f[1], impacts=f[1].events + 1), f[2]),
+    "no velocity exceeds": reached("velocity", 1.01),
+    "at most the work of its drive": narrow,
+}
+
+
+@pytest.mark.parametrize("said", VIOLATIONS)
+def test_impossible_ring_downs(said: str) -> None:
+    sound: Figures = DAMPER, MOTION, EXTREMES
+    for figures in (sound, VIOLATIONS[said](sound)):
+        damper, run, extremes = figures
+        if figures is sound:
+            laws.check_ringdowns(damper, damper.parameters, run, extremes)
+        else:
+            with pytest.raises(LawViolation, match=said):
+                laws.check_ringdowns(damper, damper.parameters, run, extremes)
+
+
+def test_the_printed_equations_have_no_books() -> None:
+    damper = replace(DAMPER, formulation=Formulation.PRINTED)
+    run = ringdown(damper, RELEASE, 20)
+    assert abs(run.energy.residual) > 0.01 * run.energy.initial
+    with pytest.raises(LawViolation, match="stays in its cavity"):
+        laws.check_ringdowns(damper, damper.parameters, run, reached("excursion", 1.01)((damper, run, EXTREMES))[2])
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"duration": MOTION.duration * 1.01}, "ends in time"),
+        ({"duration": MOTION.duration * 0.99}, "completes its cycles"),
+        ({"peak_times": MOTION.peak_times[::-1]}, "time runs forwards"),
+        ({"peak_times": MOTION.peak_times + MOTION.duration}, "time of the last record"),
+        ({"rows": MOTION.rows[::-1]}, "time runs forwards"),
+    ],
+)
+def test_impossible_times(changes: dict[str, Any], said: str) -> None:
+    laws.check_times(MOTION, MOTION.duration)
+    with pytest.raises(LawViolation, match=said):
+        laws.check_times(replace(MOTION, **changes), MOTION.duration)
+
+
+def test_impossible_hits() -> None:
+    assert MOTION.rows is not None
+    laws.check_hits(MOTION, MOTION.rows)
+    hits = (MOTION.rows["kind"] == HIT) & (MOTION.rows["w"] != 0)
+    for name, value, said in (
+        ("w_before", 1.001 * MOTION.rows["w_before"][hits], "leaves e times the speed"),
+        ("regime", STUCK, "stuck ball has no speed"),
+    ):
+        wrong = MOTION.rows.copy()
+        wrong[name][hits] = value
+        with pytest.raises(LawViolation, match=said):
+            laws.check_hits(MOTION, wrong)
+    rubs = MOTION.rows[hits][:1].copy()
+    rubs["kind"], rubs["w"] = RUB, 1.001 * rubs["w_before"]
+    with pytest.raises(LawViolation, match="wall friction slows the ball"):
+        laws.check_hits(MOTION, rubs)
+
+
+@needs_compiler
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (6.0, 0.0)])
+def test_a_ball_said_to_rest_that_is_driven_off(tilt: tuple[float, float], monkeypatch: pytest.MonkeyPatch) -> None:
+    damper, seen = replace(DAMPER, floor_tilt=tilt, damping_ratio=0.01), []
+    monkeypatch.setattr(laws, "check_rest", lambda runs: seen.append(runs.copy()))
+    assert ringdown(damper, RELEASE).rested
+    monkeypatch.undo()
+    (runs,) = seen
+    laws.check_rest(runs)
+    for name in ("z", "rate") if tilt[0] else ():
+        runs["motion"][name] *= 2
+    for name in () if tilt[0] else ("u", "v"):
+        runs["axes"][name] *= 2
+    with pytest.raises(LawViolation, match="holds a ball at rest"):
+        laws.check_rest(runs)
+
+
+@needs_compiler
+def test_cut_off_of_a_ring_down_and_of_the_sweeps() -> None:
+    """The velocity maximum after the last motion is just below what the sweeps' cut-off gives, not above."""
+    damper = replace(DAMPER, damping_ratio=1e-3)
+    run, amplitude = ringdown(damper, (16e-3, 0.0)), working(damper, sweeps=2, stay=4).cutoff
+    found = capacity(run)
+    assert found.cutoff == pytest.approx(amplitude * damper.stuck_frequency**2, rel=0.02)
+    laws.check_cutoff(damper, 0.999 * amplitude * damper.stuck_frequency)
+    with pytest.raises(LawViolation, match="rests below the cut-off"):
+        laws.check_cutoff(damper, math.sqrt(2) * 1.01 * amplitude * damper.stuck_frequency)  # both axes may move
+    early = replace(run, last_motion=0.5 * run.peak_times[1])
+    with pytest.raises(LawViolation, match="rests below the cut-off"):
+        capacity(early)
+
+
+def test_the_bound_on_the_work_is_that_of_a_cycle() -> None:
+    """At the speed of a sinusoid it is pi / 2 times the work bound to leading order, and the tilt takes its share."""
+    for damper in (replace(DAMPER, ball_mass=1e-6), replace(DAMPER, ball_mass=1e-6, floor_tilt=(6.0, 0.0))):
+        bounds = bounds_of(damper.parameters, structures_by(damper, damper.parameters))
+        energies, amplitude = np.array([0.5 * damper.stiffness[0] * 1e-4**2]), 1e-4
+        period, speed = 2 * math.pi / damper.stuck_frequency, bounds.speed(energies)
+        ends = bounds.work(speed, 0.0)
+        along_y = replace(damper, cavity=(2 * damper.ball_radius, damper.cavity[1]))
+        other = bounds_of(along_y.parameters, structures_by(along_y, along_y.parameters))
+        cycle = bounds.work(speed, period) - ends - (other.work(speed, period) - other.work(speed, 0.0))
+        expected = 0.5 * math.pi * work_bound(damper, (amplitude, 0.0)) * energies
+        np.testing.assert_allclose(cycle, expected, rtol=1e-4)
+
+
+SWEPT = replace(DAMPER, damping_ratio=0.0)
+
+
+@pytest.fixture(scope="module")
+def energies() -> np.ndarray:
+    seen, module = [], importlib.import_module("damper.working")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(module.laws, "check_sweeps", lambda damper, energies, excursion: seen.append(energies.copy()))
+        working(SWEPT, sweeps=2, stay=4)
+    return seen[-1]
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda e: e.__setitem__((0, 3, 0), math.nan), "every figure is finite"),
+        (lambda e: e.__setitem__((0, 3, 3), math.nan), "every figure is finite"),
+        (lambda e: e.__setitem__((0, 3, 3), 1.001 * e[0, 3, 3]), "energy books close"),
+    ],
+)
+def test_impossible_sweeps(energies: np.ndarray, change: Callable[[np.ndarray], object], said: str) -> None:
+    inside = np.array([DAMPER.half_gap] * 2)
+    laws.check_sweeps(SWEPT, energies, inside)
+    wrong = energies.copy()
+    change(wrong)
+    with pytest.raises(LawViolation, match=said):
+        laws.check_sweeps(SWEPT, wrong, inside)
+
+
+@needs_compiler
+def test_a_sweep_that_takes_too_much(energies: np.ndarray) -> None:
+    """Twenty times what the ball takes, in books that close; and a ball beyond its wall."""
+    inside, wrong = np.array([DAMPER.half_gap] * 2), energies.copy()
+    wrong[..., 1] -= 19 * (wrong[..., 0] - wrong[..., 1])
+    wrong[..., 3] *= np.where(wrong[..., 3] > 0, 20, 1)
+    with pytest.raises(LawViolation, match=r"energy taken \[J\].* in a sweep"):
+        laws.check_sweeps(SWEPT, wrong, inside)
+    with pytest.raises(LawViolation, match="excursion beyond the wall"):
+        laws.check_sweeps(SWEPT, energies, 1.0001 * inside)
+
+
+@needs_compiler
+def test_impossible_damping_ratios() -> None:
+    curve = working(DAMPER, sweeps=2, stay=30)
+    laws.check_curve(DAMPER, curve)
+    for ratio, said in ((curve.damping_ratio + 1.0, "less than critically"), (-curve.damping_ratio, "every loss")):
+        with pytest.raises(LawViolation, match=f"{said}.* at an amplitude of "):
+            laws.check_curve(DAMPER, replace(curve, damping_ratio=ratio))
+    with pytest.raises(LawViolation, match="amplitudes ascend"):
+        laws.check_curve(DAMPER, replace(curve, amplitude=curve.amplitude[::-1]))
+    laws.check_curve(
+        replace(DAMPER, formulation=Formulation.PRINTED), replace(curve, damping_ratio=-curve.damping_ratio)
+    )
+
+
+DRIVEN = replace(DAMPER, damping_ratio=0.02)
+PUSH = Harmonic(DRIVEN.stuck_frequency, (3e3, 0.0))
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("name", "factor", "said"),
+    [
+        ("power_lost", 1.00001, "energy books close"),
+        ("power_lost", math.nan, "every figure is finite"),
+        ("mean", 1.1, "means lie between"),
+        ("least", 1.1, "means lie between"),
+        (("least", "mean", "rms", "greatest"), 0.7, "works along its displacement"),
+        (("least", "mean", "rms", "greatest"), 1.2, "costs its dashpots power"),
+        (("power_in", "power_lost", "stored"), 1.5, "works along its displacement"),
+        (("power_in", "power_lost", "stored"), -1.0, "every loss removes energy"),
+    ],
+)
+def test_impossible_steady_states(
+    name: str | tuple[str, ...], factor: float, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = importlib.import_module("damper.forced")
+    names, summary = (name,) if isinstance(name, str) else name, module.summary
+
+    def wrong(*given: Any) -> dict[str, Any]:
+        figures = summary(*given)
+        return figures | {each: factor * figures[each] for each in names}
+
+    assert forced(DRIVEN, [PUSH]).mean.all()
+    monkeypatch.setattr(module, "summary", wrong)
+    with pytest.raises(LawViolation, match=f"{said}.* motion at "):
+        forced(DRIVEN, [PUSH])
+
+
+@needs_compiler
+def test_a_motion_that_was_given_up_has_no_books(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("damper.forced")
+    summary = module.summary
+
+    def tired(m: Any, divergence: Any) -> dict[str, Any]:
+        m.runs["envelope"]["verdict"] = TIRED
+        return summary(m, divergence)
+
+    monkeypatch.setattr(module, "summary", tired)
+    assert np.isnan(forced(DRIVEN, [PUSH]).power_in).all()
+
+
+@needs_compiler
+def test_wrong_energies_leave_no_public_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("damper.course")
+    right = module.energy
+    monkeypatch.setattr(module, "energy", lambda rows, state: right(rows, state) * (1 + 1e-6))
+    with pytest.raises(LawViolation, match=r"energy books close.* in a ring-down$"):
+        ringdown(DAMPER, RELEASE, 20)
+    module = importlib.import_module("damper.batch")
+    monkeypatch.setattr(module, "energy", lambda rows, state: right(rows, state) * (1 + 1e-6 * np.arange(len(rows))))
+    with pytest.raises(LawViolation, match="in ring-down 2 of 3"):
+        ringdowns(DAMPER, [RELEASE] * 3, 20)
+
+
+@needs_compiler
+@pytest.mark.parametrize("seed", range(8))
+def test_random_dampers_obey(seed: int) -> None:
+    """Sweeps and steady states of dampers of every kind; ring-downs of as many are in the tests of either engine."""
+    damper, _, harmonic = scene(seed)
+    working(damper, sweeps=2, stay=6)
+    push = harmonic or Harmonic(damper.stuck_frequency, (0.05, 0.0))
+    forced(replace(damper, damping_ratio=max(damper.damping_ratio, 0.02)), [push], [Start.DOWN], max_cycles=256)
+
+
+def test_spin_that_follows_a_hit_along_the_other_axis_is_no_violation() -> None:
+    """Where a mode moves the cavity along both axes and nothing slips, hits feed the spin: a loss below zero."""
+    skew = (Mode(1.0, 1.0, (1.0, 0.8)), Mode(1.0, 3.0, (0.3, 1.0)))
+    damper = ParticleDamper(1.0, (1.0, 1.0), 0.3, 1.0, (2.4, 2.4), 1.0, 1.0, modes=skew)
+    books = ringdown(damper, (0.0, 0.0), 3, amplitudes=(1.0, 0.4)).energy
+    assert books.impact < 0
+    assert abs(books.residual) < 1e-12 * books.initial
+
+
+def test_a_violation_says_all_and_travels() -> None:
+    error = LawViolation("the books close", "energy [J]", 2.0, 1e-3, "a sweep")
+    error.add_note("at 3000 rpm")
+    there = pickle.loads(pickle.dumps(error))
+    assert str(there) == "the books close, but energy [J] is 2, beyond the bound of 0.001 in a sweep"
+    assert there.__notes__ == ["at 3000 rpm"]
+    with pytest.raises(LawViolation, match="nan"):
+        laws.require("a law", "figure", math.nan, 1.0)

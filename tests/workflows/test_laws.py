@@ -1,0 +1,180 @@
+"""A figure that violates a law ends a command with status 1 and one line, and leaves nothing; in Python it raises."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import damper
+import fem
+import spindamp as face
+from tests.benchmarks import broken_kernels
+from tests.compiler import needs_compiler
+from tests.workflows.conftest import KNOWN, Outcome, changed, write
+from workflows.cli.entry import main
+from workflows.errors import ImpossibleResult, SpindampError, during, lawful
+from workflows.solve import self_check
+from workflows.studies.sweep import crew
+
+SCENE = changed(KNOWN, rotor__speeds=["9000 rpm"], title="wrong")
+SHAKEN = changed(
+    SCENE,
+    rotor__speeds=["5000 rpm", "9000 rpm"],
+    damper__damping_ratio=0.02,
+    excitation={"orders": [2], "force": ["20 N"]},
+)
+
+
+@pytest.fixture
+def wrong_energies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ring-downs and sweeps whose energies are off by a millionth; powers, too."""
+    for name in ("course", "batch"):
+        module = importlib.import_module(f"damper.{name}")
+        right = module.energy
+        monkeypatch.setattr(module, "energy", lambda *given, right=right: right(*given) * (1 + 1e-6))
+    module = importlib.import_module("damper.forced")
+    summary = module.summary
+
+    def lossless(*given: Any) -> dict[str, Any]:
+        figures = summary(*given)
+        return figures | {"power_lost": 0.0 * figures["power_lost"]}
+
+    monkeypatch.setattr(module, "summary", lossless)
+
+
+ENDS = r"; nothing was published, please report it with the scene \(python .*spindamp .*numpy .*scipy .*numba .*\)\n$"
+
+
+@pytest.mark.usefixtures("wrong_energies", "undrawn")
+@pytest.mark.parametrize(
+    ("command", "place"),
+    [
+        (("run", "--out", "out"), "a ring-down, at 9000 rpm"),
+        (("ringdown", "--json"), "a ring-down, at 9000 rpm"),
+        (("response", "--out", "out"), r"a \S+ motion at \S+ rad/s, \d+ of \d+, order 2 at \d+ rpm"),
+    ],
+)
+def test_one_line_and_nothing_written(
+    spindamp: Callable[..., Outcome], tmp_path: Path, command: tuple[str, ...], place: str
+) -> None:
+    scene = write(SHAKEN if command[0] == "response" else SCENE, tmp_path / "scene.toml")
+    outcome = spindamp(command[0], scene, *command[1:])
+    assert (outcome.status, outcome.out) == (1, "")
+    said = "spindamp: a defect of ours: the energy books close, but unexplained .* is .*, beyond the bound of "
+    assert re.match(f"{said}.* in {place}{ENDS}", outcome.err), outcome.err
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+@needs_compiler
+@pytest.mark.usefixtures("wrong_energies")
+def test_no_row_of_a_sweep_hides_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither a nan nor a reason in the data set: the study ends."""
+    monkeypatch.setattr("workflows.studies.sweep.kernels.ready", lambda: None)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="in ring-down 1 of 2, at points 0 to 1"):
+        face.sweep(SCENE, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool, out=tmp_path / "out")
+    assert not (tmp_path / "out" / "sweep.zarr").exists()
+
+
+def test_plates_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a plate without an answer is a row that says why, an impossible one is none."""
+    plate = {"length": "20 cm", "width": "8 cm", "thickness": "1 cm"}
+    scene = changed(SCENE, structure=None, plate=plate, material={"name": "steel"}, rotor__radius=None)
+
+    def impossible(*_: object) -> None:
+        raise fem.LawViolation("frequencies ascend, but they do not")
+
+    monkeypatch.setattr("fem.sweep.diagram.check_diagram", impossible)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="frequencies ascend"):
+        face.sweep(scene, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool)
+
+
+@pytest.mark.usefixtures("wrong_energies")
+def test_python_raises() -> None:
+    for call in (face.run, face.ringdown):
+        with pytest.raises(ImpossibleResult, match=rf"energy books .*spindamp {version('spindamp')}") as caught:
+            call(SCENE)
+        assert isinstance(caught.value.__cause__, damper.LawViolation)
+        assert isinstance(caught.value, SpindampError)
+
+
+def test_what_is_no_violation_stays_what_it_is() -> None:
+    with pytest.raises(ZeroDivisionError) as caught, lawful(), during("at 3 rpm"):
+        raise ZeroDivisionError
+    assert caught.value.__notes__ == ["at 3 rpm"]
+
+
+def test_workers_hand_violations_on(tmp_path: Path) -> None:
+    """From another process, with the place where it came up."""
+    with crew.local(1) as workers, pytest.raises(damper.LawViolation, match="a law, but") as caught:
+        list(crew.results(workers, violate, [7]))
+    assert caught.value.__notes__ == ["at point 7"]
+
+
+def violate(number: int) -> None:
+    with during(f"at point {number}"):
+        raise damper.LawViolation("a law", "figure", 2.0, 1.0)
+
+
+@needs_compiler
+def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = spindamp("--self-check")
+    first, *lines, last = outcome.out.splitlines()
+    assert (outcome.status, outcome.err, last) == (0, "", "all checks passed")
+    assert f"numpy {version('numpy')}" in first
+    assert len(lines) > 30
+    assert all(line.startswith("ok ") for line in lines)
+    monkeypatch.setitem(importlib.import_module("damper.self_check").LEVEL["level floor"].figures, "hits", 163)
+    monkeypatch.setattr("fem.sweep.laws.EXACT", -1.0)
+    outcome = spindamp("--self-check")
+    assert outcome.status == 1
+    assert "WRONG  level floor: hits 164, reference 163, error 6.1e-03" in outcome.out
+    assert re.search("WRONG  plates: .*, but mode 1 at 0 rpm misses that", outcome.out)
+    assert outcome.out.splitlines()[-1] == "do not trust results of this installation"
+
+
+@pytest.fixture
+def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    monkeypatch.setattr(self_check, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
+    self_check.plates.cache_clear()
+    yield tmp_path / "plates.0.checked"
+    self_check.plates.cache_clear()
+
+
+def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[int] = []
+    monkeypatch.setattr("fem.sweep.reference.check", lambda: ran.append(1))
+    for _ in range(2):
+        self_check.plates()
+    assert (ran, new_machine.exists()) == ([1], True)
+    self_check.plates.cache_clear()
+    self_check.plates()
+    assert ran == [1]
+
+
+def test_no_plate_is_published_by_programs_that_fail(
+    new_machine: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def wrong() -> None:
+        raise fem.LawViolation("'beam' has the frequency 3.5, but 3.6 came out")
+
+    monkeypatch.setattr("fem.sweep.reference.check", wrong)
+    assert main(["campbell", "campbell", "--json"]) == 1
+    assert capsys.readouterr().err.startswith("spindamp: a defect of ours: 'beam' has the frequency 3.5, but")
+    assert not new_machine.exists()
+
+
+@needs_compiler
+def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
+    """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
+    (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
+    tree = broken_kernels.copied(broken_kernels.ROOT, tmp_path, each)
+    ended, said = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
+    assert ended == "status 1", said
+    assert "in the self-check of the compiled kernels" in said
