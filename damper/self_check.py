@@ -136,7 +136,9 @@ FAMILIES: dict[str, dict[str, Any]] = {
 }
 """Families of kernels, and what they must reproduce."""
 
-_checked: set[str] = set()
+checked: set[str] = set()
+"""Families that this process need not check any more."""
+
 _running: set[str] = set()
 _lock = RLock()
 
@@ -165,18 +167,18 @@ def once(family: str, run: Callable[..., Any]) -> None:
     Raises:
         LawViolation: a figure differs from its reference.
     """
-    if family in _checked:
+    if family in checked:
         return
     from damper import compiled
 
     with _lock:
-        if not compiled.COMPILES or family in _checked or family in _running:  # its motions come by here themselves
+        if not compiled.COMPILES or family in checked or family in _running:  # its motions come by here themselves
             return
         path = stamp_of(family)
         if not path.exists():
             _check(family, run)
             leave(path)
-        _checked.add(family)
+        checked.add(family)
 
 
 def stamp_of(family: str) -> Path:
@@ -191,7 +193,7 @@ def lines(family: str, run: Callable[..., Any]) -> Iterator[Line]:
     for name, motion in FAMILIES[family].items():
         _running.add(family)
         try:
-            computed = _figures(motion, run)
+            computed = figures_of(motion, run)
         finally:
             _running.discard(family)
         yield from (Line(name, figure, computed[figure], reference) for figure, reference in motion.figures.items())
@@ -207,7 +209,8 @@ def _check(family: str, run: Callable[..., Any]) -> None:
         raise
 
 
-def _figures(motion: Motion | Sweep | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
+def figures_of(motion: Motion | Sweep | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
+    """Figures of a reference motion as computed here; see `once`."""
     if isinstance(motion, Motion):
         found = run(
             motion.damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes

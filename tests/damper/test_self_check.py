@@ -44,13 +44,13 @@ def test_the_digits_are_those_of_other_integrators(name: str) -> None:
 def nothing_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """As on a new machine; the names of the motions that were run."""
     ran: list[str] = []
-    right = self_check._figures
+    right = self_check.figures_of
     names = {id(motion): name for motions in self_check.FAMILIES.values() for name, motion in motions.items()}
     monkeypatch.setattr(compiled, "FOLDER", tmp_path)
     monkeypatch.setattr(compiled, "COMPILES", True)
-    monkeypatch.setattr(self_check, "_checked", set())
+    monkeypatch.setattr(self_check, "checked", set())
     monkeypatch.setattr(
-        self_check, "_figures", lambda motion, run: (ran.append(names[id(motion)]), right(motion, run))[1]
+        self_check, "figures_of", lambda motion, run: (ran.append(names[id(motion)]), right(motion, run))[1]
     )
     return ran
 
@@ -65,10 +65,10 @@ def test_it_runs_once_for_a_machine(
         ringdown(motion.damper, motion.release, 1)
     assert nothing_checked == list(self_check.LEVEL)
     assert [path.name.split(".")[0] for path in tmp_path.iterdir()] == ["kernels-level"]
-    monkeypatch.setattr(self_check, "_checked", set())
+    monkeypatch.setattr(self_check, "checked", set())
     ringdown(motion.damper, motion.release, 1)
     assert nothing_checked == list(self_check.LEVEL)
-    monkeypatch.setattr(self_check, "_checked", set())
+    monkeypatch.setattr(self_check, "checked", set())
     monkeypatch.setattr(compiled, "versions", lambda: ("a new one",))
     ringdown(motion.damper, motion.release, 1)
     assert nothing_checked == 2 * list(self_check.LEVEL)
