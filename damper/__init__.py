@@ -12,17 +12,15 @@ The heavy parts (compiled kernels) load at the first ring-down.
 from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
-from damper.curve import Working
-from damper.forced import forced
+from damper.damping_curve import Working
+from damper.fixed_step import SteppedRingDown, stepped_ringdown
+from damper.history import History, sample
 from damper.laws import LawViolation
-from damper.model import Formulation, ParticleDamper
-from damper.modes import Harmonic, Mode
-from damper.outcome import EnergyBooks, Outcome, RingDown
-from damper.regime import Forced, Regime
+from damper.model import Formulation, Harmonic, Mode, ParticleDamper
+from damper.motion import EnergyBooks, Outcome, RingDown
 from damper.ringdown import ringdown
-from damper.sample import History, sample
 from damper.starts import Start
-from damper.stepping import SteppedRingDown, stepped_ringdown
+from damper.steady_state import Forced, Regime, forced
 from damper.working import working
 
 __all__ = [

@@ -15,15 +15,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve import Working
-from damper.parameters import number
+from damper.damping_curve import Working
+from damper.model import number
 from damper.ringdown import ringdown
 from damper.working import undamped, working
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats
-    from damper.model import ParticleDamper
-    from damper.outcome import RingDown
+    from damper.model import Floats, ParticleDamper
+    from damper.motion import RingDown
 
 _SETTLING, _CYCLES = 12, 24
 """Cycles before and in which the period of free vibration is measured."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -11,23 +12,61 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.arrays import Floats, Integers
-from damper.blocks import BLOCK, in_blocks
-from damper.flows import at_once
-from damper.motion import COUPLED, LEVEL, flights, kinds
-from damper.outcome import outcome_of
-from damper.parameters import energy, ensemble, stuck_frequency, table, whole
-from damper.prepare import Prepared, prepare
+from damper.model import Floats, Integers, energy, ensemble, stuck_frequency, table, whole
+from damper.motion import CLOSED_FORM, COUPLED, Prepared, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
+from damper.setup import at_once
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from damper.model import ParticleDamper
-    from damper.modes import Harmonic
-    from damper.parameters import Parameters
+    from damper.model import Harmonic, Parameters, ParticleDamper
 
     Progress: TypeAlias = Callable[[int], None]
+
+
+BLOCK = 64
+"""Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
+
+
+def in_blocks(
+    work: Callable[[tuple[int, int]], None],
+    size: int,
+    threads: int,
+    progress: Callable[[int], None] | None = None,
+    block_size: int = BLOCK,
+) -> None:
+    """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
+
+    The idle call compiles: two threads that compile at once would wait for each other anyway.
+    """
+    if size:
+        work((0, 0))
+
+    def counted(begin: int) -> int:
+        block = (begin, min(begin + block_size, size))
+        work(block)
+        return block[1] - begin
+
+    if threads == 1:  # a pool would take as long as a short sweep
+        for begin in range(0, size, block_size):
+            done = begin + counted(begin)
+            if progress is not None:
+                progress(done)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        pending = {pool.submit(counted, begin) for begin in range(0, size, block_size)}
+        done = 0
+        try:
+            while pending:
+                finished, pending = wait(pending, timeout=0.2, return_when=FIRST_EXCEPTION)
+                done += sum(future.result() for future in finished)
+                if progress is not None:
+                    progress(done)
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
 
 _AT_ONCE = 64 * BLOCK
 """Runs prepared together: 12 kB each."""
@@ -121,13 +160,13 @@ def ringdowns(
     prepared = prepare(rows, start, cycles, max_cycles)
     run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)
-    closed = bool((kind == LEVEL).all())
+    closed = bool((kind == CLOSED_FORM).all())
     status, final = (run.closed if closed else functools.partial(run.by_kinds, kind))(rows, prepared, progress)
     batch = _summary(rows, prepared, status, final, asked=cycles is not None)
     velocity = np.maximum(prepared.clocks["first_speed"], prepared.cycles["last_speed"])
     extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
-    for family in {"level" if each == LEVEL else "linear" for each in np.unique(kind)}:
+    for family in {"level" if each == CLOSED_FORM else "linear" for each in np.unique(kind)}:
         self_check.once(family, ringdown)
     return batch
 
@@ -145,12 +184,12 @@ class _Run:
     def closed(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
         """Have every ring-down run in closed form: why each ended, and the energies left."""
         from damper import engine
-        from damper.tables import nothing_kept
+        from damper.state import nothing_kept
 
         status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
-            engine.run_block(block, p.runs, tables, self.most, status)
+            engine.level_run_block(block, p.runs, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
         laws.check_rest(p.runs)
@@ -160,15 +199,15 @@ class _Run:
         self, rows: Parameters, p: Prepared, progress: Progress | None, amplitudes: Floats | None
     ) -> tuple[Integers, Floats]:
         """The same in linear flights, all of one kind."""
-        from damper import engine_linear
-        from damper.tables import nothing_kept
+        from damper import engine
+        from damper.state import nothing_kept
 
         f = flights(self.damper, rows, p, self.harmonic, amplitudes)
         p.initial[:] = f.energy(rows)
         status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
-            engine_linear.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
+            engine.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
         f.give_back(p)
@@ -184,7 +223,7 @@ class _Run:
             each = kind[which[0]]
             part = prepared.some(which)
             count = None if progress is None else functools.partial(_further, progress, done)
-            if each == LEVEL:
+            if each == CLOSED_FORM:
                 status[which], final[which] = self.closed(rows[which], part, count)
             else:
                 modal = None if self.amplitudes is None else self.amplitudes[which]
@@ -198,7 +237,7 @@ class _Run:
         alike, modes = bool((rows == rows[0]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
         for each in np.unique(kind):
             which = np.flatnonzero(kind == each)
-            room = _AT_ONCE if alike or each == LEVEL else at_once(modes, coupled=each == COUPLED)
+            room = _AT_ONCE if alike or each == CLOSED_FORM else at_once(modes, coupled=each == COUPLED)
             yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
@@ -217,7 +256,7 @@ def _further(progress: Progress, before: int, done: int) -> None:
 
 
 def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floats, *, asked: bool) -> Batch:
-    from damper.ending import DONE
+    from damper.engine import DONE
 
     clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
     omega, load = stuck_frequency(rows), rows["centrifugal_acceleration"]

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import laws
-from damper.outcome import Outcome, RingDown
-from damper.parameters import number, pair, whole
+from damper.model import number, pair, whole
+from damper.motion import Outcome, RingDown
 
 if TYPE_CHECKING:
     from damper.model import ParticleDamper
@@ -65,7 +65,7 @@ def capacity(ringdown: RingDown) -> Capacity:
 
 def intrinsic_sdc(damper: ParticleDamper) -> float:
     """1 - exp(-4 pi decay / frequency) of the structure with the ball stuck [-]."""
-    from damper.records import STUCK, laws_of
+    from damper.state import STUCK, laws_of
 
     law = laws_of(damper.parameters)[0, 0, STUCK]
     return -math.expm1(-4 * math.pi * float(law["decay"]) / float(law["frequency"]))

@@ -8,37 +8,119 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.detect import look, schedule
-from damper.ending import DONE, FULL, PAUSED, end_cycle, settle_down
-from damper.flight import begin, increments, structure, viscous_loss
-from damper.keeping import full, write_event
-from damper.peaks import pass_time, resume, watch
-from damper.records import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, START, STUCK
-from damper.resolve import hit, roll, roll_on, rub, settle, slip
+from damper.cycles import close, level_watch, pass_time, resume, watch
+from damper.events import account, look, schedule, seek, strongest_drive
+from damper.flight import begin, expand, increments, structure, travel, viscous_loss
+from damper.impacts import let_go, level_hit, level_rub, level_settle, read, resolve, roll, roll_on, slip
 from damper.slip import spend
+from damper.state import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
 
 if TYPE_CHECKING:
-    from damper.arrays import Integers, Record, Records
-    from damper.tables import Tables
+    from damper.model import Floats, Integers, Record, Records
+    from damper.state import Tables
 
 
 @kernel
-def release(it: Record, tables: Tables) -> None:
+def full(it: Record, tables: Tables) -> bool:
+    """Whether there is no more room for the rows of an event."""
+    return bool(len(tables.rows) > 0 and it.clock.rows + 2 > len(tables.rows))
+
+
+@kernel
+def write_peak(it: Record, tables: Tables) -> bool:
+    """Count a velocity maximum, and write it if asked; False if the table is full."""
+    clock = it.clock
+    if len(tables.peaks) > 0:
+        if clock.peaks == len(tables.peaks):
+            return False
+        tables.peaks[clock.peaks, 0], tables.peaks[clock.peaks, 1] = it.cycle.time, it.cycle.speed
+    clock.peaks += 1
+    clock.watched = it.cycle.closes
+    return True
+
+
+@kernel
+def write_event(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
+    """Write an event of an axis, if asked; `before` it had this relative velocity."""
+    if len(tables.rows) == 0:
+        return
+    row, axis = tables.rows[it.clock.rows], it.axes[i]
+    row.time, row.axis, row.kind = it.clock.time, i, kind
+    row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
+    row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
+    it.clock.rows += 1
+
+
+DONE, PAUSED, FULL = 0, 1, 2
+"""Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
+
+DIED_OUT = 1e-6
+"""Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
+
+NEAR = 1.01
+"""Acceleration over the rolling threshold at which a ball that rolls next to nothing is taken to tremble there."""
+
+TREMOR = 1e-7
+"""Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
+
+
+@kernel
+def end_cycle(it: Record, tables: Tables, drive: float) -> bool:
+    """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
+    if not write_peak(it, tables):
+        return False
+    _fade(it, drive)
+    close(it.cycle, it.clock.last_motion)
+    return True
+
+
+@kernel
+def _fade(it: Record, drive: float) -> None:
+    """At a velocity maximum, end a run soon in which nothing more will happen that counts.
+
+    Either the ball, a cycle long, hit no wall and rolled away next to nothing, on a structure whose largest drive is at
+    the threshold: without damping of its own it nears the threshold for ever. Or the vibration has died out.
+    """
+    clock, ball, speed = it.clock, it.ball, it.cycle.speed
+    energy = 0.5 * ball.host_mass * speed * speed
+    still = clock.impacts == clock.last_impacts and it.books.rolling - clock.last_rolling <= TREMOR * energy
+    if clock.peaks == 1:
+        clock.first_speed = speed
+    clock.last_impacts, clock.last_rolling = clock.impacts, it.books.rolling
+    if clock.rest < np.inf or clock.tail == np.inf:
+        return
+    if speed <= DIED_OUT * clock.first_speed:
+        clock.trembles = 2
+        settle_down(clock)
+    elif still and ball.threshold > 0.0 and drive <= NEAR * ball.threshold:
+        clock.trembles = 1
+        settle_down(clock)
+
+
+@kernel
+def settle_down(clock: Record) -> None:
+    """End the run a little after the last event."""
+    clock.rest = clock.time
+    clock.end = min(clock.end, clock.time + clock.tail)
+
+
+@kernel
+def level_release(it: Record, tables: Tables) -> None:
     """Let go at time 0 from the state in `it.axes`."""
     for i in range(2):
         axis = it.axes[i]
         if it.ball.grip > 0.0 and axis.spin != axis.w:
             slip(axis)
         elif axis.w == 0.0:
-            settle(axis, it.laws[i], it.ball)
+            level_settle(axis, it.laws[i], it.ball)
         else:
             roll_on(axis)
         _restart(i, RELEASE, 0.0, it, tables)
-    _rest(it)
+    _level_rest(it)
 
 
 @kernel
-def run(it: Record, tables: Tables, budget: int) -> int:
+def level_run(it: Record, tables: Tables, budget: int) -> int:
     """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
     clock, axes = it.clock, it.axes
     stop = clock.events + budget
@@ -48,7 +130,7 @@ def run(it: Record, tables: Tables, budget: int) -> int:
             look(axes[i], it.laws[i], it.ball, clock.end)
             continue
         time = min(axes[i].next, clock.end)
-        if not _observe(it, tables, time):
+        if not _level_observe(it, tables, time):
             return FULL
         if time >= clock.end:
             for j in range(2):
@@ -63,15 +145,15 @@ def run(it: Record, tables: Tables, budget: int) -> int:
         clock.time = time
         clock.events += 1
         _happen(i, it, tables)
-        _rest(it)
+        _level_rest(it)
 
 
 @kernel
-def run_block(block: tuple[int, int], runs: Records, tables: Tables, budget: int, status: Integers) -> None:
+def level_run_block(block: tuple[int, int], runs: Records, tables: Tables, budget: int, status: Integers) -> None:
     """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
     for k in range(block[0], block[1]):
-        release(runs[k], tables)
-        status[k] = run(runs[k], tables, budget)
+        level_release(runs[k], tables)
+        status[k] = level_run(runs[k], tables, budget)
 
 
 @kernel
@@ -86,20 +168,20 @@ def _happen(i: int, it: Record, tables: Tables) -> None:
     elif kind == START:
         roll(axis, axis.heading)
     elif kind == REVERSAL:
-        settle(axis, laws, ball)
+        level_settle(axis, laws, ball)
     elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
         axis.spin = 0.0
     elif kind == GRIP and axis.w == 0.0:
-        settle(axis, laws, ball)
+        level_settle(axis, laws, ball)
     elif kind == GRIP:
         roll_on(axis)
     elif kind == HIT:
         it.clock.impacts += 1
-        impulse = hit(axis, ball, it.books)
+        impulse = level_hit(axis, ball, it.books)
         if ball.friction > 0.0 and other.regime != STUCK:
             _fly(1 - i, it.clock.time - other.start, it)
             sliding = other.w
-            rub(other, impulse, it.laws[1 - i], ball, it.books)
+            level_rub(other, impulse, it.laws[1 - i], ball, it.books)
             _restart(1 - i, RUB, sliding, it, tables)
     _restart(i, kind, before, it, tables)
 
@@ -145,9 +227,9 @@ def _restart(i: int, kind: int, before: float, it: Record, tables: Tables) -> No
 
 
 @kernel
-def _observe(it: Record, tables: Tables, time: float) -> bool:
+def _level_observe(it: Record, tables: Tables, time: float) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(it, it.clock.watched, time):
+    while level_watch(it, it.clock.watched, time):
         if not end_cycle(it, tables, _strongest_drive(it)):
             return False
     pass_time(it, time)
@@ -165,10 +247,144 @@ def _strongest_drive(it: Record) -> float:
 
 
 @kernel
-def _rest(it: Record) -> None:
+def _level_rest(it: Record) -> None:
     """Once both axes stick and nothing will ever happen again, the run ends a little later."""
     for i in range(2):
         if it.axes[i].regime != STUCK or it.axes[i].next < np.inf:
             return
     if it.clock.rest == np.inf:
         settle_down(it.clock)
+
+
+@kernel
+def release(it: Record, flow: Floats, tables: Tables) -> None:
+    """Let go at time 0 from the state in `it.motion`."""
+    let_go(it, flow)
+    for i in range(2):
+        _record(i, RELEASE, it.axes[i].w, it, tables)
+    for g in range(it.system.groups):
+        restart(g, 0.0, it, flow)
+    _rest(it, 0.0)
+
+
+@kernel
+def restart(g: int, time: float, it: Record, flow: Floats) -> None:
+    """Begin the flight that follows an event of a group, or the next step of one, and seek its end."""
+    it.motion.start[g] = time
+    for i in range(it.system.first[g], it.system.last[g]):
+        axis = it.axes[i]
+        axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
+    expand(g, it, flow)
+    seek(g, it)
+
+
+@kernel
+def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
+    """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
+    clock, motion = it.clock, it.motion
+    stop = clock.events + budget
+    while True:
+        g = 0 if it.system.groups == 1 or motion.next[0] <= motion.next[1] else 1
+        time = min(motion.next[g], clock.end)
+        if not _observe(it, tables, time):
+            return FULL
+        if time >= clock.end:
+            arrive(it, time)
+            resume(it.cycle, clock.last_motion)
+            clock.time = time
+            return DONE
+        if motion.kind[g] == NOTHING:
+            fly(g, 1.0, it)
+            restart(g, time, it, flow)
+            _rest(it, time)
+            continue
+        if clock.events >= stop:
+            return PAUSED
+        if full(it, tables):
+            return FULL
+        clock.time = time
+        clock.events += 1
+        happen(g, it, flow, tables)
+        _rest(it, time)
+
+
+@kernel
+def run_block(
+    block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, budget: int, status: Integers
+) -> None:
+    """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
+    for k in range(block[0], block[1]):
+        it, flow = runs[k], flows[runs[k].system.flow]
+        release(it, flow, tables)
+        status[k] = run(it, flow, tables, budget)
+
+
+@kernel
+def happen(g: int, it: Record, flow: Floats, tables: Tables) -> None:
+    """The next event of a group: fly to it, resolve it, start the flights that follow, record it."""
+    i, kind, time = it.motion.axis[g], it.motion.kind[g], it.clock.time
+    axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
+    fly(g, it.motion.at[g], it)
+    if apart and kind == HIT and it.ball.friction > 0.0 and other.regime != STUCK:
+        fly(1 - g, (time - it.motion.start[1 - g]) / it.system.span[1 - g], it)
+    before, sliding = axis.w, other.w
+    rubbed = resolve(i, kind, it, flow)
+    if rubbed or (kind == HIT and not apart):
+        _record(1 - i, RUB, sliding, it, tables)
+    if rubbed and apart:
+        restart(1 - g, time, it, flow)
+    restart(g, time, it, flow)
+    _record(i, kind, before, it, tables)
+
+
+@kernel
+def arrive(it: Record, time: float) -> None:
+    """Bring all groups to a time, in the middle of their flights."""
+    for g in range(it.system.groups):
+        fly(g, (time - it.motion.start[g]) / it.system.span[g], it)
+        it.motion.start[g] = time
+
+
+@kernel
+def fly(g: int, x: float, it: Record) -> None:
+    """Bring a group x steps on from its start: its state there, and the work done on the way."""
+    system, motion, axes = it.system, it.motion, it.axes
+    span = system.span[g]
+    for i in range(system.first[g], system.last[g]):
+        if axes[i].regime == ROLLING:
+            account(motion.series[g, system.lane[i]], x, span, axes[i], it.ball)
+    travel(g, x, it)
+    for i in range(system.first[g], system.last[g]):
+        read(i, it)
+        spend(axes[i], motion.gain[system.place[i]], x * span, it.ball, it.books)
+
+
+@kernel
+def _record(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
+    """An event's row, and the state of the whole motion that goes with it, if asked."""
+    if len(tables.rows) > 0:
+        for m in range(it.system.coordinates):
+            tables.states[it.clock.rows, 0, m] = it.motion.z[m]
+            tables.states[it.clock.rows, 1, m] = it.motion.rate[m]
+    write_event(i, kind, before, it, tables)
+
+
+@kernel
+def _observe(it: Record, tables: Tables, time: float) -> bool:
+    """Seek velocity maxima up to `time`; False if their table is full."""
+    while watch(it, it.clock.watched, time):
+        if not end_cycle(it, tables, strongest_drive(it)):
+            return False
+    pass_time(it, time)
+    return True
+
+
+@kernel
+def _rest(it: Record, now: float) -> None:
+    """Once nothing will ever happen again, the run ends a little later than the last event."""
+    for g in range(it.system.groups):
+        if it.motion.settled[g] == 0:
+            return
+    if it.clock.rest == np.inf:
+        settle_down(it.clock)
+        it.clock.end = max(it.clock.end, now)

@@ -9,15 +9,22 @@ of the rolling resistance; slipping, with beta = 1 and f of the sliding friction
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numba as nb
 import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic, models, register_model
+from numba.np.arrayobj import make_array
+from numpy.polynomial import legendre
 
-from damper.compiled import kernel
-from damper.records import ROLLING, SLIPPING
+from damper.compiled import fused, kernel
+from damper.state import ROLLING, SLIPPING, STUCK, TERMS
 
 if TYPE_CHECKING:
-    from damper.arrays import Record, Records
+    from damper.model import Floats, Record, Records
+
 
 _SHORT = 0.1
 """Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
@@ -138,3 +145,315 @@ def viscous_loss(axis: Record, law: Record, tau: float) -> float:
     cosines = 0.5 * gone / alpha - law.frequency**2 * sines
     fall = alpha * axis.v + law.square * axis.a  # v = exp(-alpha t) (v0 C - fall S)
     return law.damping * (axis.v * axis.v * cosines - 2 * axis.v * fall * mixed + fall * fall * sines)
+
+
+WIDTH = 8
+
+
+class _Eight(types.Type):
+    """What the compiler takes for eight numbers."""
+
+    def __init__(self) -> None:
+        super().__init__("Eight")
+
+
+_EIGHT: Any = _Eight()
+_VECTOR, _INDEX = ir.VectorType(ir.DoubleType(), WIDTH), ir.IntType(32)
+
+
+class _Model(models.PrimitiveModel):
+    def __init__(self, manager: Any, fe_type: Any) -> None:
+        super().__init__(manager, fe_type, _VECTOR)
+
+
+register_model(_Eight)(_Model)
+
+
+def _place(context: Any, builder: Any, row: Any, values: Any) -> Any:
+    """Pointer to eight neighbours in a row, from the place values[1] on."""
+    data = make_array(row)(context, builder, value=values[0]).data
+    return builder.bitcast(builder.gep(data, [values[1]]), _VECTOR.as_pointer())
+
+
+if TYPE_CHECKING or nb.config.DISABLE_JIT:
+
+    def load(row: Floats, k: int) -> Floats:
+        """Eight neighbours in a row, from place k on."""
+        return row[k : k + WIDTH].copy()
+
+    def store(row: Floats, k: int, eight: Floats) -> None:
+        """Put eight numbers into a row, from place k on."""
+        row[k : k + WIDTH] = eight
+
+    def fill(x: float) -> Floats:
+        """Eight times the same number."""
+        return np.full(WIDTH, x)
+
+    def times(a: Floats, b: Floats) -> Floats:
+        """Products."""
+        return a * b
+
+    def add_times(c: Floats, a: Floats, b: Floats) -> Floats:
+        """Sums c + a b, fused where the processor can."""
+        return c + a * b
+
+    def total(a: Floats) -> float:
+        """Sum of the eight."""
+        return float(((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7])))
+
+else:
+
+    @intrinsic
+    def load(_, row, k):
+        """Load eight."""
+
+        def code(context, builder, signature, values):
+            return builder.load(_place(context, builder, row, values), align=8)
+
+        return _EIGHT(row, types.intp), code
+
+    @intrinsic
+    def store(_, row, k, eight):
+        """Store eight."""
+
+        def code(context, builder, signature, values):
+            builder.store(values[2], _place(context, builder, row, values), align=8)
+            return context.get_dummy_value()
+
+        return types.void(row, types.intp, eight), code
+
+    @intrinsic
+    def fill(_, x):
+        """Repeat a number."""
+
+        def code(context, builder, signature, values):
+            nothing = ir.Constant(_VECTOR, ir.Undefined)
+            one = builder.insert_element(nothing, values[0], _INDEX(0))
+            return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_INDEX, WIDTH), [0] * WIDTH))
+
+        return _EIGHT(types.float64), code
+
+    @intrinsic
+    def times(_, a, b):
+        """Multiply."""
+
+        def code(context, builder, signature, values):
+            return builder.fmul(*values)
+
+        return _EIGHT(a, b), code
+
+    @intrinsic
+    def add_times(_, c, a, b):
+        """Multiply and add."""
+
+        def code(context, builder, signature, values):
+            return builder.fadd(values[0], builder.fmul(*values[1:], flags=["contract"]), flags=["contract"])
+
+        return _EIGHT(c, a, b), code
+
+    @intrinsic
+    def total(_, a):
+        """Sum up."""
+
+        def code(context, builder, signature, values):
+            sums = [builder.extract_element(values[0], _INDEX(k)) for k in (0, 4, 2, 6, 1, 5, 3, 7)]
+            while len(sums) > 1:
+                sums = [builder.fadd(*two) for two in zip(sums[::2], sums[1::2], strict=True)]
+            return sums[0]
+
+        return types.float64(a), code
+
+
+@fused
+def expand(g: int, it: Record, flow: Floats) -> None:
+    """The series of a group from its state on."""
+    system, axes, terms = it.system, it.axes, flow[regimes(g, it)]
+    first, last, count = system.first[g], system.last[g], system.high[g] - system.low[g]
+    sources = gather(g, it.motion.start[g], it)
+    c, source, series = it.motion.series[g], it.motion.source, count + last - first
+    for lane in range(series):
+        _combine(c[lane], terms[lane], source, sources)
+    for i in range(first, last):
+        if axes[i].regime == STUCK:
+            _combine(c[series + i - first], terms[series + i - first], source, sources)
+    if system.frequency > 0.0:
+        for lane in range(series + last - first, series + last - first + 2):
+            _combine(c[lane], terms[lane], source, sources)
+
+
+@fused
+def regimes(g: int, it: Record) -> int:
+    """Which flow a group's regimes ask for."""
+    if it.system.groups == 1:
+        return int(3 * it.axes[0].regime + it.axes[1].regime)
+    return int(3 * g + it.axes[g].regime)
+
+
+@fused
+def gather(g: int, time: float, it: Record) -> int:
+    """What a group's flight begins with at a time, from its state and regimes; returns how many sources count."""
+    system, motion = it.system, it.motion
+    low, count, span, source = system.low[g], system.high[g] - system.low[g], system.span[g], motion.source
+    for m in range(count):
+        source[m], source[count + m] = motion.z[low + m], motion.rate[low + m] * span
+    sources = 2 * count
+    for i in range(system.first[g], system.last[g]):
+        source[sources] = _resisting(it.axes[i], it.ball)
+        sources += 1
+    if system.frequency > 0.0:
+        angle = system.frequency * time + system.phase
+        source[sources], source[sources + 1] = math.cos(angle), math.sin(angle)
+        sources += 2
+    return int(sources)
+
+
+@fused
+def _resisting(axis: Record, ball: Record) -> float:
+    """What resists the motion of the ball along an axis, in the direction of that motion or sliding [m/s²]."""
+    if axis.regime == ROLLING:
+        return float(axis.direction * ball.threshold)
+    return float(axis.direction * ball.grip) if axis.regime == SLIPPING else 0.0
+
+
+@fused
+def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
+    """A series from its sources."""
+    x = fill(source[0])
+    one, two, three = times(load(terms[0], 0), x), times(load(terms[0], 8), x), times(load(terms[0], 16), x)
+    for j in range(1, sources):
+        x, row = fill(source[j]), terms[j]
+        one, two = add_times(one, load(row, 0), x), add_times(two, load(row, 8), x)
+        three = add_times(three, load(row, 16), x)
+    store(c, 0, one)
+    store(c, 8, two)
+    store(c, 16, three)
+
+
+@fused
+def value(c: Floats, x: float) -> float:
+    """A series at x."""
+    f = 0.0
+    for k in range(TERMS - 1, -1, -1):
+        f = f * x + c[k]
+    return f
+
+
+@fused
+def increment(c: Floats, x: float) -> tuple[float, float]:
+    """What a series gains from 0 to x, and its slope there."""
+    f = rate = 0.0
+    for k in range(TERMS - 1, 0, -1):
+        rate = rate * x + f
+        f = f * x + c[k]
+    return f * x, rate * x + f
+
+
+@fused
+def slope(c: Floats, x: float) -> float:
+    """Slope of a series."""
+    rate = 0.0
+    for k in range(TERMS - 1, 0, -1):
+        rate = rate * x + k * c[k]
+    return rate
+
+
+@fused
+def rates(c: Floats, x: float) -> tuple[float, float]:
+    """First and second derivative of a series."""
+    first = second = 0.0
+    for k in range(TERMS - 1, 0, -1):
+        second = second * x + first
+        first = first * x + k * c[k]
+    return first, second
+
+
+@fused
+def third(c: Floats, x: float) -> float:
+    """Third derivative of a series."""
+    jerk = 0.0
+    for k in range(TERMS - 1, 2, -1):
+        jerk = jerk * x + k * (k - 1) * (k - 2) * c[k]
+    return jerk
+
+
+_POINTS = 8
+
+
+def lobatto() -> tuple[Floats, Floats]:
+    """Points and weights of Lobatto's rule on [0, 1].
+
+    Points inside are roots of the Jacobi polynomial of weight 1 - x², which are the eigenvalues of a symmetric matrix
+    (G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221) and so float64 whatever the version of numpy.
+    """
+    k = np.arange(1, _POINTS - 2)
+    inside = np.linalg.eigvalsh(np.diag(np.sqrt(k * (k + 2) / ((2 * k + 1) * (2 * k + 3))), -1), UPLO="L")
+    points = np.array([-1.0, *(0.5 * (inside - inside[::-1])), 1.0])
+    weights = 2.0 / (_POINTS * (_POINTS - 1) * legendre.legval(points, np.eye(_POINTS)[-1]) ** 2)
+    return 0.5 * (1.0 + points), 0.5 * weights
+
+
+_PLACES, _SHARES = lobatto()
+_ORDER = np.arange(TERMS)[:, None]
+
+_SLOPES = _ORDER * _PLACES ** np.maximum(_ORDER - 1, 0)
+_SLOPES[:, 0] = _ORDER[:, 0] > 0
+"""Of a scaled series: what it gains, then its slopes at all points but the first, where it has its second term."""
+
+_VALUES = _PLACES**_ORDER
+
+_POINT_WEIGHTS = _SHARES * (np.arange(_POINTS) > 0)
+_FIRST = float(_SHARES[0])
+
+
+@fused
+def travel(g: int, x: float, it: Record) -> None:
+    """Bring a group's coordinates x steps on, and book the work."""
+    system, motion = it.system, it.motion
+    low, high, c, scaled = system.low[g], system.high[g], motion.series[g], motion.scaled
+    if x == 0.0:
+        for m in range(low, high):
+            motion.gain[m] = 0.0
+        return
+    motion.power[0], motion.power[1] = 1.0, x
+    for k in range(2, WIDTH):
+        motion.power[k] = motion.power[k // 2] * motion.power[k - k // 2]
+    eighth = fill(motion.power[4] * motion.power[4])
+    one = load(motion.power, 0)
+    two = times(one, eighth)
+    three = times(two, eighth)
+    time, squares, first = x * system.span[g], fill(0.0), 0.0
+    for m in range(low, high):
+        series, dashpot = c[m - low], system.dashpot[m]
+        _scale(series, one, two, three, scaled)
+        at = _at_points(scaled, _SLOPES)
+        squares, first = add_times(squares, times(at, at), fill(dashpot)), first + dashpot * scaled[1] * scaled[1]
+        store(scaled, 0, at)
+        motion.gain[m] = scaled[0]
+        motion.z[m] += scaled[0]
+        motion.rate[m] = scaled[WIDTH - 1] / time
+    it.books.structure += (total(times(squares, load(_POINT_WEIGHTS, 0))) + _FIRST * first) / time
+    if system.frequency > 0.0:
+        wave = high - low + 2 * (system.last[g] - system.first[g])
+        _scale(c[wave], one, two, three, scaled)
+        harmonic = _at_points(scaled, _VALUES)
+        _scale(c[wave + 1], one, two, three, scaled)
+        power = times(_at_points(scaled, _SLOPES), load(_POINT_WEIGHTS, 0))
+        it.books.work += total(times(power, harmonic)) + _FIRST * scaled[1] * c[wave, 0]
+
+
+@fused
+def _scale(c: Floats, one: Floats, two: Floats, three: Floats, scaled: Floats) -> None:
+    """A series times powers."""
+    store(scaled, 0, times(load(c, 0), one))
+    store(scaled, 8, times(load(c, 8), two))
+    store(scaled, 16, times(load(c, 16), three))
+
+
+@fused
+def _at_points(scaled: Floats, table: Floats) -> Floats:
+    """A scaled series at the points of the rule."""
+    even, odd = times(load(table[0], 0), fill(scaled[0])), times(load(table[1], 0), fill(scaled[1]))
+    for k in range(2, TERMS, 2):
+        even = add_times(even, load(table[k], 0), fill(scaled[k]))
+        odd = add_times(odd, load(table[k + 1], 0), fill(scaled[k + 1]))
+    return add_times(even, odd, fill(1.0))

@@ -4,34 +4,33 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.modes import Harmonic
-from damper.parameters import level, spin_mass
-from damper.records import SHARED
-from damper.structures import couples, structures_by
-from damper.system import LINEAR
-from damper.systems import systems_of
+from damper.equations import couples, structures_by
+from damper.model import Floats, Harmonic, Records, energy, half_gap, level, number, spin_mass, stuck_frequency
+from damper.setup import systems_of
+from damper.state import LEVEL, LINEAR, SHARED, STUCK, balls_of, laws_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.arrays import Floats, Integers, Records
-    from damper.model import ParticleDamper
-    from damper.parameters import Parameters
-    from damper.prepare import Prepared
-    from damper.systems import Systems
+    import numpy as np
 
-LEVEL, APART, COUPLED = 0, 1, 2
+    from damper.model import Floats, Harmonic, Integers, Parameters, ParticleDamper, Records
+    from damper.setup import Systems
+
+
+CLOSED_FORM, APART, COUPLED = 0, 1, 2
 """How a damper flies: as in the paper, in closed form; as linear flights of x and of y; of both together."""
 
 
 @dataclass(frozen=True)
 class Flights:
-    """Runs of n ring-downs alike, dtype `damper.system.LINEAR`, and the systems that they share.
+    """Runs of n ring-downs alike, dtype `damper.state.LINEAR`, and the systems that they share.
 
     The constants of a run name the terms of its flights, among `systems.flows`.
     """
@@ -64,10 +63,10 @@ class Flights:
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
     """How each of the rows flies, shape (n,)."""
     if harmonic is None and damper.modes is None and level(rows).all():
-        return np.full(len(rows), LEVEL)
+        return np.full(len(rows), CLOSED_FORM)
     kind = np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
     if harmonic is None and damper.modes is None:
-        kind[level(rows)] = LEVEL
+        kind[level(rows)] = CLOSED_FORM
     elif rows["printed"].any():
         raise ValueError("the printed equations know one free mode only; use the consistent formulation")
     return kind
@@ -136,3 +135,229 @@ def _spread(shape: Floats, weight: Floats, moved: Floats) -> Floats:
     light = shape.transpose(0, 2, 1) / weight[:, :, None]
     spread: Floats = (light @ np.linalg.pinv(shape @ light, hermitian=True) @ moved[:, :, None])[..., 0]
     return spread
+
+
+class Outcome(StrEnum):
+    """Why a ring-down ended."""
+
+    AT_REST = "the ball came to rest for good"
+    TREMBLES = "the ball no longer hits and only trembles at the rolling threshold"
+    DIED_OUT = "the vibration died out while the ball still moved"
+    CYCLES_DONE = "the asked number of cycles was done"
+    CYCLE_CAP = "the cap on cycles was reached while the ball still moved"
+    EVENT_CAP = "the cap on events was reached while the ball still moved"
+
+
+@dataclass(frozen=True)
+class EnergyBooks:
+    """Where the energy went [J].
+
+    ``initial`` and ``final`` are the energies of structure and ball; ``structure`` the work of the structure's own
+    dashpot, ``rolling`` that of the rolling resistance, ``impact`` what wall hits and sticking took, ``slip`` what
+    sliding on the floor took; ``work`` is what a harmonic force put in; ``residual`` is what the books do not explain.
+    """
+
+    initial: float
+    final: float
+    structure: float
+    rolling: float
+    impact: float
+    slip: float
+    work: float = 0.0
+
+    @property
+    def residual(self) -> float:
+        """Initial + work - final - all losses [J]; negative when energy appeared from nowhere."""
+        return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip + self.work
+
+
+@dataclass(frozen=True)
+class RingDown:
+    """What a ring-down left.
+
+    Attributes:
+        damper: the damper simulated.
+        outcome: why it ended.
+        duration: simulated time [s].
+        impacts: number of wall hits.
+        events: number of events of any kind.
+        peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
+            shape (n + 1,) [s]; none in a run that ends within the first half of one.
+        peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
+        last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
+        rested: whether the ball came to rest for good, or only trembles.
+        energy: the books.
+        largest_rolling_demand: largest force that rolling asked of the floor over the normal load [-], per axis;
+            None without a normal load. Rolling is tenable where the static friction exceeds it.
+        rows: the event table (dtype `damper.state.EVENT`), None unless asked for.
+        harmonic: what drove it.
+        states: coordinates and their velocities at each event where flights are linear, shape (n, 2, N), else None.
+        modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
+            shape (k,) [J]; None without modes.
+    """
+
+    damper: ParticleDamper
+    outcome: Outcome
+    duration: float
+    impacts: int
+    events: int
+    peak_times: Floats
+    peak_velocities: Floats
+    last_motion: float | None
+    rested: bool
+    energy: EnergyBooks
+    largest_rolling_demand: float | None
+    rows: Records | None = None
+    harmonic: Harmonic | None = None
+    states: Floats | None = None
+    modal_energies: Floats | None = None
+
+    @property
+    def peak_phases(self) -> Floats | None:
+        """Phase of the harmonic at the velocity maxima, from -pi/2 to pi/2, shape (n + 1,) [rad]; None without one.
+
+        By so much the velocity, or its opposite, lags behind the force; `peak_velocities` is the envelope.
+        """
+        if self.harmonic is None:
+            return None
+        phases: Floats = self.harmonic.frequency * self.peak_times + self.harmonic.phase
+        return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+
+
+def outcome_of(done: bool, asked: bool, clock: np.void) -> Outcome:
+    """Why a run ended that was done, or capped; `asked` for a number of cycles or not."""
+    if not done:
+        return Outcome.EVENT_CAP
+    if asked:
+        return Outcome.CYCLES_DONE
+    if not math.isfinite(clock["rest"]):
+        return Outcome.CYCLE_CAP
+    return (Outcome.AT_REST, Outcome.TREMBLES, Outcome.DIED_OUT)[int(clock["trembles"])]
+
+
+_CYCLES_AFTER_REST = 3
+
+_LIGHT = 0.1
+"""Decay rate over frequency up to which a structure's velocity peaks where it would without damping, nearly."""
+
+_NOTHING = 36.0
+"""Decay times after which nothing is left of a vibration: exp(-36) is rounding."""
+
+_LARGEST = 1e150
+"""Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Runs of n ring-downs, dtype `damper.state.LEVEL`, and the energy that they begin with; views of the former."""
+
+    runs: Records
+    initial: Floats
+
+    @property
+    def laws(self) -> Records:
+        """Shape (n, 2 axes, 3 regimes)."""
+        return self._views("laws")
+
+    @property
+    def axes(self) -> Records:
+        """Shape (n, 2)."""
+        return self._views("axes")
+
+    @property
+    def balls(self) -> Records:
+        """Shape (n,)."""
+        return self._views("ball")
+
+    @property
+    def clocks(self) -> Records:
+        """Shape (n,)."""
+        return self._views("clock")
+
+    @property
+    def books(self) -> Records:
+        """Shape (n,)."""
+        return self._views("books")
+
+    @property
+    def cycles(self) -> Records:
+        """Shape (n,)."""
+        return self._views("cycle")
+
+    def _views(self, name: str) -> Records:
+        views: Records = self.runs[name]
+        return views
+
+    def some(self, which: Integers) -> Prepared:
+        """Copies of some of the ring-downs."""
+        return Prepared(self.runs[which], self.initial[which])
+
+    def take(self, which: Integers, part: Prepared) -> None:
+        """Put what `some` gave back in its place."""
+        self.runs[which], self.initial[which] = part.runs, part.initial
+
+
+def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:
+    """Set up n ring-downs from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
+
+    Raises:
+        ValueError: a number is not finite, or its square is not; the number of cycles is not positive, or a ball is
+            outside its cavity.
+    """
+    if cycles is not None and not 0 < number("cycles", cycles) < math.inf:
+        raise ValueError(f"cycles must be positive, got {cycles:g}")
+    if not (math.isfinite(number("max_cycles", max_cycles)) or cycles is not None) or not max_cycles > 0:
+        raise ValueError(f"max_cycles must be positive and finite, got {max_cycles:g}")
+    if not np.isfinite(start).all():
+        raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
+    _check_size(rows, start)
+    runs = np.zeros(len(rows), LEVEL)
+    axes, clocks, windows = runs["axes"], runs["clock"], runs["cycle"]
+    axes["half_gap"] = half = half_gap(rows)
+    for i, name in enumerate(("u", "v", "s", "w", "spin")):
+        axes[name] = start[:, i]
+    place: Floats = axes["s"]
+    outside = abs(place) > half + 1e-12 * rows["ball_radius"][:, None]
+    if outside.any():
+        raise ValueError(f"ball_position {place[outside][0]:g} m lies outside the cavity")
+    axes["s"] = np.clip(place, -half, half)
+
+    runs["laws"] = laws = laws_of(rows)
+    omega = stuck_frequency(rows)
+    period = 2 * np.pi / omega
+    size = np.abs(start).max(axis=2)
+    reach = np.maximum(size[:, 0], np.maximum(size[:, 1], size[:, 3]) / omega)
+    clocks["end"] = period * (max_cycles if cycles is None else cycles)
+    clocks["rest"], clocks["last_motion"] = np.inf, -np.inf
+    windows["period"], windows["wait"], windows["closes"] = period, _waits(laws[:, 0, STUCK], period), 0.5 * period
+    clocks["tail"] = np.maximum(_CYCLES_AFTER_REST * period, windows["wait"] + period) if cycles is None else np.inf
+    windows["waiting_since"] = -np.inf
+    for name in ("speed", "square", "last_speed", "moving_speed", "waiting_speed"):
+        windows[name] = -1.0
+    runs["ball"] = balls_of(rows, reach)
+    return Prepared(runs, energy(rows, axes))
+
+
+def _waits(laws: Records, period: Floats) -> Floats:
+    """Times [s], shape (n,), from a velocity maximum of free vibration to the zero before the one a period later.
+
+    At most until nothing is left of the vibration; 3/4 of the period where damping is light.
+    """
+    decay, frequency = laws["decay"], laws["frequency"]
+    zero = (2 * np.pi - np.arctan2(frequency, decay)) / frequency
+    light = decay <= _LIGHT * frequency
+    return np.where(light, 0.75 * period, np.minimum(zero, _NOTHING / np.where(light, 1.0, decay)))
+
+
+def _check_size(rows: Parameters, start: Floats) -> None:
+    """Raise ValueError where squares of the motion from `start` overflow, which kernels do not notice."""
+    length, speed = np.abs(start[:, [0, 2]]).max(axis=(1, 2)), np.abs(start[:, [1, 3, 4]]).max(axis=(1, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        omega = np.sqrt(rows["stiffness"].max(axis=1) / rows["modal_mass"])
+        small = (
+            (length < _LARGEST) & (speed + omega * length < _LARGEST) & (omega * (speed + omega * length) < _LARGEST)
+        )
+    if not small.all():
+        raise ValueError(
+            f"the release, or what moves from it, is too large: expected less than {_LARGEST:g} in SI units"
+        )

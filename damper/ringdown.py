@@ -4,27 +4,122 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.course import course_of
-from damper.motion import COUPLED, LEVEL
-from damper.outcome import EnergyBooks, Outcome, RingDown, outcome_of
-from damper.parameters import number, pair, whole
-from damper.prepare import prepare
-from damper.records import EVENT
-from damper.tables import Tables
+from damper.model import energy, number, pair, whole
+from damper.motion import (
+    APART,
+    CLOSED_FORM,
+    COUPLED,
+    EnergyBooks,
+    Outcome,
+    RingDown,
+    flights,
+    kinds,
+    outcome_of,
+    prepare,
+)
+from damper.state import EVENT, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from damper.course import Course
-    from damper.model import ParticleDamper
-    from damper.modes import Harmonic
-    from damper.prepare import Prepared
+    from damper.model import Floats, Harmonic, ParticleDamper, Record, Records
+    from damper.motion import Flights, Prepared
+    from damper.state import Tables
+
+
+class Course(Protocol):
+    """What `ringdown` asks of either engine."""
+
+    runs: Records
+    run: Record
+    initial: float
+    kind: int
+
+    def states(self, size: int) -> Floats:
+        """A table of states for as many events."""
+
+    def release(self, tables: Tables) -> None:
+        """Let go."""
+
+    def go_on(self, tables: Tables, budget: int) -> bool:
+        """Until the end (True), a full table or the end of the budget."""
+
+    def energy(self) -> float:
+        """Of structure and ball, now [J]."""
+
+    def modal_energies(self) -> Floats | None:
+        """Of each of the damper's modes, now [J]; None without modes."""
+
+
+def course_of(
+    damper: ParticleDamper,
+    one: Prepared,
+    harmonic: Harmonic | None = None,
+    amplitudes: tuple[float, ...] | None = None,
+) -> Course:
+    """The course of the one ring-down that is prepared."""
+    if kinds(damper, damper.parameters, harmonic)[0] == CLOSED_FORM:
+        return _Closed(damper, one)
+    return _Linear(damper, flights(damper, damper.parameters, one, harmonic, amplitudes))
+
+
+class _Closed:
+    def __init__(self, damper: ParticleDamper, one: Prepared) -> None:
+        self.rows, self.one = damper.parameters, one
+        self.runs, self.run, self.initial, self.kind = one.runs, one.runs[0], float(one.initial[0]), CLOSED_FORM
+
+    def states(self, size: int) -> Floats:
+        return np.zeros((0, 2, 0))
+
+    def release(self, tables: Tables) -> None:
+        from damper import engine
+
+        engine.level_release(self.run, tables)
+
+    def go_on(self, tables: Tables, budget: int) -> bool:
+        from damper import engine
+        from damper.engine import DONE
+
+        return engine.level_run(self.run, tables, budget) == DONE
+
+    def energy(self) -> float:
+        return float(energy(self.rows, self.one.axes)[0])
+
+    def modal_energies(self) -> Floats | None:
+        return None
+
+
+class _Linear:
+    def __init__(self, damper: ParticleDamper, flights: Flights) -> None:
+        self.damper, self.rows, self.flights = damper, damper.parameters, flights
+        self.runs, self.run, self.flow = flights.runs, flights.runs[0], flights.systems.flows[0]
+        self.initial, self.kind = self.energy(), (COUPLED, APART)[int(self.run["system"]["groups"]) - 1]
+
+    def states(self, size: int) -> Floats:
+        return np.zeros((size, 2, len(self.run["motion"]["z"])))
+
+    def release(self, tables: Tables) -> None:
+        from damper import engine
+
+        engine.release(self.run, self.flow, tables)
+
+    def go_on(self, tables: Tables, budget: int) -> bool:
+        from damper import engine
+        from damper.engine import DONE
+
+        return engine.run(self.run, self.flow, tables, budget) == DONE
+
+    def energy(self) -> float:
+        return float(self.flights.energy(self.rows)[0])
+
+    def modal_energies(self) -> Floats | None:
+        return None if self.damper.modes is None else self.flights.modal_energies(self.damper, self.rows)[0]
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -62,7 +157,7 @@ def ringdown(
         harmonic: a force that drives structure and ball; `cycles` must then be given.
         amplitudes: of the damper's modes at time 0, in place of `release`; without them, modes that `release` leaves
             open are displaced as by a force at the cavity, and set going by `velocity` as by a blow there.
-        keep_events: keep the event table, from which `damper.sample` makes time histories.
+        keep_events: keep the event table, from which `damper.history` makes time histories.
         max_cycles: cap where `cycles` is None.
         max_events: cap on events; the run ends there with `Outcome.EVENT_CAP`.
         progress: called now and then with the simulated time [s].
@@ -82,7 +177,7 @@ def ringdown(
     result = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
     _check(result, course, start, longest)
-    self_check.once("level" if course.kind == LEVEL else "linear", ringdown)
+    self_check.once("level" if course.kind == CLOSED_FORM else "linear", ringdown)
     return result
 
 

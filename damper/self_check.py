@@ -12,7 +12,10 @@ attracts its neighbours.
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import math
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -22,9 +25,36 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from damper.laws import LawViolation, require
-from damper.model import Formulation, ParticleDamper
-from damper.modes import Harmonic, Mode
-from damper.stamps import leave, stamp
+from damper.model import Formulation, Harmonic, Mode, ParticleDamper
+
+
+def stamp(name: str, package: Path, versions: tuple[str, ...], folder: Path | None = None) -> Path:
+    """The file whose existence says that something was checked.
+
+    Args:
+        name: what was checked.
+        package: folder of the sources that it depends on.
+        versions: of what else it depends on.
+        folder: where stamps stand; None: beside the compiled sources, or in the user's cache if that cannot be written.
+    """
+    digest = hashlib.sha256(repr(versions).encode())
+    for path in sorted(package.rglob("*.py")):
+        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    if folder is None:
+        folder = package / "__pycache__"
+        if not os.access(folder, os.W_OK):
+            folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "spindamp"
+    return folder / f"{name}.{digest.hexdigest()[:16]}.checked"
+
+
+def leave(path: Path) -> None:
+    """Leave a stamp in place of older ones; where that fails, the next start checks again."""
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for older in path.parent.glob(f"{path.name.split('.')[0]}.*.checked"):
+            older.unlink(missing_ok=True)
+        path.touch()
+
 
 EXACT = 1e-9
 """Most that a figure may differ from its reference, relative where that exceeds 1: what is left to rounding."""
@@ -162,7 +192,7 @@ def once(family: str, run: Callable[..., Any]) -> None:
 
     Args:
         family: see `FAMILIES`.
-        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of` or `damper.forced`.
+        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of` or `damper.steady_state`.
 
     Raises:
         LawViolation: a figure differs from its reference.

@@ -9,21 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.locked import Complex, Locked, forgets, locked, moves_from, without_ball
-from damper.motion import flights, kinds
-from damper.parameters import half_gap, number
-from damper.prepare import prepare
-from damper.structures import structures_by
-from damper.tallies import BATCHES, DRIVEN, TRACE
+from damper.equations import structures_by
+from damper.linear_response import Complex, Locked, forgets, locked, moves_from, without_ball
+from damper.model import half_gap, number
+from damper.motion import flights, kinds, prepare
+from damper.state import BATCHES, DRIVEN, TRACE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.arrays import Floats, Records
-    from damper.model import ParticleDamper
-    from damper.modes import Harmonic
-    from damper.parameters import Parameters
-    from damper.systems import Systems
+    from damper.model import Floats, Harmonic, Parameters, ParticleDamper, Records
+    from damper.setup import Systems
 
 _MEMORY = 8.0
 """Decay times of the structure's own motion in a window: exp(-16) of it is left at its end."""
@@ -49,7 +45,7 @@ class Start(StrEnum):
 
 @dataclass(frozen=True)
 class Motions:
-    """Runs of n motions, dtype `damper.tallies.DRIVEN`, and what is known of their linear answers, of length n too.
+    """Runs of n motions, dtype `damper.state.DRIVEN`, and what is known of their linear answers, of length n too.
 
     `flows`: the terms of their flights, of which their systems name theirs.
     """

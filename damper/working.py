@@ -16,16 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper import laws, self_check
-from damper.blocks import in_blocks
-from damper.curve import BINNED, Working, figures, nothing, spread
-from damper.motion import LEVEL, flights, kinds
-from damper.parameters import inertia_ratio, whole
-from damper.prepare import prepare
-from damper.tables import nothing_kept
+from damper.batch import in_blocks
+from damper.damping_curve import BINNED, Working, figures, nothing, spread
+from damper.model import inertia_ratio, whole
+from damper.motion import CLOSED_FORM, flights, kinds, prepare
+from damper.state import nothing_kept
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats
-    from damper.model import ParticleDamper
+    from damper.model import Floats, ParticleDamper
 
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
@@ -160,7 +158,7 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     logarithms of the amplitude before a cycle and of what its losses would leave of that, and two by which the sweeps
     fall into halves.
     """
-    from damper import sweeping
+    from damper import amplitude_sweep
 
     each = np.arange(sweeps)
     start = np.zeros((sweeps, 5, 2))
@@ -173,15 +171,15 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     energy = np.full((sweeps, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     least = 0.5 * damper.stiffness[0] * low**2
-    descent = sweeping.Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
-    closed = kinds(damper, damper.parameters)[0] == LEVEL
+    descent = amplitude_sweep.Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
+    closed = kinds(damper, damper.parameters)[0] == CLOSED_FORM
     f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
-            sweeping.run_level(block, p.runs, tables, descent)
+            amplitude_sweep.run_level(block, p.runs, tables, descent)
         else:
-            sweeping.run_linear(block, f.runs, f.systems.flows, tables, descent)
+            amplitude_sweep.run_linear(block, f.runs, f.systems.flows, tables, descent)
 
     in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
     if f is not None:

@@ -74,7 +74,7 @@ def test_links_inside_the_documentation_resolve():
 
 
 ANSWERS = {
-    "Where is friction at the wall?": [("damper/resolve.py", "friction"), ("damper/jumps.py", "friction")],
+    "Where is friction at the wall?": [("damper/impacts.py", "friction"), ("damper/impacts.py", "friction")],
     "Where does a frequency get its error?": [
         ("fem/accuracy/estimates.py", "class Estimates"),
         ("workflows/solve/plate_records.py", "ErrorParts("),

@@ -65,7 +65,7 @@ BREAKS = (
         "a weight of the quadrature is off by 1e-3",
         (
             (
-                "damper/travel.py",
+                "damper/flight.py",
                 "    return 0.5 * (1.0 + points), 0.5 * weights",
                 "    weights[3] *= 1.001\n    return 0.5 * (1.0 + points), 0.5 * weights",
             ),
@@ -74,19 +74,19 @@ BREAKS = (
     Break(
         "the guard of a wall hit has the wrong sign",
         (
-            ("damper/guards.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),
-            ("damper/rolling.py", "distance = axis.half_gap - here", "distance = axis.half_gap + here"),
+            ("damper/events.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),
+            ("damper/events.py", "distance = axis.half_gap - here", "distance = axis.half_gap + here"),
         ),
     ),
     Break(
         "the guard of setting off has the wrong sign",
-        (("damper/guards.py", "_drive(i, it, -d)", "_drive(i, it, d)"),),
+        (("damper/events.py", "_drive(i, it, -d)", "_drive(i, it, d)"),),
     ),
     Break(
         "a reversal leaves a stale series",
         (
             (
-                "damper/engine_linear.py",
+                "damper/engine.py",
                 "    expand(g, it, flow)\n    seek(g, it)",
                 "    if it.motion.kind[g] != 3:\n        expand(g, it, flow)\n    seek(g, it)",
             ),
@@ -96,25 +96,29 @@ BREAKS = (
         "restitution has the wrong sign",
         (
             (
-                "damper/resolve.py",
-                "_exchange(axis, -ball.restitution * axis.w",
-                "_exchange(axis, ball.restitution * axis.w",
+                "damper/impacts.py",
+                "_level_exchange(axis, -ball.restitution * axis.w",
+                "_level_exchange(axis, ball.restitution * axis.w",
             ),
-            ("damper/jumps.py", "_exchange(i, -ball.restitution * axis.w", "_exchange(i, ball.restitution * axis.w"),
+            ("damper/impacts.py", "_exchange(i, -ball.restitution * axis.w", "_exchange(i, ball.restitution * axis.w"),
         ),
     ),
     Break(
         "restitution is a tenth too small",
         (
-            ("damper/resolve.py", "_exchange(axis, -ball.restitution", "_exchange(axis, -0.9 * ball.restitution"),
-            ("damper/jumps.py", "_exchange(i, -ball.restitution", "_exchange(i, -0.9 * ball.restitution"),
+            (
+                "damper/impacts.py",
+                "_level_exchange(axis, -ball.restitution",
+                "_level_exchange(axis, -0.9 * ball.restitution",
+            ),
+            ("damper/impacts.py", "_exchange(i, -ball.restitution", "_exchange(i, -0.9 * ball.restitution"),
         ),
     ),
     Break(
         "the rolling ball has 1 % too much inertia",
         (
             (
-                "damper/parameters.py",
+                "damper/model.py",
                 'np.where(rows["printed"], 5 / 2, 5 / 7)',
                 'np.where(rows["printed"], 5 / 2, 5 / 7.07)',
             ),
@@ -124,21 +128,21 @@ BREAKS = (
         "rolling friction has the wrong sign",
         (
             ("damper/flight.py", "-axis.direction * ball.relative_push", "axis.direction * ball.relative_push"),
-            ("damper/series.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),
+            ("damper/flight.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),
         ),
     ),
     Break(
         "wall friction has the wrong sign",
         (
-            ("damper/resolve.py", "axis.w - way * change", "axis.w + way * change"),
-            ("damper/jumps.py", "axis.w - way * change", "axis.w + way * change"),
+            ("damper/impacts.py", "axis.w - way * change", "axis.w + way * change"),
+            ("damper/impacts.py", "axis.w - way * change", "axis.w + way * change"),
         ),
     ),
     Break(
         "the rolling threshold is 1 % too high",
         (
             (
-                "damper/parameters.py",
+                "damper/model.py",
                 'rows["rolling_friction"] / rows["ball_radius"]',
                 '1.01 * rows["rolling_friction"] / rows["ball_radius"]',
             ),
@@ -146,13 +150,13 @@ BREAKS = (
     ),
     Break(
         "the floor does not tilt",
-        (("damper/structures.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),),
+        (("damper/equations.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),),
     ),
     Break(
         "a step is taken 0.1 % too long",
         (
             (
-                "damper/travel.py",
+                "damper/flight.py",
                 "time, squares, first = x * system.span[g]",
                 "time, squares, first = 1.001 * x * system.span[g]",
             ),
@@ -167,8 +171,8 @@ BREAKS = (
         (
             (
                 "damper/engine.py",
-                "impulse = hit(axis, ball, it.books)",
-                "impulse = hit(axis, ball, it.books) if i == 0 else 0.0",
+                "impulse = level_hit(axis, ball, it.books)",
+                "impulse = level_hit(axis, ball, it.books) if i == 0 else 0.0",
             ),
         ),
     ),
@@ -249,7 +253,7 @@ ON_PLATES = {
 
 STAMPS = """
 from damper import self_check
-from damper.stamps import leave
+from damper.self_check import leave
 from workflows.solve.self_check import stamp_of_plates
 for path in (*map(self_check.stamp_of, self_check.FAMILIES), stamp_of_plates()):
     leave(path)

@@ -18,7 +18,7 @@ from unittest import mock
 
 import psutil
 
-import damper.prepare
+import damper.motion
 from workflows.stages import Stages
 from workflows.studies.sweep import blocks, crew, plans, study
 from workflows.studies.sweep.plates import Plates
@@ -54,7 +54,7 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
 def events_of_a_point(asked: study.Study) -> float:
     """Events of a point on average, over the first shard and the last."""
     seen = []
-    real = damper.prepare.prepare
+    real = damper.motion.prepare
 
     def watched(*arguments: object, **more: object) -> object:
         found = real(*arguments, **more)  # type: ignore[arg-type]

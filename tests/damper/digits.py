@@ -44,7 +44,7 @@ def sweeps(name: str, step: float) -> dict[str, float]:
 
 
 def descent(sweep: self_check.Sweep, first: float, place: float, step: float) -> list[float]:
-    """A sweep down from an amplitude, as `damper.sweeping` describes it."""
+    """A sweep down from an amplitude, as `damper.amplitude_sweep` describes it."""
     damper = sweep.damper
     period = 2 * math.pi / damper.stuck_frequency
     settling, least = SETTLING, 0.5 * damper.stiffness[0] * sweep.low**2

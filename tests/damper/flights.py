@@ -10,11 +10,10 @@ import numba as nb
 import numpy as np
 
 from damper import ParticleDamper
-from damper.engine_linear import restart
-from damper.motion import flights
-from damper.parameters import ensemble
-from damper.prepare import prepare
-from damper.records import ROLLING, STUCK
+from damper.engine import restart
+from damper.model import ensemble
+from damper.motion import flights, prepare
+from damper.state import ROLLING, STUCK
 from tests.damper.test_linear import scene
 
 SAMPLES = 10_000

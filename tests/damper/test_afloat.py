@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from damper import Mode, ParticleDamper, ringdown
-from damper.records import HIT, REVERSAL
+from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler
 from tests.damper import afloat
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from damper.finder import first_zero
+from damper.events import first_zero
 from tests.compiler import needs_compiler, some
 
 TERMS = 19

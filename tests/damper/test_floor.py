@@ -24,7 +24,7 @@ from damper import (
     work_bound,
     working,
 )
-from damper.records import HIT, REVERSAL
+from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler, some
 from tests.damper.scenes import random_scene
 from tests.damper.test_reference import paper_like

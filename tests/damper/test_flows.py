@@ -8,21 +8,20 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from damper import Harmonic, vectors
+from damper import Harmonic, flight
 from damper.compiled import fused
-from damper.flows import flows_of
-from damper.structures import members_of, structures_by
-from damper.system import STEP, TERMS
-from damper.systems import systems_of
-from damper.travel import lobatto
+from damper.equations import members_of, structures_by
+from damper.flight import lobatto
+from damper.setup import flows_of, systems_of
+from damper.state import STEP, TERMS
 from tests.damper.test_linear import scene
 
 
 @fused
 def worked(a, b, x, out):
-    one, two = vectors.load(a, 1), vectors.load(b, 0)
-    vectors.store(out, 2, vectors.add_times(vectors.times(one, two), one, vectors.fill(x)))
-    return vectors.total(one)
+    one, two = flight.load(a, 1), flight.load(b, 0)
+    flight.store(out, 2, flight.add_times(flight.times(one, two), one, flight.fill(x)))
+    return flight.total(one)
 
 
 def test_eight_numbers() -> None:

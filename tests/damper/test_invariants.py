@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, sample
-from damper.parameters import energy
+from damper.model import energy
 from tests.compiler import COMPILED, needs_compiler, some
 from tests.damper.scenes import random_scene
 from tests.damper.test_reference import paper_like

@@ -11,11 +11,11 @@ import pytest
 from scipy.integrate import quad
 
 from damper import Formulation, ringdown, stepped_ringdown
-from damper.detect import look, schedule
+from damper.events import look, schedule
 from damper.flight import begin, first_extremum, increments, relative, structure, velocity, viscous_loss, wave
-from damper.prepare import prepare
-from damper.records import HIT, LAW, NOTHING, PIECES, ROLLING, SLIPPING, STUCK
-from damper.threshold import drive, first_exceed
+from damper.motion import prepare
+from damper.slip import drive, first_exceed
+from damper.state import HIT, LAW, NOTHING, PIECES, ROLLING, SLIPPING, STUCK
 from tests.damper.scenes import random_scene
 from tests.damper.test_reference import paper_like
 

@@ -28,11 +28,10 @@ from damper import (
     work_bound,
     working,
 )
-from damper.bounds import bounds_of
-from damper.motion import LEVEL
-from damper.records import HIT, RUB, STUCK
-from damper.structures import structures_by
-from damper.tallies import TIRED
+from damper.equations import structures_by
+from damper.laws import bounds_of
+from damper.motion import CLOSED_FORM
+from damper.state import HIT, RUB, STUCK, TIRED
 from tests.compiler import needs_compiler
 from tests.damper.test_linear import scene
 from tests.damper.test_reference import paper_like
@@ -41,7 +40,7 @@ DAMPER = paper_like(Formulation.CONSISTENT)
 RELEASE = (20e-3, 5e-3)
 MOTION = ringdown(DAMPER, RELEASE, 20, keep_events=True)
 EXTREMES = laws.Extremes(
-    np.array([LEVEL]), np.array([DAMPER.half_gap]), np.array([MOTION.peak_velocities.max()]), 0.0, False
+    np.array([CLOSED_FORM]), np.array([DAMPER.half_gap]), np.array([MOTION.peak_velocities.max()]), 0.0, False
 )
 Figures = tuple[ParticleDamper, RingDown, laws.Extremes]
 
@@ -258,7 +257,7 @@ PUSH = Harmonic(DRIVEN.stuck_frequency, (3e3, 0.0))
 def test_impossible_steady_states(
     name: str | tuple[str, ...], factor: float, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = importlib.import_module("damper.forced")
+    module = importlib.import_module("damper.steady_state")
     names, summary = (name,) if isinstance(name, str) else name, module.summary
 
     def wrong(*given: Any) -> dict[str, Any]:
@@ -273,7 +272,7 @@ def test_impossible_steady_states(
 
 @needs_compiler
 def test_a_motion_that_was_given_up_has_no_books(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("damper.forced")
+    module = importlib.import_module("damper.steady_state")
     summary = module.summary
 
     def tired(m: Any, divergence: Any) -> dict[str, Any]:
@@ -286,7 +285,7 @@ def test_a_motion_that_was_given_up_has_no_books(monkeypatch: pytest.MonkeyPatch
 
 @needs_compiler
 def test_wrong_energies_leave_no_public_call(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("damper.course")
+    module = importlib.import_module("damper.ringdown")
     right = module.energy
     monkeypatch.setattr(module, "energy", lambda rows, state: right(rows, state) * (1 + 1e-6))
     with pytest.raises(LawViolation, match=r"energy books close.* in a ring-down$"):

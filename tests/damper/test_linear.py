@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from damper import Harmonic, Mode, ParticleDamper, RingDown, ringdown
-from damper.records import HIT
+from damper.state import HIT
 from tests.compiler import needs_compiler, some
 from tests.damper.lagrangian import Lagrangian
 

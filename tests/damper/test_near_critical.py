@@ -11,9 +11,9 @@ import pytest
 
 from damper import Formulation, ParticleDamper, capacity, ringdown
 from damper.flight import begin, first_extremum, structure, viscous_loss
-from damper.prepare import prepare
-from damper.records import ROLLING
-from damper.threshold import drive, first_exceed
+from damper.motion import prepare
+from damper.slip import drive, first_exceed
+from damper.state import ROLLING
 from tests.damper.reference import Reference
 from tests.damper.test_reference import agreed, events, paper_like
 

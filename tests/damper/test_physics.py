@@ -19,7 +19,7 @@ from damper import (
     two_hit_bound,
     work_bound,
 )
-from damper.records import GRIP, HIT, REVERSAL, ROLLING, STUCK
+from damper.state import GRIP, HIT, REVERSAL, ROLLING, STUCK
 from tests.compiler import needs_compiler
 from tests.damper.test_reference import paper_like
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from damper import LawViolation, compiled, forced, ringdown, self_check
-from damper.stamps import leave, stamp
+from damper.self_check import leave, stamp
 from damper.working import samples_of
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits

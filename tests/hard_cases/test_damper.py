@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from damper import Formulation, Outcome, ParticleDamper, RingDown, capacity, ringdown, sample
-from damper.records import HIT
+from damper.state import HIT
 from tests.compiler import needs_compiler
 from tests.damper.test_reference import paper_like
 

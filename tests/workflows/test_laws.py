@@ -39,7 +39,7 @@ def wrong_energies(monkeypatch: pytest.MonkeyPatch) -> None:
         module = importlib.import_module(f"damper.{name}")
         right = module.energy
         monkeypatch.setattr(module, "energy", lambda *given, right=right: right(*given) * (1 + 1e-6))
-    module = importlib.import_module("damper.forced")
+    module = importlib.import_module("damper.steady_state")
     summary = module.summary
 
     def lossless(*given: Any) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import pytest
 
 import spindamp
 from damper import ParticleDamper, ringdown, sample
-from damper.records import GRIP, HIT, RELEASE, REVERSAL, RUB, START
+from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.workflows.browser import driven, needs_chromium, printed
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import figure_path, player

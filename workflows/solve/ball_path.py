@@ -22,7 +22,7 @@ EVENTS_AT_MOST = 1000
 """Events after which the stretch ends, where a ball chatters."""
 
 KINDS = ("release", "start", "reversal", "hit", "rub", "grip")
-"""Names of the kinds of event by their numbers in `damper.records`."""
+"""Names of the kinds of event by their numbers in `damper.state`."""
 
 
 def ball_path(motion: damper.RingDown) -> BallPath | None:

@@ -107,7 +107,7 @@ def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
     first as far as there is room.
     """
-    from damper.system import MODES
+    from damper.state import MODES
 
     modes = point.cavity_modes
     if point.reduced is None or not modes:

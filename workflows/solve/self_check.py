@@ -18,7 +18,7 @@ def plates() -> None:
     Raises:
         LawViolation: a frequency differs from its reference.
     """
-    from damper.stamps import leave
+    from damper.self_check import leave
     from fem.sweep import reference
 
     path = stamp_of_plates()
@@ -30,7 +30,7 @@ def plates() -> None:
 def stamp_of_plates() -> Path:
     """Where it stands that the plates were checked."""
     import fem
-    from damper.stamps import stamp
+    from damper.self_check import stamp
 
     return stamp("plates", Path(fem.__file__).parent, (platform.machine(), platform.node(), versions.line()))
 

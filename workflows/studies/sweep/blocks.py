@@ -119,7 +119,7 @@ def _together(each: Placed) -> Any:
 
 def _batch(group: list[Placed]) -> Any:
     from damper import ringdowns
-    from damper.parameters import PARAMETERS
+    from damper.model import PARAMETERS
 
     first = group[0]
     cycles = first.scene.release.cycles if first.scene.release is not None else "auto"

@@ -16,12 +16,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.parameters import energy, pair, whole
-from damper.prepare import prepare
+from damper.model import energy, pair, whole
+from damper.motion import prepare
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats
-    from damper.model import ParticleDamper
+    from damper.model import Floats, ParticleDamper
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def stepped_ringdown(
         ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip, with a floor that
             is not level or with several modes.
     """
-    from damper.stepping_kernel import march
+    from damper.fixed_step_kernel import march
 
     if damper.floor_friction is not None:
         raise ValueError("floor_friction: the paper's algorithm knows no slip")

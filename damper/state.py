@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from damper.parameters import inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+from damper.model import inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Records
-    from damper.parameters import Parameters
+    from damper.model import Floats, Parameters, Records
 
 
 def record(*fields: tuple[Any, ...]) -> np.dtype[np.record]:
@@ -169,3 +168,131 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
         balls[name] = rows[name]
     balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
     return balls
+
+
+TERMS = 24
+"""Of a series, in rows of eight."""
+
+STEP = 1.25
+"""Radians of the fastest motion in a step: 1.25**24 / 24! is below rounding, and so it is for second derivatives."""
+
+MODES = 8
+"""Most modes of a structure."""
+
+_N = MODES + 2
+
+SYSTEM = record(
+    ("power", "f8", _N),  # what the harmonic force at its height puts in per velocity [N]
+    ("sway", "f8", 2),  # its acceleration of a stuck ball against the cavity [m/s^2]
+    ("frequency", "f8"),  # its own, 0 where there is none [rad/s]
+    ("phase", "f8"),
+    ("mode_shape", "f8", (2, _N)),  # u = mode_shape z
+    ("pull", "f8", (2, _N)),  # acceleration of the ball in its cavity by the load is -pull z [1/s^2]
+    # velocities that a unit impulse on the cavity along each axis gives the coordinates [1/kg]; those s of the ball
+    # it gives by the cavity's motion alone
+    ("yielding", "f8", (2, _N)),
+    ("dashpot", "f8", _N),  # coefficients of the modes [N s/m]
+    ("mass", "f8", (_N, _N)),  # E = z' mass z'/2 + z spring z/2, and the spin's
+    ("spring", "f8", (_N, _N)),
+    # amplitudes of the modes with the ball stuck, as speeds: the roots of (deflection z)^2 + (swing z')^2
+    ("deflection", "f8", (_N, _N)),
+    ("swing", "f8", (_N, _N)),
+    ("reach", "f8", (2, _N)),  # largest drive of a stuck ball per unit of those amplitudes [1/s]
+    ("bias", "f8", (2, _N)),  # drive of a stuck ball on a structure at rest = bias z [1/s^2]
+    ("span", "f8", 2),  # length of the steps that a group's flights are taken in [s]
+    ("coordinates", "i8"),  # N
+    ("groups", "i8"),
+    ("low", "i8", 2),  # each group's coordinates, from low to before high
+    ("high", "i8", 2),
+    ("first", "i8", 2),  # and axes
+    ("last", "i8", 2),
+    ("group", "i8", 2),  # of each axis
+    ("place", "i8", 2),  # which coordinate is s along each axis
+    ("lane", "i8", 2),  # and which series of its group
+    ("flow", "i8"),  # which terms its flights have
+    ("damped", "i8"),
+    ("inertia", "f8", _N),  # of the modes [kg]
+    ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
+)
+"""Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
+
+MOTION = record(
+    ("z", "f8", _N),
+    ("rate", "f8", _N),
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.setup` says in which order
+    ("start", "f8", 2),  # of each group's flight
+    ("at", "f8", 2),  # when its next event happens, in steps from there
+    ("next", "f8", 2),  # the time then
+    ("kind", "i8", 2),  # and what it is; NOTHING: the step ends
+    ("axis", "i8", 2),
+    ("settled", "i8", 2),  # 1: nothing will ever happen of itself
+    ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
+    ("guard", "f8", TERMS),  # a guard's series
+    ("power", "f8", 8),  # of a place in a step
+    ("scaled", "f8", TERMS),  # a series times these
+    ("gain", "f8", _N),  # what z gained on the last flight
+)
+"""What moves: z and its rate at each group's start, their series, and when each group's next event is."""
+
+LINEAR = record(*SHARED, ("system", SYSTEM), ("motion", MOTION))
+"""A run in linear flights."""
+
+
+class Tables(NamedTuple):
+    """Times and speeds of velocity maxima (n, 2); events (m,); in linear flights z and its rate there (m, 2, N)."""
+
+    peaks: Floats
+    rows: Records
+    states: Floats
+
+
+def nothing_kept() -> Tables:
+    """Tables of a run that leaves nothing."""
+    return Tables(np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
+
+
+BATCHES = 32
+"""Parts of a window whose means tell the statistical error."""
+
+GOES_ON, LOCKED, PERIODIC, APERIODIC, UNSETTLED, TIRED = 0, 1, 2, 3, 4, 5
+"""Verdicts: none yet; three kinds of steady states; not settled within the cycles or the events allowed."""
+
+
+TALLY = record(
+    ("cycles", "f8"),
+    ("least", "f8"),
+    ("greatest", "f8"),
+    ("total", "f8"),  # of the amplitudes of cycles
+    ("squares", "f8"),
+    ("work", "f8"),  # put in since the start, at the beginning of the tally [J]
+    ("lost", "f8"),
+    ("stored", "f8"),  # energy of structure and ball then [J]
+    ("impacts", "f8"),
+)
+"""Sums over cycles; after its end `work`, `lost`, `stored` and `impacts` are what was gained in it."""
+
+TRACE = record(
+    ("probe", "f8", _N),  # displacement = probe z
+    ("still", "f8", (2, _N)),  # z and its rate at the start of a cycle if the ball is never to move
+    ("drive", "f8", 2),  # largest drive of a stuck ball then [m/s^2]
+    ("scale", "f8", _N),  # by which differences of z are measured; rates by that times the frequency
+    ("period", "f8"),  # of the force
+    ("cycles", "i8"),  # so far
+    ("patience", "i8"),  # cycles that the structure's own motion takes to be forgotten
+    ("high", "f8"),  # extremes of the probe in this cycle
+    ("low", "f8"),
+    ("away", "f8", (2, _N)),  # to work on: z and its rate less those of `still`
+    ("reference", "f8", (2, _N)),  # z and its rate at the start of a batch
+    ("spin", "f8", 2),
+    ("near", "f8", 2),  # least distance from there at later cycles, in the middle and in the last batch of a window
+    ("repeats", "i8"),  # after how many cycles, in the last
+    ("left", "f8"),  # distance that is left to the orbit which the motion comes to
+    ("means", "f8", (3, BATCHES)),  # of amplitude, of power put in and of amplitude squared, batch by batch
+    ("error", "f8", 2),  # standard errors of these means over the window
+    ("drift", "f8"),  # mean amplitude of the window's second half less that of its first
+    ("verdict", "i8"),
+)
+"""A driven motion on its way to its steady state."""
+
+DRIVEN = record(("run", LINEAR), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
+"""A run under a harmonic force: tallies of the window, and of its last batch."""

@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from damper.parameters import half_gap, rolling_threshold
-from damper.structures import forces_on
+from damper.equations import forces_on
+from damper.model import half_gap, rolling_threshold
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.arrays import Floats
-    from damper.modes import Harmonic
-    from damper.parameters import Parameters
-    from damper.structures import Structures
-    from damper.systems import Systems
+    from damper.equations import Structures
+    from damper.model import Floats, Harmonic, Parameters
+    from damper.setup import Systems
+
 
 Complex = npt.NDArray[np.complexfloating]
 
@@ -72,7 +71,7 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
-    from damper.threshold import MARGIN
+    from damper.slip import MARGIN
 
     threshold = MARGIN * np.where(half_gap(rows) > 0, rolling_threshold(rows)[:, None], np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats
+    from damper.model import Floats
+
 
 _BINS = 12
 """Points of the curve in an octave of amplitude."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from damper import engine, engine_linear
+from damper import engine
 from damper.compiled import kernel
-from damper.detect import schedule
-from damper.ending import DONE
+from damper.engine import DONE
+from damper.events import schedule
 from damper.flight import begin
-from damper.records import STUCK
-from damper.trace import lost, stored
+from damper.state import STUCK
+from damper.steady_motion import lost, stored
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Record, Records
-    from damper.tables import Tables
+    from damper.model import Floats, Record, Records
+    from damper.state import Tables
 
 
 class Descent(NamedTuple):
@@ -42,12 +42,12 @@ def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: De
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
-                engine.release(it, tables)
+                engine.level_release(it, tables)
             else:
                 _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
             _open(it.books)
             before, swing = _stored_level(it), _of_the_structure(it)
-            if swing < descent.least or engine.run(it, tables, descent.budget - it.clock.events) != DONE:
+            if swing < descent.least or engine.level_run(it, tables, descent.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
             energies[n, 2], energies[n, 3] = before, lost(it.books)
@@ -61,12 +61,12 @@ def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tab
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
-                engine_linear.release(it, flow, tables)
+                engine.release(it, flow, tables)
             else:
                 _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
             _open(it.books)
             before, swing = stored(it), _of_the_modes(it)
-            if swing < descent.least or engine_linear.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
+            if swing < descent.least or engine.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
             energies[n, 2], energies[n, 3] = before, lost(it.books)
@@ -96,7 +96,7 @@ def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
             it.motion.z[m] *= scale
             it.motion.rate[m] *= scale
     for g in range(it.system.groups):
-        engine_linear.restart(g, it.clock.time, it, flow)
+        engine.restart(g, it.clock.time, it, flow)
 
 
 @kernel

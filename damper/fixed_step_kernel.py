@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
 from damper.flight import begin, increments, velocity
-from damper.records import STUCK
-from damper.resolve import hit, roll, rub, settle
+from damper.impacts import level_hit, level_rub, level_settle, roll
+from damper.state import STUCK
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Record, Records
+    from damper.model import Floats, Record, Records
 
 
 @kernel
@@ -24,7 +24,7 @@ def march(it: Record, step: float, opposing: bool, velocity: Floats) -> int:
         for i in range(2):
             axis = axes[i]
             if axis.regime == STUCK:
-                settle(axis, laws[i], ball)
+                level_settle(axis, laws[i], ball)
             axis.heading = axis.direction
             if opposing and axis.regime != STUCK:
                 axis.direction = -1 if axis.v > 0.0 else 1
@@ -34,10 +34,10 @@ def march(it: Record, step: float, opposing: bool, velocity: Floats) -> int:
             side = 1 if axis.w > 0.0 else -1
             if axis.regime != STUCK and side * axis.s >= axis.half_gap:
                 axis.heading = side
-                impulse = hit(axis, ball, it.books)
+                impulse = level_hit(axis, ball, it.books)
                 impacts += 1
                 if ball.friction > 0.0 and other.regime != STUCK:
-                    rub(other, impulse, laws[1 - i], ball, it.books)
+                    level_rub(other, impulse, laws[1 - i], ball, it.books)
             elif axis.regime != STUCK:
                 axis.direction = axis.heading
                 if axis.w * axis.direction <= 0.0:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from damper.records import AXIS, balls_of, laws_of
+from damper.state import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
-    from damper.arrays import Record, Records
-    from damper.outcome import RingDown
+    from damper.model import Record, Records
+    from damper.motion import RingDown
+
 
 Floats = npt.NDArray[np.float64]
 
@@ -61,7 +62,7 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
 
 def _closed(ringdown: RingDown, rows: Records, time: Floats) -> History:
     """From the closed form of the flights."""
-    from damper.evaluate import evaluate
+    from damper.history_kernel import evaluate
 
     laws, ball = laws_of(ringdown.damper.parameters)[0], _ball(ringdown)
     out = np.empty((5, time.size, 2))
@@ -80,10 +81,9 @@ def _closed(ringdown: RingDown, rows: Records, time: Floats) -> History:
 
 def _stepwise(ringdown: RingDown, rows: Records, states: Floats, time: Floats) -> History:
     """From the states at the events, through the steps of the flights."""
-    from damper.evaluate import follow
-    from damper.motion import flights
-    from damper.prepare import prepare
-    from damper.tables import Tables
+    from damper.history_kernel import follow
+    from damper.motion import flights, prepare
+    from damper.state import Tables
 
     damper = ringdown.damper
     one = prepare(damper.parameters, np.zeros((1, 5, 2)), 1.0, 1.0)

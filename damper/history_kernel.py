@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel
-from damper.flight import begin, increments, relative
-from damper.records import ROLLING, SLIPPING, STUCK
-from damper.series import expand, increment
+from damper.flight import begin, expand, increment, increments, relative, travel
 from damper.slip import spin_after
-from damper.travel import travel
+from damper.state import ROLLING, SLIPPING, STUCK
 
 if TYPE_CHECKING:
-    from damper.arrays import Floats, Integers, Record, Records
-    from damper.tables import Tables
+    from damper.model import Floats, Integers, Record, Records
+    from damper.state import Tables
 
 
 @kernel

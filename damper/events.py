@@ -1,0 +1,586 @@
+"""When the next event of a group comes, from guards on its series.
+
+A guard is what has to reach zero: the way to a wall, the relative velocity, the rolling threshold less the drive of a
+stuck ball, the sliding of the contact. Its first zero in the step is proved to be the first (`damper.events`).
+
+Ties: a hit comes before a reversal in the same instant, x before y.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from damper.compiled import fused, kernel
+from damper.flight import first_extremum, gather, rates, regimes, relative, third, wave
+from damper.slip import MARGIN, SPIN_UP, drive, end_of_pressing, end_of_slip, first_exceed
+from damper.state import GRIP, HIT, NOTHING, PIECES, REVERSAL, ROLLING, SLIPPING, START, STUCK, TERMS
+
+if TYPE_CHECKING:
+    from damper.model import Floats, Record, Records
+
+
+_THIRD = tuple(float(k * (k - 1) * (k - 2)) for k in range(64))
+
+_STEPS = 200
+"""Most steps to a zero: a guard that touches zero takes about 15, more is rounding."""
+
+_ROUNDING = 4.5e-16
+"""Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
+
+
+@fused
+def first_zero(guard: Floats, end: float) -> float:
+    """First x in [0, end] at which the guard with these coefficients reaches zero, inf if it stays above.
+
+    A guard that begins at zero has just been there and counts from its second zero on, if it rises; below zero, or
+    about to be, it is at zero now.
+    """
+    first = 0
+    while first < len(guard) and guard[first] == 0.0:
+        first += 1
+    if first == len(guard):
+        return np.inf
+    if guard[first] < 0.0:
+        return 0.0
+    bound, size = _bounds(guard, first)
+    noise = _ROUNDING * size
+    x, f = 0.0, guard[first]
+    f1 = guard[first + 1] if first + 1 < len(guard) else 0.0
+    f2 = 2.0 * guard[first + 2] if first + 2 < len(guard) else 0.0
+    for _ in range(_STEPS):
+        left = end - x
+        if _safe(f, f1, f2, bound, left) > left:
+            return np.inf
+        reach = _reach(f, f1, f2, left)
+        h = _safe(f, f1, f2, bound, reach)
+        if h > reach:
+            x += reach
+            if x >= end:
+                return np.inf
+        else:
+            x += h
+            if bound * h * h * h <= 6e-17 * abs(f1 + f2 * h) * x:
+                return x
+        f, f1, f2 = _at(guard, first, x)
+        if f <= noise:
+            return x
+    return x
+
+
+@fused
+def _bounds(guard: Floats, first: int) -> tuple[float, float]:
+    """Bound on the third derivative over [0, 1] of what is left of a guard divided by x**first, and on itself."""
+    bound = size = 0.0
+    for k in range(len(guard) - first):
+        term = abs(guard[first + k])
+        size += term
+        bound += _THIRD[k] * term
+    return bound, size
+
+
+@fused
+def _safe(f: float, f1: float, f2: float, bound: float, reach: float) -> float:
+    """Up to where the lower bound on (0, reach] stays positive, inf where it has no root."""
+    return _root(f, f1, f2 - bound * reach / 3.0)
+
+
+@fused
+def _reach(f: float, f1: float, f2: float, left: float) -> float:
+    """How far to look at once: a little beyond the root of the parabola, or past its bottom, at most what is left."""
+    root = _root(f, f1, f2)
+    if root < np.inf:
+        return min(left, 1.25 * root)
+    if f1 < 0.0:
+        return min(left, -2.0 * f1 / f2)
+    return 0.25 * left
+
+
+@fused
+def _root(f: float, f1: float, f2: float) -> float:
+    """First root of the parabola f + f1 h + f2 h² / 2, f > 0, beyond h = 0, inf where it has none.
+
+    Of the two forms of a root the one in which nothing cancels: where a guard rises from next to nothing, the other
+    would lose the root, and with it an event.
+    """
+    square = f1 * f1 - 2.0 * f * f2
+    if square < 0.0:
+        return np.inf
+    if f1 > 0.0:
+        return (f1 + math.sqrt(square)) / -f2 if f2 < 0.0 else np.inf
+    slope = math.sqrt(square) - f1
+    return 2.0 * f / slope if slope > 0.0 else np.inf
+
+
+@fused
+def _at(guard: Floats, first: int, x: float) -> tuple[float, float, float]:
+    """The guard over x**first, and its first two derivatives."""
+    f = f1 = half = 0.0
+    for k in range(len(guard) - 1, first - 1, -1):
+        half = half * x + f1
+        f1 = f1 * x + f
+        f = f * x + guard[k]
+    return f, f1, 2.0 * half
+
+
+@kernel
+def departure(i: int, time: float, it: Record, flow: Floats) -> int:
+    """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays."""
+    system, axis, g = it.system, it.axes[i], it.system.group[i]
+    regime, axis.regime = axis.regime, STUCK
+    sources, terms = gather(g, time, it), flow[regimes(g, it), drive_lane(i, it)]
+    axis.regime = regime
+    drive = 0.0
+    for j in range(sources):
+        drive += terms[j, 0] * it.motion.source[j]
+    for d in (-1, 1):
+        if d * it.motion.z[system.place[i]] < axis.half_gap and d * drive > MARGIN * it.ball.threshold:
+            return d
+    return 0
+
+
+@kernel
+def drive_lane(i: int, it: Record) -> int:
+    """Which series of its group is the drive of a ball stuck along an axis."""
+    system, g = it.system, it.system.group[i]
+    return int(system.high[g] - system.low[g] + system.last[g] - 2 * system.first[g] + i)
+
+
+@kernel
+def settled(g: int, it: Record) -> bool:
+    """Whether the balls of a group, all stuck, will never set off again of themselves."""
+    system, axes = it.system, it.axes
+    first, last = system.first[g], system.last[g]
+    if system.frequency > 0.0:
+        return False
+    for i in range(first, last):
+        if axes[i].regime != STUCK or axes[i].spin != 0.0:
+            return False
+    for i in range(first, last):
+        bias, swing = largest_drive(i, system, it.motion.z, it.motion.rate)
+        for d in (-1, 1):
+            away = d * it.motion.z[system.place[i]] < axes[i].half_gap
+            if away and d * bias + swing > MARGIN * it.ball.threshold:
+                return False
+    return True
+
+
+@kernel
+def strongest_drive(it: Record) -> float:
+    """Largest drive of the ball, were it stuck, along either axis from here on [m/s²]."""
+    most = 0.0
+    for i in range(2):
+        bias, swing = largest_drive(i, it.system, it.motion.z, it.motion.rate)
+        most = max(most, abs(bias) + swing)
+    return most
+
+
+@kernel
+def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[float, float]:
+    """Drive of a stuck ball at the structure's place of rest, and a bound on what its motion adds, now and later.
+
+    Without dashpots the amplitudes of the modes stay; with them, the sum of their squares falls.
+    """
+    low, high = system.low[system.group[i]], system.high[system.group[i]]
+    bias = total = reaches = squares = 0.0
+    for k in range(low, high):
+        bias += system.bias[i, k] * z[k]
+        deflection = swing = 0.0
+        for m in range(low, high):
+            deflection += system.deflection[k, m] * z[m]
+            swing += system.swing[k, m] * rate[m]
+        square = deflection * deflection + swing * swing
+        total += system.reach[i, k] * math.sqrt(square)
+        reaches += system.reach[i, k] ** 2
+        squares += square
+    damped = system.damped != 0
+    return bias, math.sqrt(reaches * squares) if damped else total
+
+
+@kernel
+def seek(g: int, it: Record) -> None:
+    """Write into a group when its next event happens, at the latest the end of its step, and what it is."""
+    system, motion, axes = it.system, it.motion, it.axes
+    end, event, axis = 1.0, NOTHING, system.first[g]
+    motion.settled[g] = settled(g, it)
+    if motion.settled[g] == 0:
+        for i in range(system.first[g], system.last[g]):
+            if axes[i].regime == ROLLING:
+                x, kind = _end_of_roll(motion.series[g, system.lane[i]], motion.guard, axes[i], end)
+            elif axes[i].regime != STUCK:
+                x, kind = _end_of_slip(i, it, end)
+            elif axes[i].spin == 0.0:
+                x, kind = _set_off(i, it, end), START
+            else:
+                x, kind = _end_of_pressing(i, it, end)
+            if x < end or (x == end and event == NOTHING):
+                end, event, axis = x, kind, i
+    motion.at[g], motion.kind[g], motion.axis[g] = end, event, axis
+    motion.next[g] = motion.start[g] + end * system.span[g]
+
+
+@kernel
+def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
+    """Hit of the wall ahead, or a zero of the relative velocity before it."""
+    d = axis.direction
+    axis.heading = d
+    x = _hit(s, guard, d, axis.half_gap, end)
+    _velocity(s, guard, d)
+    if guard[0] == 0.0:  # just set off: it accelerates along its direction, whatever rounding says
+        guard[1] = max(guard[1], 0.0)
+    turn = first_zero(guard, min(x, end))
+    return (turn, REVERSAL) if turn < x else (x, HIT)
+
+
+@fused
+def _velocity(s: Floats, guard: Floats, d: int) -> None:
+    """Into the guard: d times the relative velocity."""
+    for k in range(TERMS - 1):
+        guard[k] = d * (k + 1) * s[k + 1]
+    guard[TERMS - 1] = 0.0
+
+
+@kernel
+def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> float:
+    """Hit of the wall on a side; a ball on that wall, or by rounding beyond it, must have left it before."""
+    for k in range(TERMS):
+        guard[k] = -side * s[k]
+    guard[0] = max(guard[0] + half_gap, 0.0)
+    if guard[0] == guard[1] == 0.0:  # just pulled off the wall: it leaves, whatever rounding says
+        guard[2] = max(guard[2], 0.0)
+    return first_zero(guard, end)
+
+
+@kernel
+def _set_off(i: int, it: Record, end: float) -> float:
+    """Setting off of a stuck ball, its drive above the threshold, away from any wall it rests on."""
+    x, axis, guard = np.inf, it.axes[i], it.motion.guard
+    for d in (-1, 1):
+        if d * it.motion.z[it.system.place[i]] < axis.half_gap:
+            _drive(i, it, -d)
+            guard[0] += MARGIN * it.ball.threshold
+            leaves = first_zero(guard, min(x, end))
+            if leaves < x:
+                x, axis.heading = leaves, d
+    return x
+
+
+@kernel
+def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
+    """End of spinning while pressed against a wall: the spin is spent, or the structure pulls the wall away."""
+    system, axis, guard = it.system, it.axes[i], it.motion.guard
+    side = 1 if it.motion.z[system.place[i]] > 0.0 else -1
+    axis.heading = -side
+    spent = abs(axis.spin) / (SPIN_UP * it.ball.grip * system.span[system.group[i]])
+    _drive(i, it, side)
+    pressing = side * math.copysign(it.ball.grip, axis.spin)
+    guard[0] += pressing * MARGIN if pressing > 0.0 else pressing / MARGIN
+    away = first_zero(guard, min(end, spent))
+    if away < spent:
+        return away, START
+    return (spent, GRIP) if spent <= end else (np.inf, NOTHING)
+
+
+@kernel
+def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
+    """Hit of either wall, or the end of sliding before it."""
+    system, axis, guard = it.system, it.axes[i], it.motion.guard
+    g = system.group[i]
+    s, d, span = it.motion.series[g, system.lane[i]], axis.direction, system.span[g]
+    x, kind = np.inf, HIT
+    for side in (-1, 1):
+        hit = _hit(s, guard, side, axis.half_gap, min(x, end))
+        if hit < x:
+            x, axis.heading = hit, side
+    _velocity(s, guard, d)
+    guard[0] = d * (it.motion.rate[system.place[i]] - axis.spin) * span
+    guard[1] -= SPIN_UP * it.ball.grip * span * span
+    grip = first_zero(guard, min(x, end))
+    if grip < x:
+        x, kind = grip, GRIP
+    return x, kind
+
+
+@kernel
+def _drive(i: int, it: Record, d: int) -> None:
+    """Into the guard: d times the drive of a stuck ball, what accelerates it against the structure [m/s²]."""
+    drive = it.motion.series[it.system.group[i], drive_lane(i, it)]
+    for k in range(TERMS):
+        it.motion.guard[k] = d * drive[k]
+
+
+@kernel
+def account(s: Floats, x: float, span: float, axis: Record, ball: Record) -> None:
+    """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
+
+    That is spin_mass s'' + rolling resistance: largest where s'' is, at an end or where its slope vanishes.
+    """
+    share, resistance = ball.spin_mass / ball.mass, axis.direction * ball.threshold
+    square = 1.0 / (span * span)
+    most = 0.0
+    for k in range(TERMS - 1, 1, -1):
+        most = most * x + k * (k - 1) * abs(s[k])
+    if share * most * square + abs(resistance) <= axis.demand:
+        return
+    here, there = 2.0 * s[2] * square, rates(s, x)[1] * square
+    axis.demand = max(axis.demand, abs(share * here + resistance), abs(share * there + resistance))
+    crest = rates(s, _crest(s, x))[1] * square
+    axis.demand = max(axis.demand, abs(share * crest + resistance))
+
+
+@kernel
+def _crest(s: Floats, end: float) -> float:
+    """Where the second derivative of a series is extreme within a step; its end where it is monotone."""
+    low, high = 0.0, end
+    rises = third(s, low) > 0.0
+    if rises == (third(s, high) > 0.0):
+        return end
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        if (third(s, middle) > 0.0) == rises:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+Motion: TypeAlias = tuple[float, float, float, float]
+
+_POSITION, _VELOCITY, _ACCELERATION, _JERK = 0, 1, 2, 3
+
+
+@kernel
+def end_of_roll(axis: Record, law: Record, horizon: float) -> tuple[float, int]:
+    """First hit of the wall ahead or zero of the relative velocity, and which; (inf, NOTHING) past the horizon."""
+    spacing = math.pi / law.frequency
+    if axis.looked == 0.0:
+        axis.crest = axis.ahead = first_extremum(axis, law, 2)
+    low, high = axis.looked, axis.ahead
+    here = _motion(axis, law, low) if low > 0.0 else _departure_motion(axis, law)
+    for _ in range(PIECES):
+        if low >= horizon:
+            return np.inf, NOTHING
+        hit = _early_hit(axis, law, low, high, here)
+        if hit < np.inf:
+            return hit, HIT
+        reversal, position = _early_reversal(axis, law, low, high, here)
+        there = here
+        if reversal == np.inf:
+            there = _motion(axis, law, high)
+            reversal = _reversal(axis, law, low, high, here, there)
+            position = _motion(axis, law, reversal)[_POSITION] if reversal < np.inf else there[_POSITION]
+        if position >= axis.half_gap:
+            end = min(reversal, high)
+            return _closer(axis, law, _POSITION, low, end, 0.5 * (low + end)), HIT
+        if reversal < np.inf:
+            return reversal, REVERSAL
+        low, here = high, there
+        high += spacing
+    axis.looked, axis.ahead = low, high
+    return low, NOTHING
+
+
+@kernel
+def _early_hit(axis: Record, law: Record, low: float, high: float, here: Motion) -> float:
+    """Hit of the wall ahead on a piece [low, high] where it is certain to be the first event, else inf.
+
+    Guessed by a parabola. Certain: the relative velocity is positive at the root and cannot have dipped below zero
+    before, because on the piece the acceleration falls, or has not fallen below zero, or has not risen above it.
+    """
+    distance = axis.half_gap - here[_POSITION]
+    square = here[_VELOCITY] ** 2 + 2.0 * here[_ACCELERATION] * distance
+    speed = here[_VELOCITY] + math.sqrt(square) if square >= 0.0 else -1.0
+    if speed < 0.0:
+        return np.inf
+    guess = 2.0 * distance / speed if speed > 0.0 else np.inf
+    if here[_JERK] > 0.0 and here[_JERK] * guess > 3.0 * here[_ACCELERATION]:  # just set off: the jerk carries the ball
+        guess = min(guess, (6.0 * distance / here[_JERK]) ** (1.0 / 3.0))
+    guess += low
+    tau, motion = _polish(axis, law, _POSITION, low, high, guess)
+    certain = here[_JERK] <= 0.0 or here[_ACCELERATION] >= 0.0 or motion[_ACCELERATION] <= 0.0
+    return tau if certain and motion[_VELOCITY] > 0.0 else np.inf
+
+
+@kernel
+def _early_reversal(axis: Record, law: Record, low: float, high: float, here: Motion) -> tuple[float, float]:
+    """First zero of the relative velocity on a piece [low, high], and the position there, or inf if in doubt.
+
+    Guessed by a parabola. With monotone acceleration the velocity has at most one zero where it falls.
+    """
+    velocity, acceleration, jerk = here[_VELOCITY], here[_ACCELERATION], here[_JERK]
+    square = acceleration * acceleration - 2.0 * jerk * velocity
+    if square < 0.0 or math.sqrt(square) <= acceleration:
+        guess = low - 2.0 * acceleration / jerk if velocity == 0.0 and jerk < 0.0 else np.inf
+    else:
+        guess = low + 2.0 * velocity / (math.sqrt(square) - acceleration)
+    tau, motion = _polish(axis, law, _VELOCITY, low, high, guess)
+    return (tau if motion[_ACCELERATION] < 0.0 and tau > low else np.inf), motion[_POSITION]
+
+
+@kernel
+def _polish(axis: Record, law: Record, order: int, low: float, high: float, tau: float) -> tuple[float, Motion]:
+    """Halley's method from `tau` for the zero of position - half_gap or velocity; (inf, …) if it leaves [low, high]."""
+    target = axis.half_gap if order == _POSITION else 0.0
+    motion = (0.0, 0.0, 0.0, 0.0)
+    for _ in range(8):
+        if not low <= tau <= high:
+            break
+        motion = _motion(axis, law, tau)
+        slope = motion[order + 1]
+        step = (target - motion[order]) / slope if slope != 0.0 else np.inf
+        bend = step * motion[order + 2] / slope
+        if not abs(bend) < 0.5:
+            break
+        step /= 1.0 + 0.5 * bend
+        tau += step
+        if abs(step) * (bend * bend + law.square * step * step) <= 1e-17 * tau:
+            return (tau if low <= tau <= high else np.inf), motion
+    return np.inf, motion
+
+
+@kernel
+def _reversal(axis: Record, law: Record, low: float, high: float, here: Motion, there: Motion) -> float:
+    """First zero of the relative velocity on a piece [low, high] with monotone acceleration, inf if none."""
+    if here[_ACCELERATION] < 0.0 < there[_ACCELERATION]:  # convex: at most two zeros, the first before the valley
+        valley = _closer(axis, law, _ACCELERATION, low, high, 0.5 * (low + high))
+        if _motion(axis, law, valley)[_VELOCITY] > 0.0:
+            return np.inf
+        return _closer(axis, law, _VELOCITY, low, valley, low)
+    if there[_VELOCITY] > 0.0 or here[_ACCELERATION] >= 0.0 <= there[_ACCELERATION]:
+        return np.inf
+    # the velocity is concave or falls all the way: one zero after its top, which Newton meets from the right
+    return _closer(axis, law, _VELOCITY, low, high, high)
+
+
+@kernel
+def _departure_motion(axis: Record, law: Record) -> Motion:
+    """`_motion` at tau = 0, where a ball that was just set off accelerates along its direction."""
+    d, square = axis.direction, law.square
+    structure = -2.0 * law.decay * axis.v - square * (axis.u - axis.offset)
+    acceleration = d * (axis.f - axis.beta * structure)
+    if axis.w == 0.0:
+        acceleration = max(acceleration, 0.0)
+    jerk = d * axis.beta * (2.0 * law.decay * structure + square * axis.v)
+    return d * axis.s, d * axis.w, acceleration, jerk
+
+
+@kernel
+def _motion(axis: Record, law: Record, tau: float) -> Motion:
+    """Relative position, velocity, acceleration and jerk along the direction of motion."""
+    d = axis.direction
+    s, w, acceleration, jerk = relative(axis, law, tau)
+    return d * s, d * w, d * acceleration, d * jerk
+
+
+@kernel
+def _closer(axis: Record, law: Record, order: int, low: float, high: float, tau: float) -> float:
+    """Zero of position - half_gap, velocity or acceleration (`order` 0, 1, 2) in [low, high] near `tau`.
+
+    Newton's method, or Halley's where the next derivative is at hand, kept inside the bracket by bisection.
+    """
+    target = axis.half_gap if order == _POSITION else 0.0
+    rising = order == _POSITION or (order == _ACCELERATION and _motion(axis, law, high)[order] > 0.0)
+    for _ in range(200):
+        motion = _motion(axis, law, tau)
+        f, slope = motion[order] - target, motion[order + 1]
+        if f == 0.0:
+            return tau
+        if (f > 0.0) == rising:
+            high = tau
+        else:
+            low = tau
+        step = -f / slope if slope != 0.0 else np.inf
+        bend = 0.5 * step * motion[order + 2] / slope if order < _ACCELERATION else 0.0
+        if abs(bend) < 0.5:
+            step /= 1.0 + bend
+        new = tau + step if low < tau + step < high else 0.5 * (low + high)
+        if abs(new - tau) <= 4e-16 * new:
+            return new
+        tau = new
+    return tau
+
+
+@kernel
+def schedule(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
+    """Write into `axis` when its next event happens (inf if not before time `horizon`) and what it is.
+
+    A flight is looked through for a while only, since a hit of the other axis may cut it short: where nothing was
+    found yet, the event is NOTHING, and `look` goes on from there.
+    """
+    axis.looked = 0.0
+    look(axis, laws, ball, horizon)
+
+
+@kernel
+def look(axis: Record, laws: Records, ball: Record, horizon: float) -> None:
+    """Go on looking for the next event of a flight."""
+    left = horizon - axis.start
+    if axis.regime == ROLLING:
+        axis.heading = axis.direction
+        tau, kind = end_of_roll(axis, laws[ROLLING], left)
+    elif axis.regime == SLIPPING:
+        tau, kind = end_of_slip(axis, laws[SLIPPING], left)
+    elif axis.spin == 0.0:
+        tau, kind = _level_set_off(axis, laws, ball), START
+    else:
+        tau, kind = end_of_pressing(axis, laws[STUCK], ball)
+    axis.next, axis.due = axis.start + tau, tau
+    axis.kind = kind if tau < np.inf else NOTHING
+
+
+@kernel
+def level_departure(axis: Record, laws: Records, ball: Record) -> int:
+    """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays.
+
+    It leaves when the structure's acceleration exceeds the threshold (eq. 1 and Table I) and the rolling motion
+    that follows (eqs. 2-4) really sets off that way; the two differ where the two laws have different dashpots.
+    """
+    mass = laws[STUCK].mass
+    stuck = (laws[STUCK].stiffness * axis.u + laws[STUCK].damping * axis.v) / mass
+    rolling = (laws[ROLLING].stiffness * axis.u + laws[ROLLING].damping * axis.v) / mass
+    least = MARGIN * ball.threshold
+    for d in (-1, 1):
+        if d * axis.s < axis.half_gap and d * stuck > least and d * rolling > least:
+            return d
+    return 0
+
+
+@kernel
+def _level_set_off(axis: Record, laws: Records, ball: Record) -> float:
+    """First tau at which a stuck ball leaves: its drive exceeds the threshold away from any wall it rests on."""
+    first = np.inf
+    for d in (-1, 1):
+        if d * axis.s < axis.half_gap:
+            tau = _both_exceed(axis, laws, d, ball.threshold)
+            if tau < first:
+                first, axis.heading = tau, d
+    return first
+
+
+@kernel
+def _both_exceed(axis: Record, laws: Records, d: int, threshold: float) -> float:
+    """First tau at which both drives, by the stuck and by the rolling law's dashpot, exceed the threshold."""
+    law = laws[STUCK]
+    p1, q1 = drive(axis, law, law.damping, d)
+    if laws[ROLLING].damping == law.damping:
+        return first_exceed(p1, q1, law, threshold)
+    p2, q2 = drive(axis, law, laws[ROLLING].damping, d)
+    above = threshold - 1e-13 * (abs(p1) + abs(q1))
+    tau = 0.0
+    for _ in range(8):  # whichever comes second decides; each peak passed is lower than the one before
+        tau += first_exceed(*_turned(p1, q1, law, tau), law, threshold)
+        if tau == np.inf or _turned(p2, q2, law, tau)[0] >= above:
+            return tau
+        tau += first_exceed(*_turned(p2, q2, law, tau), law, threshold)
+        if tau == np.inf or _turned(p1, q1, law, tau)[0] >= above:
+            return tau
+    return np.inf
+
+
+@kernel
+def _turned(p: float, q: float, law: Record, tau: float) -> tuple[float, float]:
+    """Coefficients of exp(-decay t) (p C + q S) counted from t = tau; the first is its value there."""
+    e, (c, s) = math.exp(-law.decay * tau), wave(law, tau)
+    return e * (p * c + q * s), e * (q * c - law.frequency * law.frequency * p * s)
