@@ -196,8 +196,8 @@ BREAKS = (
         (
             (
                 "fem/operators/assembly.py",
-                "geometric = forms.geometric_stiffness",
-                "geometric = 1.01 * forms.geometric_stiffness",
+                "return displacement, forms.geometric_stiffness(",
+                "return displacement, 1.01 * forms.geometric_stiffness(",
             ),
         ),
     ),

@@ -29,7 +29,7 @@ def test_no_place_for_compiled_code() -> None:
 FRESH = """
 from damper import compiled
 print(compiled.fresh())
-from damper.finder import _safe  # a kernel that calls no other compiles soon
+from damper.events import _safe  # a kernel that calls no other compiles soon
 _safe(1.0, 1.0, 1.0, 1.0, 1.0)
 print(compiled.fresh())
 """
