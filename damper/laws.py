@@ -271,12 +271,12 @@ def check_hits(run: RingDown, rows: Records) -> None:
         LawViolation: an event does not obey its law.
     """
     w, before, kind = abs(rows["w"]), abs(rows["w_before"]), rows["kind"]
-    rests = rows["regime"] == STUCK
+    rests, after = rows["regime"] == STUCK, -rows["w"] * np.sign(rows["w_before"])  # along the way back
 
     def where(index: tuple[int, ...]) -> str:
         return f"a ring-down at {rows['time'][index[0]]:.6g} s"
 
-    error = np.where((kind == HIT) & ~rests, abs(w - run.damper.restitution * before), 0.0)
+    error = np.where((kind == HIT) & ~rests, abs(after - run.damper.restitution * before), 0.0)
     require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
     require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)
     require("a stuck ball has no speed", "speed [m/s]", np.where(rests, w, 0.0), 0.0, where)

@@ -2,13 +2,15 @@
 
 Each break is made in a copy of this tree. Its commands are run with a self-check that is said to be passed (`laws
 alone`), and as they are (`all guards`). A command has published if it ends with status 0, or with 3, which is a
-statement on the physics. `--beside TREE` makes the same breaks in another tree, of an earlier commit, say. A break of a
-kernel takes some minutes, for all kernels have to be compiled anew.
+statement on the physics; where its figures are those of the unbroken tree, the break is not in its way. `--beside
+TREE` makes the same breaks in another tree, of an earlier commit, say. A break of a kernel takes some minutes, for all
+kernels have to be compiled anew.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
@@ -17,6 +19,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 
@@ -240,15 +243,36 @@ amplitude = ["1 mm", "3 mm"]
 
 ON_STRUCTURES = {
     "run": ("run", "scene.toml", "--out", "out-run"),
+    "run on a level floor": ("run", "level.toml", "--out", "out-level"),
     "ringdown": ("ringdown", "scene.toml", "--json"),
     "response": ("response", "scene.toml", "--out", "out-response"),
     "design": ("design", "design.toml", "--workers", "1", "--out", "out-design"),
-    "sweep": ("sweep", "scene.toml", "--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1"),
+    "sweep": (
+        "sweep",
+        "scene.toml",
+        "--vary",
+        "damper.restitution=0.4,0.5",
+        "--quick",
+        "--workers",
+        "1",
+        "--out",
+        "out-sweep",
+    ),
 }
 ON_PLATES = {
-    "run": ("run", "paper", "--out", "out-run"),
+    "run of a plate": ("run", "paper", "--out", "out-run"),
     "campbell": ("campbell", "paper", "--json"),
-    "sweep": ("sweep", "paper", "--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1"),
+    "sweep of a plate": (
+        "sweep",
+        "paper",
+        "--vary",
+        "damper.restitution=0.4,0.5",
+        "--quick",
+        "--workers",
+        "1",
+        "--out",
+        "out-sweep",
+    ),
 }
 
 STAMPS = """
@@ -261,13 +285,36 @@ for path in (*map(self_check.stamp_of, self_check.FAMILIES), stamp_of_plates()):
 """Leaves the stamps of a self-check that was passed, so that no process makes it."""
 
 
-def run(tree: Path, command: tuple[str, ...]) -> tuple[str, str]:
-    """What became of a command in a tree, and the last that it said."""
+Figures = list[str]
+
+
+def run(tree: Path, command: tuple[str, ...]) -> tuple[str, str, Figures]:
+    """What became of a command in a tree, the last that it said, and its figures."""
     done = python(tree, "-m", "workflows.cli", *command)
     if done is None:
-        return "hangs", ""
+        return "hangs", "", []
     said = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else ""
-    return ("PUBLISHED" if done.returncode in (0, 3) else f"status {done.returncode}"), said
+    if done.returncode not in (0, 3):
+        return f"status {done.returncode}", said, []
+    texts = [done.stdout] if "--json" in command else []
+    texts += [path.read_text(encoding="utf-8") for path in sorted(tree.glob("out-*/*.json"))]
+    figures: Figures = []
+    for text in texts:
+        collect(json.loads(text), figures)
+    return "PUBLISHED", said, figures
+
+
+def collect(value: Any, figures: Figures) -> None:
+    """Add the numbers in a JSON value to `figures`, to five digits; but for times and estimates of rounding."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            if key not in {"timings", "versions", "seconds", "error_parts", "machine"}:
+                collect(each, figures)
+    elif isinstance(value, list):
+        for each in value:
+            collect(each, figures)
+    elif isinstance(value, int | float):
+        figures.append(f"{value:.5g}")
 
 
 def python(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str] | None:
@@ -291,23 +338,34 @@ def copied(source: Path, tree: Path, each: Break) -> Path:
             shutil.copy2(source / part, tree / part)
     each.apply(tree)
     (tree / "scene.toml").write_text(STRUCTURE, encoding="utf-8")
+    (tree / "level.toml").write_text(STRUCTURE.replace("floor_tilt = 2.0\n", ""), encoding="utf-8")
     (tree / "design.toml").write_text(DESIGN, encoding="utf-8")
     return tree
+
+
+EXPECTED: dict[tuple[str, ...], Figures] = {}
+"""Figures of the commands where nothing is broken."""
 
 
 def results(each: Break, source: Path, *, guarded: bool) -> Iterator[tuple[str, str, str, str]]:
     """Break, guards, command and what became of it, in a copy of a tree."""
     with tempfile.TemporaryDirectory() as folder:
         tree = copied(source, Path(folder), each)
+        commands = ON_STRUCTURES | ON_PLATES
+        if each.changes:
+            commands = ON_PLATES if each.changes[0][0].startswith("fem") else ON_STRUCTURES
         for guards in ("laws alone", "all guards") if guarded else ("before",):
             if guards == "laws alone":
                 python(tree, "-c", STAMPS)
             if guards == "all guards":
-                for stamp in tree.rglob("*.checked"):
-                    stamp.unlink()
-            commands = ON_PLATES if each.changes and each.changes[0][0].startswith("fem") else ON_STRUCTURES
+                python(tree, "-c", STAMPS.replace("leave(path)", "path.unlink(missing_ok=True)"))
             for name, command in commands.items():
-                yield each.name, guards, name, " ".join(run(tree, command))
+                became, said, figures = run(tree, command)
+                if not each.changes:
+                    EXPECTED[command] = figures
+                elif became == "PUBLISHED" and figures == EXPECTED.get(command):
+                    became = "the right figures"
+                yield each.name, guards, name, f"{became} {said}"
                 for out in tree.glob("out-*"):
                     shutil.rmtree(out)
 
@@ -319,7 +377,7 @@ def main() -> None:
     parser.add_argument("--beside", type=Path, help="another tree")
     given = parser.parse_args()
     for each in BREAKS:
-        if given.names and not any(each.name.startswith(name) for name in given.names):
+        if each.changes and given.names and not any(each.name.startswith(name) for name in given.names):
             continue
         trees = [(ROOT, True)] if given.beside is None else [(given.beside, False), (ROOT, True)]
         for source, guarded in trees:
