@@ -9,7 +9,7 @@ ROOMS = {
 }
 """From the top down: a room may import those after it."""
 
-GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "versions", "wording", "stages")}
+GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "versions", "wording", "progress")}
 """What imports no room, and any room may import."""
 
 ATTIC = {"workflows": ("pipeline", "running", "parts", "looking")}

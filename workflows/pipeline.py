@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from workflows.effects.effect import Effect
 from workflows.errors import read_from
 from workflows.findings.of_the_damper import remarks
+from workflows.progress import Stages
 from workflows.scene.file import DEFAULT, SceneLike, opened
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, needs, records
+from workflows.solve import felt, records, resources
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_stage import PlateAnswer
 from workflows.solve.records import Results, SpeedPoint
-from workflows.stages import Stages
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +91,6 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
         TypeError: it is no scene.
     """
     source = opened(scene)
-    needs.check(source)
+    resources.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from workflows import pipeline
 from workflows.errors import lawful
+from workflows.progress import Stages
 from workflows.report.brief import Shown, shown
 from workflows.scene.file import DEFAULT, SceneLike
-from workflows.stages import Stages
 
 
 @lawful()

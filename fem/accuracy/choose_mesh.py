@@ -7,14 +7,15 @@ little to the mesh it ends with.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.accuracy.budget import EXACT, FIRST, SURE
 from fem.accuracy.estimates import Estimates
-from fem.accuracy.tried import Tried, enough_cells
+from fem.accuracy.tried import Tried
+from fem.meshes.ladder import begun_with
 from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:
@@ -62,7 +63,6 @@ class Choice:
         tried: each size with its largest error.
         rates: (k, count) circular frequencies at the probes in rad/s, NaN where not known.
         states: probes with the displacement (n,) at which the plate rests, where the deflection is large.
-        following: the size that would have been tried next, if the search was ended before it.
     """
 
     operators: Operators
@@ -73,7 +73,6 @@ class Choice:
     tried: tuple[tuple[int, float], ...] = field(default=())
     rates: Array = field(default_factory=lambda: np.full((1, 1), np.nan))
     states: tuple[tuple[float, Array], ...] = field(default=(), repr=False)
-    following: int | None = None
 
     @property
     def met(self) -> bool:
@@ -92,14 +91,13 @@ def choose_mesh(
     count: int,
     tolerance: float,
     most: int | None = None,
-    until: float = np.inf,
 ) -> Choice:
     """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
 
     build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and at
     the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of which
     one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
-    MOST_UNKNOWNS. until: unknowns before which the search is ended as it stands, after its first two meshes.
+    MOST_UNKNOWNS.
 
     Raises:
         Divergence, NoEquilibrium: when there is no mode at the lowest speed.
@@ -129,8 +127,6 @@ def choose_mesh(
         following = next_size(planform, fine, float(errors.max()) / tolerance, _room(search.meshes, fine, most))
         if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
-        if search.meshes.unknowns(fine) * (following / fine) ** 2 > until:
-            return replace(_end(search, fine, errors, tolerance), following=following)
         coarse, fine = fine, following
 
 
@@ -197,7 +193,7 @@ def _most(theory: str) -> int:
 def first_pair(planform: Planform, count: int) -> tuple[int, int]:
     """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
     sizes = planform.sizes
-    fine = next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
+    fine = begun_with(planform, count)
     return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.accuracy.edge_layer import layer_and_rest, layer_errors, unseen
-from fem.accuracy.tried import Tried, enough_cells
+from fem.accuracy.tried import Tried
+from fem.meshes.ladder import enough_cells
 from fem.theory.kind import Kind, kind
 
 if TYPE_CHECKING:

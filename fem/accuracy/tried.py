@@ -25,16 +25,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-CELLS_PER_MODE = 10
-"""Cells for each mode wanted of a mesh that counts as more than the coarsest."""
-
 SURELY = 3.0
 """Ratio of the sizes of two meshes at which a plate diverges that makes it believed; coarse ones may do so alone."""
-
-
-def enough_cells(planform: Planform, size: int, count: int) -> bool:
-    """Whether a mesh has enough cells for a number of modes to be more than the coarsest."""
-    return int(planform.mesh(size).t.shape[1]) >= CELLS_PER_MODE * count
 
 
 class Tried:

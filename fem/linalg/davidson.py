@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.linalg.lanczos import orthonormal
-from fem.linalg.spent import projecting
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,8 +45,7 @@ def lowest_modes(
     pushed = stiffness @ basis
     for _ in range(ROUNDS):
         reduced = basis.T @ pushed
-        with projecting():
-            values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
         values, vectors = values[:count], vectors[:, :count]
         residual = pushed @ vectors - (image @ vectors) * values
         step = factor.solve(residual)
@@ -73,8 +71,7 @@ def refine(
     basis, image, _, _ = orthonormal(start, empty, empty, mass)
     for _ in range(STEPS):
         reduced = basis.T @ (stiffness @ basis)
-        with projecting():
-            values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
         pick = most_alike(wanted @ basis, basis.T @ (measure @ basis), vectors)
         value, shape = float(values[pick]), basis @ vectors[:, pick]
         residual = stiffness @ shape - value * (mass @ shape)

@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.spent import factoring, projecting, solving
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
@@ -63,14 +61,12 @@ class Factor:
 
     def solve(self, right: Array) -> Array:
         """Solution for one (n,) or several (n, k) right-hand sides."""
-        with solving(1 if right.ndim == 1 else right.shape[1]):
-            return np.asarray(self.lu.solve(right))
+        return np.asarray(self.lu.solve(right))
 
     @property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester)."""
-        with solving(0):  # all of the factor is copied for this
-            return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
 
 
 def factorise(matrix: csc_array) -> Factor:
@@ -83,8 +79,8 @@ def factorise(matrix: csc_array) -> Factor:
 
     options = {"SymmetricMode": True}
     try:
-        with factoring():  # relax=1: relaxed supernodes make some triangles' factors seven times dearer, none cheaper
-            return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options=options))
+        # relax=1: relaxed supernodes make some triangles' factors seven times dearer, none cheaper
+        return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options=options))
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         if "singular" not in str(error):
             raise
@@ -140,8 +136,7 @@ def krylov(
         projected = np.pad(projected, ((0, b), (0, b)))
         projected[m - b :] = column.T
         projected[:, m - b :] = column
-        with projecting():
-            values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
+        values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
         size = np.maximum(np.abs(values[order]), np.finfo(float).tiny)

@@ -29,6 +29,9 @@ COARSEST = 3
 MOST_CELLS = 10_000
 """Cells up to which a given mesh is split: seconds for a factor."""
 
+CELLS_PER_MODE = 10
+"""Cells for each mode wanted of a mesh that counts as more than the coarsest."""
+
 STRAIGHT = 0.03
 """Relative difference from a straight angle that is none, as where a curve is drawn by edges."""
 
@@ -66,6 +69,20 @@ class Planform(Protocol):
     def edge(self, size: int) -> float:
         """How wide the cells along its edges are, in m."""
         ...
+
+
+def enough_cells(planform: Planform, size: int, count: int) -> bool:
+    """Whether a mesh has enough cells for a number of modes to be more than the coarsest."""
+    if isinstance(planform, Rectangle):
+        along, across = planform.cells(size)
+        return along * across >= CELLS_PER_MODE * count
+    return int(planform.mesh(size).t.shape[1]) >= CELLS_PER_MODE * count
+
+
+def begun_with(planform: Planform, count: int) -> int:
+    """The finer of the two sizes that a search begins with: the first with enough cells for so many modes."""
+    sizes = planform.sizes
+    return next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
 
 
 @dataclass(frozen=True)

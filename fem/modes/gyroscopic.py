@@ -16,7 +16,6 @@ import numpy as np
 
 from fem.linalg import lanczos as solver
 from fem.linalg.lanczos import NotConverged, orthonormal, rounding
-from fem.linalg.spent import projecting
 from fem.modes.real import Modes, solve_real
 
 if TYPE_CHECKING:
@@ -135,7 +134,6 @@ def _small(span: _Span, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
     return _projected(span.vectors.T @ span.heavy, span.vectors.T @ span.turned, shift, count)
 
 
-@projecting()
 def _projected(mass: Array, turned: Array, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
     """The same of the mass and Coriolis matrices (r, r) in the span."""
     squares, axes = np.linalg.eigh(_even(mass))

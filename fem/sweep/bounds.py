@@ -31,7 +31,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.spent import projecting
 from fem.sweep.galerkin import LEAST, still, turning
 
 if TYPE_CHECKING:
@@ -78,7 +77,6 @@ class ReducedModes:
         return np.asarray((self.bounds <= np.maximum(tolerance, ROUNDED * self.rounding)).all(axis=1))
 
 
-@projecting()
 def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
     q = min(basis.known.size, basis.size) - 1

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workflows.stages import Stages
+from workflows.progress import Stages
 from workflows.studies.sweep import crew, folder, quantities, study
 from workflows.studies.sweep.blocks import Block
 

@@ -19,7 +19,7 @@ from unittest import mock
 import psutil
 
 import damper.motion
-from workflows.stages import Stages
+from workflows.progress import Stages
 from workflows.studies.sweep import blocks, crew, plans, study
 from workflows.studies.sweep.plates import Plates
 

@@ -18,7 +18,7 @@ from filelock import FileLock
 from workflows.cli.entry import main
 from workflows.report import drawing, mode_shape
 from workflows.scene.file import SHIPPED
-from workflows.solve import damper_stage, pilot
+from workflows.solve import damper_stage
 from workflows.studies.sweep import crew
 from workflows.studies.sweep.placed import QUICK
 
@@ -81,12 +81,6 @@ def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reports without their figures, which take most of a report's time and are not looked at."""
     monkeypatch.setattr(drawing, "both", lambda _: "")
-
-
-@pytest.fixture
-def unreckoned(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`check` without the small run that it reckons by, which takes most of its time and is not looked at."""
-    monkeypatch.setattr(pilot, "need", lambda *_: pilot.Need(memory=1e9, seconds=1.0))
 
 
 def measured_quickly(system: Any) -> Any:

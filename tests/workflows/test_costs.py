@@ -16,13 +16,12 @@ import pytest
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown, working
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
+from workflows.progress import Stages
 from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
 from workflows.scene.rotor import Accuracy
-from workflows.solve import damper_stage, pilot
-from workflows.solve.decided import decide
+from workflows.solve import damper_stage
 from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
-from workflows.stages import Stages
 from workflows.studies.costs import dampers, page, pipelines, plates, plots, speeds, timing
 from workflows.studies.costs.by_ivp import by_ivp
 from workflows.studies.costs.changes import changes
@@ -393,26 +392,6 @@ def test_the_theory_is_chosen_once(
     scene = changed(paper, plate__theory="auto", rotor__speeds=["500 rpm"], effects__coriolis=long)
     assert spindamp(*command.split(), write(scene, Path("scene.toml"))).status == 0
     assert len(calls) == 1
-
-
-@pytest.mark.parametrize(
-    ("changes", "tried"),
-    [
-        ({}, False),
-        ({"effects__coriolis": True}, False),
-        ({"effects__large_deflection": True, "rotor__speeds": ["500 rpm"]}, False),
-        ({"effects__large_deflection": True, "rotor__speeds": {"start": 100, "stop": 300, "count": 40}}, True),
-        ({"plate__theory": "solid", "accuracy__frequency": 1e-4}, True),
-        ({"rotor__modes": 60}, True),
-    ],
-)
-def test_only_what_may_take_long_is_tried_beforehand(
-    changes: dict[str, Any], tried: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A small run would pay for itself twice."""
-    monkeypatch.setattr("workflows.solve.needs.available", lambda: 16e9)
-    source = scene_file.opened(changed(paper, **changes)).plate_alone()
-    assert pilot.may_be_large(source, decide(source, QUIET)) == tried
 
 
 def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> timing.Compared[Any]:

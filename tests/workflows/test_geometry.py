@@ -16,9 +16,9 @@ import pytest
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
 from workflows.errors import BadInput
+from workflows.progress import Stages
 from workflows.scene import cavity, plate_mesh
 from workflows.scene.file import SHIPPED, load, parse
-from workflows.stages import Stages
 
 
 def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0) -> Path:
@@ -78,7 +78,6 @@ def test_a_blade_is_the_same_wherever_and_in_whatever_unit_it_is_drawn(
         assert same[name] == pytest.approx(values, rel=1e-8), name
 
 
-@pytest.mark.usefixtures("unreckoned")
 def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
     drawn(tmp_path / "blade.msh", 0.15)
     scene = write(blade(paper), tmp_path / "scene.toml")
@@ -89,7 +88,6 @@ def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tm
     assert "Radii from the axis: 200 mm at the damper" in spindamp("check", "structure").out
 
 
-@pytest.mark.usefixtures("unreckoned")
 def test_check_draws_the_axes(spindamp: Callable[..., Outcome]) -> None:
     said = spindamp("check", "paper").out
     assert all(line in said for line in cavity.PICTURE.splitlines())

@@ -18,8 +18,6 @@ from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import felt
 from workflows.solve.records import Results
 
-pytestmark = pytest.mark.usefixtures("unreckoned")
-
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 
 

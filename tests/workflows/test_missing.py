@@ -13,9 +13,9 @@ import workflows
 from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
 from workflows.findings import missing, trust
+from workflows.progress import Stages
 from workflows.scene.file import opened
 from workflows.solve.records import Reduced
-from workflows.stages import Stages
 
 
 def _frequency(scene: Scene) -> float:

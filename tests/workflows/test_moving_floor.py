@@ -15,9 +15,9 @@ from tests.workflows.conftest import Scene, changed, write
 from workflows import pipeline
 from workflows.effects import rules
 from workflows.errors import BadInput
+from workflows.progress import Stages
 from workflows.scene.file import opened
 from workflows.solve import damper_stage, felt
-from workflows.stages import Stages
 
 RPM = math.pi / 30
 QUIET = Stages(visible=False)

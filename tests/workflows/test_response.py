@@ -17,12 +17,12 @@ from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, r
 from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
 from workflows.findings import worth
+from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.scene.excitation import Excitation
 from workflows.scene.file import opened
 from workflows.scene.schema import schema
 from workflows.solve.records import Mode, SpeedPoint
-from workflows.stages import Stages
 from workflows.studies.design import amplitude
 from workflows.studies.response import band, files, page, peaks, study, told
 from workflows.studies.response.study import FEW_SPEEDS, respond

@@ -202,7 +202,6 @@ def test_folders_of_the_same_name_do_not_hide_the_packages_from_the_command(tmp_
     assert done.stdout.startswith("{")
 
 
-@pytest.mark.usefixtures("unreckoned")
 def test_shipped_scenes_are_not_the_users(spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
     """A name is a shipped scene, unless a file of just that name is here."""
     assert spindamp("check", "paper").status == 0

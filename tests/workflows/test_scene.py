@@ -17,12 +17,12 @@ import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
 from workflows.effects import rules as effects
+from workflows.progress import Stages
 from workflows.results import resolved
 from workflows.scene import plate_mesh
 from workflows.scene.file import SHIPPED, load, parse, shipped, slug
 from workflows.scene.schema import schema
 from workflows.solve import theorising
-from workflows.stages import Stages
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -65,7 +65,6 @@ BARE = [
 ]
 
 
-@pytest.mark.usefixtures("unreckoned")
 @pytest.mark.parametrize(("speeds", "remark"), BARE)
 def test_speeds_without_a_unit_are_remarked_on(
     speeds: object, remark: str | None, structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path

@@ -12,7 +12,7 @@ import pytest
 
 from workflows.errors import BadInput
 from workflows.output import signals
-from workflows.stages import Stages
+from workflows.progress import Stages
 from workflows.studies.sweep import crew, folder, study
 from workflows.studies.sweep.crew import Crew
 

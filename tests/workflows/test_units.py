@@ -133,3 +133,8 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     except UnitError:
         return
     assert math.isfinite(value)
+
+
+@pytest.mark.parametrize(("unit", "si"), units._FACTORS)
+def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
+    assert units._FACTORS[unit, si] == units._by_pint(unit, si)

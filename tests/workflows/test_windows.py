@@ -29,7 +29,7 @@ from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
 from workflows.output import signals, store
 from workflows.output import swap as folders
-from workflows.solve import needs
+from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -237,7 +237,7 @@ def test_memory_where_there_is_no_proc(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "read_text", missing)
     monkeypatch.delattr(os, "sysconf")
     monkeypatch.setitem(sys.modules, "resource", None)
-    assert needs.available() == there.available
+    assert resources.available() == there.available
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])

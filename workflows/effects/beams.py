@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from workflows.scene import thicknesses
 from workflows.scene.scene import Scene
 
@@ -38,7 +36,7 @@ def beam_like(scene: Scene, form: Planform | None) -> Beam:
         raise ValueError("the scene has no plate")
     if form is None and plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    length, width = (plate.length, plate.width) if form is None else np.ptp(form.mesh(form.sizes[0]).p, axis=1)
+    length, width = (plate.length, plate.width) if form is None else form.sides
     thickness = thicknesses.spread(plate, form)[1]
     mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
     square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)

@@ -7,11 +7,11 @@ import math
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.looking.sight import Sight, of_plate
+from workflows.progress import Stages
 from workflows.scene import file as scene_file
 from workflows.scene.source import SceneFile
 from workflows.scene.speeds import FASTEST, typed
-from workflows.solve import needs
-from workflows.stages import Stages
+from workflows.solve import resources
 from workflows.wording import whole
 
 
@@ -26,7 +26,7 @@ def sight(scene: str, rpm: float | None) -> Sight:
         raise BadInput("the table is missing: view needs a plate", file=source.name, key="[plate]")
     if rpm is not None:
         source = _at(source, rpm)
-    needs.check(source)
+    resources.check(source)
     with Stages() as stages:
         found = pipeline.structure(source, stages)
     if found.plate is None or found.plate.surface is None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from workflows.errors import BadInput
 from workflows.output import store
+from workflows.progress import Stages
 from workflows.report import page as report
 from workflows.report.brief import shown
 from workflows.report.mode_shape import Artist
@@ -19,7 +20,6 @@ from workflows.results import document as results_json
 from workflows.results import files as results_files
 from workflows.solve import records
 from workflows.solve.records import Results, expect
-from workflows.stages import Stages
 
 
 def save(results: Results, folder: str | os.PathLike[str]) -> Path:

@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from workflows.progress import NAMES
 from workflows.results.document import SCHEMA_VERSION
 from workflows.solve.quantity import Entry, Part, Quantity, entries
 from workflows.solve.records import SpeedPoint
-from workflows.stages import NAMES
 
 _HASH = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
 

@@ -12,13 +12,13 @@ import numpy as np
 from workflows.effects.effect import Effect
 from workflows.effects.table import EFFECTS
 from workflows.errors import BadInput, during
+from workflows.progress import Stages
 from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import felt
 from workflows.solve.ball_path import ball_path
 from workflows.solve.quantity import taken_over
 from workflows.solve.records import CavityMode, CutOff, Damping, Energy, Figures, History, OwnFigures, SpeedPoint
-from workflows.stages import Stages
 from workflows.wording import whole
 
 if TYPE_CHECKING:

@@ -11,25 +11,24 @@ from workflows.effects.effect import Effect
 from workflows.effects.left_out import LeftOut
 from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
-from workflows.scene import plate_mesh, thicknesses
+from workflows.progress import Stages
+from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
-from workflows.solve import at_the_cavity, needs, plate_records, self_check, theorising
+from workflows.solve import at_the_cavity, plate_records, resources, self_check
 from workflows.solve.answering import answering
-from workflows.solve.decided import Decided
+from workflows.solve.decided import Decided, with_layers
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Diagram, SpeedPoint, Surface
 from workflows.solve.structure_records import Theory
-from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import fem
-    from fem.meshes.ladder import Planform
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
 
-MODES_FOLLOWED = 12
+_MODES_FOLLOWED = 12
 """Modes up to which that is so."""
 
 _STIFFENED = 50.0
@@ -110,12 +109,10 @@ def discretise(
     decided: Decided,
     stages: Stages,
     size: int | None = None,
-    until: float = np.inf,
 ) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
-    With a `size` of the planform's ladder they are on that mesh, with errors that are not known. `until`: unknowns
-    before which the search is ended, wherever it then stands.
+    With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
     """
     from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
 
@@ -123,7 +120,7 @@ def discretise(
     form, theory = decided.plate
     plain = Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
     rotor = plate_mesh.rotor(scene)
-    model, layers = _with_layers(source, form, theory)
+    model, layers = with_layers(source, form, theory)
 
     def build(size: int) -> fem.Operators:
         with stages("mesh"):
@@ -141,8 +138,8 @@ def discretise(
     try:
         left_out = sum(found.largest for found in _left_out(effects).values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
-        fit = needs.most_unknowns(source, form, model, plain.large_deflection)
-        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit, until)
+        fit = resources.most_unknowns(source, form, model, plain.large_deflection)
+        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
         raise BadInput(str(error), file=source.name, key="[plate]") from error
@@ -158,21 +155,6 @@ def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
     return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
-def _with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
-    """The theory's name with the layers of a solid, and the error that these leave."""
-    from fem.theory.by_name import solid_theory
-
-    scene = source.scene
-    if theory.name != "solid" or scene.plate is None:
-        return theorising.model(theory.name, scene), 0.0
-    return solid_theory(form.sides[0], thicknesses.spread(scene.plate, form)[2], scene.budget.layers)
-
-
-def model(source: SceneFile, decided: Decided) -> str:
-    """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    return _with_layers(source, *decided.plate)[0]
-
-
 def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
     from fem import campbell
@@ -186,17 +168,9 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     return campbell(operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states)
 
 
-def each_alone(scene: Scene, effects: dict[str, Effect]) -> bool:
-    """Whether the sweep solves every speed in full, so that its work grows with their number."""
-    from fem.sweep.diagram import hardly_any
-
-    speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
-    return effects["large_deflection"].on or (modes > MODES_FOLLOWED and hardly_any(speeds, modes))
-
-
 def one_by_one(scene: Scene, operators: fem.Operators) -> bool:
     """Whether every speed is solved by itself, so that speeds beside those asked for would cost."""
-    return operators.effects.large_deflection or scene.rotor.modes > MODES_FOLLOWED
+    return operators.effects.large_deflection or scene.rotor.modes > _MODES_FOLLOWED
 
 
 def steps(low: float, high: float, rates: np.ndarray) -> np.ndarray:

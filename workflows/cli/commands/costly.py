@@ -10,9 +10,9 @@ import typer
 
 from workflows.cli.commands import kernels
 from workflows.output import store
+from workflows.progress import Stages
 from workflows.scene import file as scene_file
 from workflows.scene.source import SceneFile
-from workflows.stages import Stages
 
 
 class Found(Protocol):

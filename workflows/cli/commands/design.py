@@ -26,8 +26,8 @@ def design(
     from workflows.cli.commands import kernels
     from workflows.errors import NoAnswer
     from workflows.output import store
+    from workflows.progress import Stages
     from workflows.scene import file as scene_file
-    from workflows.stages import Stages
     from workflows.studies.design import page, study
     from workflows.studies.sweep.study import crew_of
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -10,24 +9,20 @@ import typer
 
 from workflows import pipeline
 from workflows.cli.commands import kernels
-from workflows.errors import NoAnswer
 from workflows.output import store
+from workflows.progress import Stages
 from workflows.report import text as summary
 from workflows.report.mode_shape import Artist
 from workflows.results import curves
 from workflows.results import document as results_json
 from workflows.scene.source import SceneFile
-from workflows.solve import needs, pilot, records
-from workflows.solve.decided import Decided, decide
-from workflows.stages import Stages
-
-_LONG = 60.0
-"""Seconds from which on a run says beforehand how long it takes."""
+from workflows.solve import records, resources
+from workflows.solve.decided import decide
 
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
-    needs.check(source)
+    resources.check(source)
     if out is not None:
         store.check(out, curves.FILES)
     if source.scene.damper is not None:
@@ -37,7 +32,6 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         drawn = out is not None and source.scene.plate is not None
         artist = stack.enter_context(Artist()) if drawn else None
         decided = decide(source, stages)
-        _say_if_long(source, decided)
         found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
         if artist is not None and found.plate is not None and found.plate.surface is not None:
             artist.draw(found.plate.surface, records.shown(found.points))
@@ -47,16 +41,3 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
 
             results = publish(results, out, stages, artist)
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))
-
-
-def _say_if_long(source: SceneFile, decided: Decided) -> None:
-    """What the run takes, if that may be long; a run that is too long or too large ends here."""
-    if not pilot.may_be_large(source, decided):
-        return
-    try:
-        need = pilot.need(source, decided)
-    except NoAnswer:  # the run says so itself
-        return
-    needs.refuse(source, need.memory, need.seconds)
-    if need.seconds > _LONG and sys.stderr.isatty():  # as the progress, which it is a part of
-        typer.echo(f"spindamp: {pilot.in_words(need)}", err=True)

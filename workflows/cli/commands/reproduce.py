@@ -14,7 +14,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
     """
     from workflows.cli.commands import kernels
     from workflows.output import store
-    from workflows.stages import Stages
+    from workflows.progress import Stages
     from workflows.studies import reproduction
     from workflows.studies.reproduction import page
 

@@ -14,8 +14,8 @@ def response(scene: SceneArgument = "paper", out: Out = None, json: Json = False
     """
     from workflows.cli.commands import kernels
     from workflows.output import store
+    from workflows.progress import Stages
     from workflows.scene import file as scene_file
-    from workflows.stages import Stages
     from workflows.studies.response import page, told
     from workflows.studies.response.study import respond
 

@@ -48,8 +48,8 @@ def sweep(
     --json and no --out nothing is written.
     """
     from workflows.cli.commands import kernels
+    from workflows.progress import Stages
     from workflows.scene import file as scene_file
-    from workflows.stages import Stages
     from workflows.studies.sweep import folder, page, study, summary
     from workflows.studies.sweep import uncertain as doubts
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from workflows.progress import Step
 from workflows.solve.records import SpeedPoint
-from workflows.stages import Step
 from workflows.studies.costs.by_ivp import ByIvp, Integrator, by_ivp
 from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import significant, whole

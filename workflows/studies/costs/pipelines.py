@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from workflows import pipeline
+from workflows.progress import Stages, Step
 from workflows.scene.rotor import Accuracy
 from workflows.scene.source import SceneFile
 from workflows.solve import records
 from workflows.solve.decided import decide
 from workflows.solve.records import Results
-from workflows.stages import Stages, Step
 from workflows.studies.costs.ladder import Ladder, Picked, Rung, measure
 from workflows.wording import significant, whole
 

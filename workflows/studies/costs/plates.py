@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from workflows.progress import Step
 from workflows.solve.records import Floats
-from workflows.stages import Step
 from workflows.studies.costs.ladder import Ladder, Rung, measure
 from workflows.wording import fixed, significant, whole
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from workflows.progress import Step
 from workflows.solve.records import Floats
-from workflows.stages import Step
 from workflows.studies.costs.ladder import Ladder, Picked, measure
 from workflows.wording import whole
 

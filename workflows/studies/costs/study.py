@@ -9,6 +9,7 @@ import numpy as np
 
 from workflows import pipeline
 from workflows.errors import NoAnswer
+from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
@@ -17,7 +18,6 @@ from workflows.solve import plate_stage as plate
 from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import Floats
-from workflows.stages import Stages
 from workflows.studies.costs import dampers, pipelines, plates, speeds
 from workflows.studies.costs.ladder import Costs, Ladder, Picked
 from workflows.studies.costs.plates import Problem

@@ -11,11 +11,11 @@ from workflows.effects.effect import Effect
 from workflows.effects.left_out import Called
 from workflows.effects.table import EFFECTS
 from workflows.errors import SpindampError
+from workflows.progress import Stages
 from workflows.scene.source import SceneFile
 from workflows.solve import plate_stage as plate
 from workflows.solve.decided import decide
 from workflows.solve.records import SpeedPoint
-from workflows.stages import Stages
 from workflows.studies.costs.changes import changes
 from workflows.studies.costs.ladder import machine
 from workflows.studies.costs.timing import POLICY_OF_DIFFERENCES, compared

@@ -14,11 +14,11 @@ from typing import ClassVar
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
 from workflows.scene.source import SceneFile
-from workflows.stages import Stages
 from workflows.studies.design import balance, crossed
 from workflows.studies.design.crossed import Crossed, Linear
 from workflows.studies.design.scored import Scored

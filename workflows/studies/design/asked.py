@@ -7,9 +7,9 @@ from typing import Any
 
 from workflows.errors import BadInput
 from workflows.findings import possible
+from workflows.progress import Stages
 from workflows.scene.design import FLAT
 from workflows.scene.source import SceneFile
-from workflows.stages import Stages
 from workflows.studies.design import amplitude
 from workflows.studies.design.damping import LeastDamping
 from workflows.studies.design.space import NAMES, Space

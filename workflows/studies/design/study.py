@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.progress import Stages
 from workflows.results import resolved
 from workflows.scene.file import DEFAULT, SceneLike, opened
 from workflows.scene.source import SceneFile
-from workflows.solve import needs
+from workflows.solve import resources
 from workflows.solve.decided import decide
-from workflows.stages import Stages
 from workflows.studies.design import asked, holds, objective, search
 from workflows.studies.design.amplitude import LeastAmplitude
 from workflows.studies.design.designed import Designed, Grid
@@ -54,7 +54,7 @@ def design(
         NoAnswer: the plate has none.
     """
     source = opened(scene)
-    needs.check(source)
+    resources.check(source)
     clock = stages or Stages()
     space = asked.space(source, clock)
     with hired or crew.local() as workers, clock("design") as step:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from workflows.progress import Stages
 from workflows.results.provenance import versions
-from workflows.stages import Stages
 from workflows.studies.reproduction import equations, families, sweeps, table_two
 from workflows.studies.reproduction.claim import Claim, Verdict
 from workflows.studies.reproduction.closure import Closure, closure

@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from workflows import pipeline
 from workflows.effects.effect import Effect
+from workflows.progress import Stages
 from workflows.scene import file as scene_file
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage as ringdowns
 from workflows.solve.records import SpeedPoint
-from workflows.stages import Stages
 
 if TYPE_CHECKING:
     from damper import ParticleDamper

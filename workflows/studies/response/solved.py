@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.errors import read_from
+from workflows.progress import Stages
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import damper_stage, felt, plate_records
@@ -16,7 +17,6 @@ from workflows.solve.answering import answering
 from workflows.solve.decided import Decided, decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import CavityMode, Floats, SpeedPoint, Surface
-from workflows.stages import Stages
 
 if TYPE_CHECKING:
     import damper

@@ -9,13 +9,13 @@ import numpy as np
 
 from workflows.errors import BadInput, during
 from workflows.findings import worth
+from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.excitation import Excitation
 from workflows.scene.source import SceneFile
-from workflows.solve import damper_stage, felt, needs
+from workflows.solve import damper_stage, felt, resources
 from workflows.solve.records import Floats, Results, SpeedPoint, rpm
-from workflows.stages import Stages
 from workflows.studies.response import band, driven
 from workflows.studies.response.records import Path, Response, Through
 from workflows.studies.response.solved import Solved, shaken
@@ -49,7 +49,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         NoAnswer: the plate has none.
     """
     excitation = checked(source)
-    needs.check(source)
+    resources.check(source)
     stages = stages or Stages()
     source = shaken(source)
     solved = Solved(source, stages)

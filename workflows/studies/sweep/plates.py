@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from workflows.effects import rules
 from workflows.effects.effect import Effect
 from workflows.effects.table import OF_THE_DAMPER, OF_THE_PLATE
+from workflows.progress import Stages
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 from workflows.solve import at_the_cavity, felt, plate_records, plate_stage
@@ -18,7 +19,6 @@ from workflows.solve.answering import answering
 from workflows.solve.decided import decide
 from workflows.solve.plate_records import Discrete
 from workflows.solve.records import SpeedPoint, Surface
-from workflows.stages import Stages
 from workflows.studies.sweep.placed import Carried
 
 if TYPE_CHECKING:

@@ -17,10 +17,10 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.output import signals
+from workflows.progress import Stages
 from workflows.scene.file import DEFAULT, SceneLike, opened
 from workflows.scene.source import SceneFile
-from workflows.solve import needs
-from workflows.stages import Stages
+from workflows.solve import resources
 from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, key_data, plans, scenes, table
 from workflows.studies.sweep import uncertain as doubts
 from workflows.studies.sweep.crew import Crew
@@ -111,7 +111,7 @@ def asked(
     source = opened(scene)
     if source.scene.damper is None:
         raise BadInput("the table is missing: sweep needs a damper", file=source.name, key="[damper]")
-    needs.check(source)
+    resources.check(source)
     if uncertain:
         return _uncertain(source, vary, count, seed, quick)
     given = axes.read(vary, source.scene.rotor.gravity)

@@ -1,0 +1,325 @@
+"""The sizes of a run, and the memory that it takes at least, are known before any of it is done."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fem
+from tests.limits import HANG
+from tests.workflows.conftest import READY, Outcome, Scene, changed, write
+from workflows.errors import BadInput
+from workflows.progress import Stages
+from workflows.scene.file import load, shipped
+from workflows.solve import plate_stage as plate
+from workflows.solve import resources
+from workflows.solve.decided import decide, model
+
+GB = 1e9
+PLAIN = {"coriolis": False, "large_deflection": False, "structural_modes": False, "floor_tilt": False}
+UNBENT = PLAIN | {"stress_stiffening": False}
+"""The same, and nothing is solved to say what large deflection would change."""
+BARE: dict[str, Any] = {"plate__theory": "mindlin", "effects": PLAIN}
+
+
+@pytest.fixture
+def work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Any work fails the test."""
+
+    def begun(*_: object, **__: object) -> None:
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("workflows.pipeline.structure", begun)
+    monkeypatch.setattr("fem.read_mesh", begun)
+    monkeypatch.setattr(resources, "available", lambda: 16 * GB)
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_scenes_need_little(name: str) -> None:
+    assert resources.memory(load(name)) < GB
+
+
+MANY = {"start": "0 rpm", "stop": "9000 rpm", "count": 100_000}
+TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
+    ({"release__cycles": 1_000_000_000}, "[release] cycles = 1000000000.0: ", "ask for fewer cycles"),
+    ({"rotor__speeds": MANY, "release__cycles": 1000}, "[rotor] speeds", "fewer speeds"),
+    ({"rotor__speeds": MANY, "rotor__modes": 200}, "[rotor] speeds", "fewer speeds"),
+    (
+        {"rotor__modes": 200, "plate__theory": "solid", "rotor__speeds": {"start": 0, "stop": 1, "count": 60_000}},
+        "",
+        "",
+    ),
+]
+
+
+@pytest.mark.usefixtures("work")
+@pytest.mark.parametrize("command", ["check", "run", "campbell"])
+@pytest.mark.parametrize(("changes", "key", "advice"), TOO_MUCH)
+def test_too_much(
+    changes: dict[str, Any],
+    key: str,
+    advice: str,
+    command: str,
+    paper: Scene,
+    spindamp: Callable[..., Outcome],
+    tmp_path: Path,
+) -> None:
+    if command == "campbell" and "release__cycles" in changes:
+        pytest.skip("the plate alone has no cycles")
+    write(changed(paper, **changes), tmp_path / "scene.toml")
+    _refused(spindamp(command, "scene.toml"), f"scene.toml: {key}", advice)
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.usefixtures("work")
+@pytest.mark.parametrize("size", [700_000_000, 10**13])
+def test_a_mesh_of_ten_million_cells(size: int, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+    with (tmp_path / "fine.msh").open("wb") as file:
+        file.write(b"$MeshFormat\n")
+        file.truncate(size)  # takes no room on the disk
+    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="fine.msh", damper__at=None)
+    write(scene, tmp_path / "scene.toml")
+    for command in ("check", "run"):
+        outcome = spindamp(command, "scene.toml")
+        _refused(outcome, "scene.toml: [plate] mesh = 'fine.msh': ", "coarsen the mesh")
+
+
+def _refused(outcome: Outcome, start: str, advice: str) -> None:
+    assert outcome.status == 2, outcome
+    assert outcome.out == ""
+    assert len(outcome.err.splitlines()) == 1
+    assert outcome.err.startswith(f"spindamp: {start}")
+    assert re.search(r"this needs about [0-9.]+ [GT]B of memory, and 16 GB are there: ", outcome.err)
+    assert advice in outcome.err
+
+
+def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    import resource
+
+    before = resources.available()
+    assert 1e7 < before < 1e15
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (1 << 20, -1))
+    assert resources.available() == 0, "less than this very process has taken"
+
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv.pop())),) * 2)
+from workflows.cli import entry as cli
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize(("modes", "limit", "status"), [(6, 1e9, 0), (100, 1.5e9, 2)])
+def test_a_limit_of_address_space(modes: int, limit: float, status: int, paper: Scene, tmp_path: Path) -> None:
+    """Six modes take 0.63 GB of addresses, a hundred 2.8 GB: refused at once, not after half a minute of work."""
+    few = changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=modes, effects=UNBENT)
+    write(few, tmp_path / "scene.toml")
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, "campbell", "scene.toml", str(limit)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=HANG,
+    )
+    assert done.returncode == status, done.stderr
+    assert ("[rotor] modes = 100: this needs about" in done.stderr) == (status == 2)
+
+
+def test_first_meshes_too_large_are_refused_before_any_is_solved(
+    monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    many = changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=100, effects=UNBENT, plate__theory="mindlin")
+    source = load(write(many, tmp_path / "scene.toml"))
+    decided = decide(source, Stages(visible=False))
+
+    def begun(*_: object, **__: object) -> None:
+        raise AssertionError("work has begun")
+
+    monkeypatch.setattr("fem.assemble", begun)
+    monkeypatch.setattr(resources, "available", lambda: 3.5e8)
+    with pytest.raises(BadInput, match=r"\[rotor\] modes = 100: this needs about .* ask for fewer modes"):
+        plate.discretise(source, decided, Stages(visible=False))
+
+
+def test_the_same_scene_passes_where_there_is_room(
+    monkeypatch: pytest.MonkeyPatch, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
+    source = load(scene)
+    decided = decide(source, Stages(visible=False))
+    needed = resources.sizes(source, decided, model(source, decided)).memory
+    monkeypatch.setattr(resources, "available", lambda: needed)
+    assert spindamp("check", scene).status == 0
+    monkeypatch.setattr(resources, "available", lambda: 0.99 * needed - resources.BASE)
+    assert spindamp("check", scene).status == 2
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
+def test_a_plate_grows_no_further_than_the_memory(
+    theory: str, monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+) -> None:
+    fine = changed(paper, plate__theory=theory, accuracy={"frequency": 1e-6}, damper=None, release=None)
+    source = load(write(fine, tmp_path / "scene.toml"))
+    quiet = Stages(visible=False)
+    decided = decide(source, quiet)
+    name = model(source, decided)
+    others = sum(part.memory for part in resources.parts(source) if part.key == "[rotor] speeds")
+    most = 6000
+    monkeypatch.setattr(
+        resources, "available", lambda: resources.BASE + others + resources.of_a_plate(name, most, 6) + 1
+    )
+    choice = plate.discretise(source, decided, quiet).choice
+    assert 1000 < choice.operators.mass.shape[0] <= most
+    assert not choice.met
+
+
+@pytest.mark.parametrize("model", ["kirchhoff", "mindlin", "solid/2", "solid/4"])
+@pytest.mark.parametrize("kind", ["rectangles", "skew", "triangles"])
+def test_unknowns_are_counted_before_there_are_any(model: str, kind: str) -> None:
+    import skfem
+
+    mesh = fem.rectangle(0.2, 0.08, 6, 2 if model == "solid/4" else 5)
+    if kind == "skew":
+        mesh = skfem.MeshQuad(mesh.p + np.array([[0.0], [0.3]]) * mesh.p[0], mesh.t)
+    if kind == "triangles":
+        mesh = mesh.to_meshtri()
+    body = fem.Plate(mesh, 0.003, fem.Material(1e11, 0.3, 7e3))
+    found = fem.assemble(body, fem.Rotor(0.0, 0.0), fem.Effects(), model).mass.shape[0]
+    assert found < resources.unknowns(model, mesh) < 1.15 * found, "the clamped ones are counted"
+
+
+def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A split mesh would have had more unknowns than any that the search may try, and gigabytes."""
+    import fem
+    from fem.accuracy import choose_mesh as choice
+
+    monkeypatch.setattr(choice, "MOST_UNKNOWNS", {name: most // 10 for name, most in choice.MOST_UNKNOWNS.items()})
+    form = fem.Given(fem.rectangle(0.2, 0.08, 40, 16))
+    tried = []
+
+    def build(size: int) -> fem.Operators:
+        tried.append(size)
+        body = fem.Plate(form.mesh(size), 0.003, fem.Material(1e11, 0.3, 7e3))
+        return fem.assemble(body, fem.Rotor(0.0, 0.0), fem.Effects())
+
+    found = fem.choose_mesh(form, build, (10.0,), 2, 1e-3)
+    assert tried == [1]
+    assert not found.met
+    assert np.isnan(found.errors).all()
+
+
+MEASURED = f"""
+import pathlib, sys
+from workflows.cli import entry as cli
+from workflows.report import drawing, mode_shape
+mode_shape.COMMAND = ["-I", "-S", "-c", {READY!r}]
+if sys.argv.pop() == "undrawn":
+    drawing.both = lambda _: ""
+status = cli.main(sys.argv[1:])
+print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
+sys.exit(status)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
+@pytest.mark.parametrize(
+    ("changes", "figures"),
+    [
+        ({"rotor__speeds": ["3500 rpm", "17500 rpm"]}, "drawn"),
+        ({"rotor__speeds": ["5000 rpm"]} | BARE | {"effects": PLAIN | {"large_deflection": True}}, "undrawn"),
+        ({"damper__rolling_friction": 0, "release__cycles": 50_000, "rotor__speeds": ["5000 rpm"]} | BARE, "undrawn"),
+    ],
+    ids=["paper", "deflected", "cycles"],
+)
+def test_the_memory_promised_is_what_a_run_takes(
+    changes: dict[str, Any], figures: str, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """The figures are drawn once: they take 25 MB, whatever the plate."""
+    import json
+
+    write(changed(paper, **changes), tmp_path / "scene.toml")
+    promised = json.loads(spindamp("check", "scene.toml", "--json").out)["sizes"]["memory"]
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURED, "run", "scene.toml", "--out", "out", figures],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=HANG,
+    )
+    taken = float(done.stdout.split()[-1])
+    assert 0.5 < promised / taken < 2.0
+
+
+def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path: Path) -> None:
+    """The arrays and objects of a cycle alone, without the text made from them."""
+    import json
+    import tracemalloc
+
+    import workflows
+
+    source = load(write(changed(structure, release__cycles=3000), tmp_path / "scene.toml"))
+    workflows.run(source)  # compiles and loads, which is not counted
+    tracemalloc.start()
+    try:
+        results = workflows.run(source)
+        text = json.dumps(workflows.document(results), indent=1)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert text
+    cycles = max(part.memory for part in resources.parts(source) if "cycles" in part.key)
+    assert 0.3 < cycles / most < 3
+
+
+@pytest.mark.parametrize("changes", [{}, {"rotor__modes": 40}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
+def test_check_says_sizes(
+    changes: dict[str, Any], paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
+    import json
+
+    alone = changed(
+        paper, effects=PLAIN, **{"rotor__speeds": ["3500 rpm", "7500 rpm"], "release__cycles": 20} | changes
+    )
+    scene = write(alone, tmp_path / "scene.toml")
+    found = json.loads(spindamp("check", "scene.toml", "--json").out)["sizes"]
+    assert (found["speeds"], found["ringdowns"], found["cycles"]) == (2, 2, 40.0)
+    assert found["modes"] == alone["rotor"].get("modes", 6)
+    source = load(scene)
+    decided = decide(source, Stages(visible=False))
+    tried = plate.discretise(source, decided, Stages(visible=False)).choice.tried
+    form = decided.plate[0]
+    counted = [resources.unknowns(model(source, decided), form.mesh(size)) for size, _ in tried]
+    assert found["unknowns"] in counted
+    said = spindamp("check", "scene.toml").out.splitlines()[-1]
+    assert said.startswith(f"# Sizes: 2 speeds, {found['modes']} modes, at least {found['unknowns']} unknowns, ")
+    assert "2 ring-downs of 20 cycles; at least " in said
+
+
+def test_sizes_without_a_plate(spindamp: Callable[..., Outcome]) -> None:
+    said = spindamp("check", "structure").out.splitlines()[-1]
+    assert re.fullmatch(r"# Sizes: \d+ speeds?, \d+ ring-downs?(?: of \d+ cycles)?; at least \d+ MB of memory", said)
+
+
+def test_checking_loads_no_solver() -> None:
+    """What solves and compiles takes longer to load than a check of a rectangle takes."""
+    script = "import sys\nfrom workflows.cli import entry\nassert entry.main(['check', 'paper']) == 0\n"
+    heavy = "[name for name in ('numba', 'scipy', 'skfem', 'matplotlib', 'pint', 'meshio') if name in sys.modules]"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{script}sys.stderr.write(str({heavy}))"],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=HANG,
+    )
+    assert done.stderr == "[]"

@@ -1,0 +1,292 @@
+"""The sizes of a run and the memory that it takes at least, known before any factorisation.
+
+A scene that asks for more memory than the machine has is refused, and the search for a mesh ends where the memory does.
+Memory follows from the number of unknowns, and from the fill of their factor, which grows with a power of it.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workflows.errors import BadInput
+from workflows.scene.scene import Scene
+from workflows.scene.source import SceneFile
+
+if TYPE_CHECKING:
+    from fem.meshes.ladder import Planform
+    from workflows.solve.decided import Decided
+
+BASE = 2.5e8
+"""Bytes of the program itself, with all it loads."""
+
+CYCLE = 1.3e3
+"""Bytes of a vibration cycle of the damper, from its peak to its line in results.json."""
+
+_AUTO_CYCLES = 100
+"""Cycles taken for `cycles = "auto"`: until the ball rests, mostly some tens."""
+
+_LINE = 2.5e3
+"""Bytes of a mode at a speed; a speed itself counts as four."""
+
+_UNKNOWN = {"kirchhoff": 2.4e4, "mindlin": 1.4e4, "solid": 3.8e4, "solid/4": 5.2e4, "solid/6": 6.2e4}
+"""Bytes for each unknown of a plate: its matrices, their factor, and the vectors that six modes are sought in."""
+
+_FILLING = 100_000
+"""Unknowns from which on the factor's share grows with their number."""
+
+_DEFLECTED = {"mindlin": 2.7, "kirchhoff": 1.5, "solid": 1.8}
+"""By how much that grows with large deflection, whose tangent is made anew from every cell."""
+
+_MODE = 250.0
+"""Bytes for each unknown and each further mode."""
+
+_BYTES_OF_A_CELL = 200
+"""What a cell and its point take in a mesh file at most."""
+
+_ADDRESSES = 2.5
+"""Bytes of address space that the program and its libraries map for each that they use."""
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How large a run is.
+
+    Attributes:
+        speeds: at which the scene is solved.
+        modes: asked for at each speed, None without a plate.
+        unknowns: of the plate in the first mesh that is fine enough for these modes, None without a plate.
+        ringdowns: ring-downs of the damper, one for each speed.
+        cycles: vibration cycles of all ring-downs, None where they last until the ball rests.
+        memory: bytes that the run takes at least.
+    """
+
+    speeds: int
+    modes: int | None
+    unknowns: int | None
+    ringdowns: int
+    cycles: float | None
+    memory: float
+
+    def __str__(self) -> str:
+        words = [_counted(self.speeds, "speed")]
+        if self.modes is not None:
+            words.append(_counted(self.modes, "mode"))
+        if self.unknowns is not None:
+            words.append(f"at least {_counted(self.unknowns, 'unknown')}")
+        if self.ringdowns:
+            lasting = "" if self.cycles is None else f" of {self.cycles / self.ringdowns:.10g} cycles"
+            words.append(f"{_counted(self.ringdowns, 'ring-down')}{lasting}")
+        return f"Sizes: {', '.join(words)}; at least {in_words(self.memory)} of memory"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the need: bytes, the key that it comes from, and what would make it smaller."""
+
+    memory: float
+    key: str
+    value: object
+    advice: str
+
+
+def parts(source: SceneFile) -> list[Part]:
+    """What a scene needs at least, part by part; the largest first."""
+    from workflows.solve.records import SHAPES_AT_MOST
+
+    scene = source.scene
+    speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
+    found = []
+    if scene.plate is not None:
+        unknowns, points = _least_size(source)
+        cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
+        if source.mesh is not None:
+            cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
+        found.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), *cause))
+        shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
+        found.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
+        found.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
+    if scene.release is not None:
+        asked = scene.release.cycles
+        cycles = speeds * float(_AUTO_CYCLES if isinstance(asked, str) else asked)
+        many = speeds > 1 and cycles / speeds < speeds
+        key, value = ("[rotor] speeds", f"{speeds} speeds") if many else ("[release] cycles", asked)
+        advice = f"ask for fewer {'speeds' if many else 'cycles'}"
+        found.append(Part(cycles * CYCLE, key, value, advice))
+    return sorted(found, key=lambda part: -part.memory)
+
+
+def memory(source: SceneFile) -> float:
+    """Bytes that a run of a scene takes at least, roughly."""
+    return BASE + sum(part.memory for part in parts(source))
+
+
+def check(source: SceneFile) -> None:
+    """Refuse a scene that this machine cannot do, whatever mesh it takes.
+
+    Raises:
+        BadInput: it needs more memory than there is.
+    """
+    needed, there = memory(source), available() + _held()
+    if needed > there:
+        worst = parts(source)[0]
+        raise BadInput(_too_much(needed, there, worst.advice), file=source.name, key=worst.key, value=worst.value)
+
+
+def sizes(source: SceneFile, decided: Decided, model: str | None) -> Sizes:
+    """How large a run of a scene is; `model`: the theory of its plate in `fem`, None without one.
+
+    Raises:
+        BadInput: its first meshes need more memory than there is.
+    """
+    scene, needed = source.scene, memory(source)
+    speeds, modes, first = len(scene.rotor.speeds), None, None
+    if decided.form is not None and model is not None:
+        large = decided.effects["large_deflection"].on
+        most = most_unknowns(source, decided.form, model, large)
+        modes, first = scene.rotor.modes, int(_first_unknowns(decided.form, model, scene.rotor.modes, most))
+        needed = max(needed, BASE + _beside_the_plate(source) + of_a_plate(model, first, modes, large))
+    release = scene.release
+    rings = 0 if scene.damper is None or release is None else speeds
+    asked = None if release is None or isinstance(release.cycles, str) else float(release.cycles)
+    return Sizes(speeds, modes, first, rings, None if asked is None else rings * asked, needed)
+
+
+def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflection: bool) -> int:
+    """Unknowns of the largest plate that the memory holds, with all else that the scene needs.
+
+    Raises:
+        BadInput: the mesh that a search for one begins with, or the only one, has more.
+    """
+    modes, others, there = source.scene.rotor.modes, _beside_the_plate(source), available()
+    each = of_a_plate(model, 1.0, modes, large_deflection)
+    most = int(min(max((there - BASE - others) / each, 1.0), 2**60))
+    first = _first_unknowns(form, model, modes, most)
+    needed = BASE + others + of_a_plate(model, first, modes, large_deflection)
+    there += _held()
+    if needed > there:
+        given = source.scene.plate.mesh if source.scene.plate is not None else None
+        if given is not None:
+            problem = _too_much(needed, there, "coarsen the mesh")
+            raise BadInput(problem, file=source.name, key="[plate] mesh", value=given)
+        problem = _too_much(needed, there, "ask for fewer modes")
+        raise BadInput(problem, file=source.name, key="[rotor] modes", value=modes)
+    return most
+
+
+def _too_much(needed: float, there: float, advice: str) -> str:
+    return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {advice}"
+
+
+def _beside_the_plate(source: SceneFile) -> float:
+    """Bytes of what does not change with the mesh: cycles, and lines of results."""
+    return sum(part.memory for part in parts(source) if part.key not in ("[plate] mesh", "[rotor] modes"))
+
+
+def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
+    """Unknowns of the first mesh of a search that has enough cells for the modes, or of the only one."""
+    from fem.meshes.ladder import Rectangle, begun_with
+
+    if not isinstance(form, Rectangle):
+        from fem.accuracy.choose_mesh import has_pair
+
+        coarsest = unknowns(model, form.mesh(form.sizes[0]))
+        if not has_pair(form, coarsest, model, most):
+            return coarsest
+        return unknowns(model, form.mesh(begun_with(form, modes)))
+    along, across = form.cells(begun_with(form, modes))
+    counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
+    return _in_all(_of_each(model, quads=True), counts)
+
+
+def of_lines(scene: Scene) -> float:
+    """Bytes that the modes at all speeds take in the results and their text."""
+    return len(scene.rotor.speeds) * (scene.rotor.modes + 4.0) * _LINE
+
+
+def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool = False) -> float:
+    """Bytes that so many unknowns of a plate take in a theory, roughly, up to some 150 000 of them."""
+    name = model.partition("/")[0]
+    each = _UNKNOWN.get(model, _UNKNOWN.get(name, min(_UNKNOWN.values())))
+    each *= float(max(unknowns / _FILLING, 1.0) ** 0.3)
+    return float(unknowns) * (each * (_DEFLECTED[name] if large_deflection else 1.0) + _MODE * max(modes - 6, 0))
+
+
+def unknowns(model: str, mesh: Any) -> float:
+    """How many a theory has on a mesh, those at the clamped root included."""
+    from fem.theory.kirchhoff import is_rectangles
+    from fem.theory.solid import quadrilaterals
+
+    name, quads = model.partition("/")[0], mesh.t.shape[0] == 4
+    if name == "kirchhoff" and quads and not is_rectangles(mesh):
+        mesh, quads = mesh.to_meshtri(), False
+    if name == "solid":
+        mesh = quadrilaterals(mesh)
+    return _in_all(_of_each(model, quads), (mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]))
+
+
+def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
+    """Unknowns of each corner, edge and cell of a mesh in a theory."""
+    name, _, layers = model.partition("/")
+    if name == "kirchhoff":
+        return (6, 2, 2) if quads else (8, 3, 0)
+    if name == "solid":
+        column = 3 * (2 * int(layers or 2) + 1)
+        return column, column, column
+    return 5, 5, 5 if quads else 2
+
+
+def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:
+    return float(sum(own * count for own, count in zip(each, counts, strict=True)))
+
+
+def available() -> float:
+    """Bytes of memory that a program can still get here; infinite where the system does not say."""
+    import psutil
+
+    found = [float("inf")]
+    with suppress(OSError, psutil.Error):
+        found.append(float(psutil.virtual_memory().available))
+    with suppress(OSError, ValueError):  # of a container
+        found.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
+    with suppress(ImportError, OSError, ValueError):
+        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
+
+        limit = getrlimit(RLIMIT_AS)[0]
+        if limit != RLIM_INFINITY:
+            found.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
+    return min(found)
+
+
+def _held() -> float:
+    """Bytes that this process has of those in BASE: counted in what is needed, and gone from what is there."""
+    import psutil
+
+    try:
+        return min(float(psutil.Process().memory_info().rss), BASE)
+    except (OSError, psutil.Error):
+        return 0.0
+
+
+def _least_size(source: SceneFile) -> tuple[float, float]:
+    """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
+    from fem.meshes.ladder import CELLS_PER_MODE
+
+    points = float(CELLS_PER_MODE * source.scene.rotor.modes)
+    if source.mesh is not None:
+        points = source.mesh.stat().st_size / _BYTES_OF_A_CELL
+    return 4.0 * points, points
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def in_words(size: float) -> str:
+    """A number of bytes as people say it."""
+    for unit, factor in (("TB", 1e12), ("GB", 1e9)):
+        if size >= factor:
+            return f"{size / factor:.{0 if size >= 10 * factor else 1}f} {unit}"
+    return f"{size / 1e6:.0f} MB"
