@@ -264,10 +264,10 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
 MEASURED = f"""
 import pathlib, sys
 from workflows.cli import entry as cli
-from workflows.report import drawing, mode_shape
-mode_shape.COMMAND = ["-I", "-S", "-c", {READY!r}]
+from workflows.report import figures, mode_viewer
+mode_viewer.COMMAND = ["-I", "-S", "-c", {READY!r}]
 if sys.argv.pop() == "undrawn":
-    drawing.both = lambda _: ""
+    figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")
 status = cli.main(sys.argv[1:])
 print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
 sys.exit(status)
