@@ -221,13 +221,13 @@ def dataset(results: Results) -> xarray.Dataset:
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from workflows.report import page
     from workflows.studies.response.records import Response
 
     if isinstance(results, Response):
-        from workflows.studies.response import page
+        from workflows.studies.response import page as of_response
 
-        return page.write(results, folder)
+        return of_response.write(results, folder)
+    from workflows.report import page
 
     return page.save(results, folder)
 

@@ -178,9 +178,10 @@ def odd(captured: list[Any]) -> Drawn:
 
 
 @pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])
-def figures(request: pytest.FixtureRequest) -> list[Any]:
+def figures(request: pytest.FixtureRequest) -> Iterator[list[Any]]:
     found = request.getfixturevalue(request.param)
-    return list(found.figures if isinstance(found, Drawn) else found)
+    with plot.style():  # labels are made anew where they are asked for
+        yield list(found.figures if isinstance(found, Drawn) else found)
 
 
 def shown(axis: Any) -> list[tuple[float, Any]]:

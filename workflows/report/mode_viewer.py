@@ -446,7 +446,7 @@ class Artist:
         png = b"" if self._failure else self._wait()
         if png:
             return Picture(png)
-        remark = f"ModeShape without VTK, which found no working OpenGL here ({self._failure})."
+        remark = f"Drawn without VTK, which found no working OpenGL here ({self._failure})."
         return Picture(_png(_plain(self._shape)), remark)
 
     def _wait(self) -> bytes:
