@@ -720,6 +720,7 @@ class Plots:
     def _axes(self, figure: Figure | None, needed: str) -> Axes:
         if figure is None:
             raise _without(needed)
+        plots.plain(figure)
         return plots.coloured(figure, len(self.results.speeds)).axes[0]
 
 

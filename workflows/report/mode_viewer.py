@@ -336,13 +336,11 @@ def _few(along: Floats) -> tuple[Floats, Floats]:
     """Vectors (r, n) and shares (count, r) whose product is `along` (count, n) to half of ERROR."""
     # Of the small matrix of inner products, for singular values below ERROR are of no use: far faster than an SVD.
     left = np.linalg.eigh(along @ along.T)[1][:, ::-1]
-    right = left.T @ along
-    rank = next((r for r in range(len(left) + 1) if _far(along, left, right, r) <= 0.5 * ERROR), len(left))
+    right, rest, rank = left.T @ along, along.copy(), 0
+    while rank < len(left) and np.abs(rest).max(initial=0.0) > 0.5 * ERROR:
+        rest -= np.outer(left[:, rank], right[rank])
+        rank += 1
     return right[:rank], left[:, :rank]
-
-
-def _far(along: Floats, shares: Floats, right: Floats, rank: int) -> float:
-    return float(np.abs(along - shares[:, :rank] @ right[:rank]).max(initial=0.0))
 
 
 def shorts(values: Floats, largest: float) -> str:

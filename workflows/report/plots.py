@@ -155,6 +155,14 @@ def legend(figure: Figure, axes: Axes, **how: Any) -> None:
     figure.legend(*curves, loc="outside lower left", ncols=how.pop("ncols", 3), alignment="left", **how)
 
 
+def plain(figure: Figure) -> None:
+    """Plain numbers on logarithmic axes, where matplotlib would have powers of ten."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "log" and axis.isDefault_majfmt:
+                axis.set_major_formatter("{x:g}")
+
+
 def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (), *, frames: bool = False) -> str:
     """The figure as an SVG element for a page.
 
@@ -170,6 +178,7 @@ def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+    plain(figure)
     out = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
