@@ -221,15 +221,15 @@ def dataset(results: Results) -> xarray.Dataset:
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from workflows.report import publish
     from workflows.studies.response.records import Response
 
     if isinstance(results, Response):
-        from workflows.studies.response import page
+        from workflows.studies.response import page as of_response
 
-        return page.write(results, folder)
+        return of_response.write(results, folder)
+    from workflows.report import page
 
-    return publish.save(results, folder)
+    return page.save(results, folder)
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
@@ -237,13 +237,13 @@ def load_results(folder: str | PathLike[str]) -> Results:
 
     Saved again it is the same but for `timings`, to which reading and writing add theirs.
     """
-    from workflows.report import publish
+    from workflows.report import page
 
-    return publish.load_results(folder)
+    return page.load_results(folder)
 
 
 def report(results: Results, path: str | PathLike[str]) -> Path:
     """Write the report, one page; see :func:`workflows.save_report`."""
-    from workflows.report import publish
+    from workflows.report import page
 
-    return publish.save_report(results, path)
+    return page.save_report(results, path)

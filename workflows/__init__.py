@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
-    from workflows.report.publish import load_results, save, save_report
+    from workflows.report.page import load_results, save, save_report
     from workflows.results.document import document
     from workflows.results.files import dataset
     from workflows.running import run
@@ -38,11 +38,11 @@ _HOMES = {
     "dataset": "workflows.results.files",
     "document": "workflows.results.document",
     "load": "workflows.scene.file",
-    "load_results": "workflows.report.publish",
+    "load_results": "workflows.report.page",
     "parse": "workflows.scene.file",
     "run": "workflows.running",
-    "save": "workflows.report.publish",
-    "save_report": "workflows.report.publish",
+    "save": "workflows.report.page",
+    "save_report": "workflows.report.page",
     "shipped": "workflows.scene.file",
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from workflows import pipeline
 from workflows.errors import lawful
 from workflows.progress import Stages
-from workflows.report.brief import Shown, shown
+from workflows.report.text import Shown, shown
 from workflows.scene.file import DEFAULT, SceneLike
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LOADED = (
     "workflows.cli.app",
-    "workflows.report.publish",
+    "workflows.report.page",
     "damper.batch",
     "damper.working",
     "matplotlib.figure",

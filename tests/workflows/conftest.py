@@ -16,7 +16,7 @@ import pytest
 from filelock import FileLock
 
 from workflows.cli.entry import main
-from workflows.report import drawing, mode_shape
+from workflows.report import figures, mode_viewer
 from workflows.scene.file import SHIPPED
 from workflows.solve import damper_stage
 from workflows.studies.sweep import crew
@@ -24,7 +24,7 @@ from workflows.studies.sweep.placed import QUICK
 
 Scene = dict[str, Any]
 
-READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_shape.PNG!r})"
+READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_viewer.PNG!r})"
 NO_VTK = ["-I", "-S", "-c", READY]
 """What Python does with a ready picture in place of drawing one by VTK."""
 
@@ -74,13 +74,13 @@ def spindamp(
 @pytest.fixture(autouse=True)
 def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
-    monkeypatch.setattr(mode_shape, "COMMAND", NO_VTK)
+    monkeypatch.setattr(mode_viewer, "COMMAND", NO_VTK)
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reports without their figures, which take most of a report's time and are not looked at."""
-    monkeypatch.setattr(drawing, "both", lambda _: "")
+    monkeypatch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
 
 
 def measured_quickly(system: Any) -> Any:

@@ -17,7 +17,6 @@ from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown, work
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.progress import Stages
-from workflows.report.drawing import WIDE
 from workflows.scene import file as scene_file
 from workflows.scene.rotor import Accuracy
 from workflows.solve import damper_stage
@@ -528,14 +527,14 @@ def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool)
     row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise
     assert ("within noise" in page.effects_text(Switches("", 1e-3, (row,)))) is noise
-    assert ("within noise" in plots.effects(Switches("", 1e-3, (row,)), WIDE)) is noise
+    assert ("within noise" in plots.effects(Switches("", 1e-3, (row,)))) is noise
 
 
 def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
-    assert "impacts, 500000 %" in plots.effects(Switches("", 1e-3, (row,)), WIDE)
-    monkeypatch.setattr(plots.drawing, "svg", lambda figure, *_: figure)
-    figure: Any = plots.effects(Switches("", 1e-3, (row,)), WIDE)
+    assert "impacts, 500000 %" in plots.effects(Switches("", 1e-3, (row,)))
+    monkeypatch.setattr(plots.plot, "svg", lambda figure, *_: figure)
+    figure: Any = plots.effects(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
 
 
@@ -567,7 +566,7 @@ def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
     remark = "cutoff_g is there only with it, at 10000 rpm"
     row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
-    assert remark in plots.effects(Switches("", 1e-3, (row,)), WIDE)
+    assert remark in plots.effects(Switches("", 1e-3, (row,)))
 
 
 @pytest.mark.usefixtures("hasty")

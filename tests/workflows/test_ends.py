@@ -73,7 +73,7 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
 
 
 @pytest.mark.parametrize(
-    "where", ["workflows.cli.app", "workflows.pipeline.structure", "workflows.report.publish.publish"]
+    "where", ["workflows.cli.app", "workflows.pipeline.structure", "workflows.report.page.publish"]
 )
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyboardInterrupt(), 130), (cli.Terminated("SIGTERM"), 143), (MemoryError(), 2)]
@@ -236,22 +236,22 @@ def test_a_signal_that_was_lost_comes_again(
 FULL = """
 import resource, sys
 from workflows.cli import entry as cli
-from workflows.report import drawing, publish
-both, drawn = drawing.both, {}
-def once(draw):  # the same figures in every run
-    if draw.func not in drawn:
-        drawn[draw.func] = both(draw)
-    return drawn[draw.func]
-drawing.both = once
+from workflows.report import figures, page
+draw, drawn = figures.report, []
+def once(results):  # the same figures in every run
+    if not drawn:
+        drawn.append(draw(results))
+    return drawn[0]
+figures.report = once
 assert cli.main(["ringdown", "structure", "--out", "out"]) == 0
-before, room = publish.publish, resource.getrlimit(resource.RLIMIT_FSIZE)
+before, room = page.publish, resource.getrlimit(resource.RLIMIT_FSIZE)
 def without_room(*given):
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(most), room[1]))
     try:
         return before(*given)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, room)
-publish.publish = without_room
+page.publish = without_room
 for most in sys.argv[1:]:
     assert cli.main(["run", "structure", "--out", "out"]) == 2, most
 """

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import workflows
 from tests.workflows.conftest import KNOWN, changed
-from workflows.report import drawing, figure_working, figures, palette
+from workflows.report import figures, plots
 from workflows.results.curves import Curve
 from workflows.solve.records import Results
 
@@ -35,18 +35,11 @@ def legend(figure: Figure) -> list[str]:
     return [text.get_text() for each in figure.legends for text in each.get_texts()]
 
 
-@pytest.mark.parametrize("sheet", [drawing.WIDE, drawing.NARROW])
 @pytest.mark.parametrize(("count", "named"), [(3, 3), (16, 16), (17, 9), (120, 9)])
-def test_a_legend_names_all_curves_or_some_from_end_to_end(
-    sheet: drawing.Sheet, count: int, named: int, slow: Results, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn: list[Figure] = []
-    monkeypatch.setattr(drawing, "svg", lambda figure, *_, **__: drawn.append(figure) or "")
+def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: int, slow: Results) -> None:
     found = many(slow, count)
-    figure_working.working(found, sheet)
-    figures.capacity(found, sheet)
-    assert len(drawn) == 2
-    for figure in drawn:
+    for figure in (figures.damping_ratio(found), figures.capacity(found)):
+        assert figure is not None
         said = legend(figure)
         assert len(said) == named
         assert {said[0], said[-1]} == {"1 g", f"{count} g"}
@@ -56,7 +49,7 @@ def test_a_legend_names_all_curves_or_some_from_end_to_end(
 
 def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
     (point,) = slow.speeds
-    own, figure = point.working, figure_working.drawn(slow, drawing.WIDE)
+    own, figure = point.working, figures.damping_ratio(slow)
     assert own is not None
     assert figure is not None
     shown = own.amplitude[own.damping_ratio > 0]
@@ -71,20 +64,19 @@ def test_a_tick_within_a_decade_of_its_curve_is_on_the_axis(slow: Results) -> No
     assert point.working is not None
     least = float(point.working.amplitude[point.working.damping_ratio > 0].min())
     near = replace(point, working=replace(point.working, cutoff=least / 5))
-    figure = figure_working.drawn(replace(slow, speeds=(near,)), drawing.WIDE)
+    figure = figures.damping_ratio(replace(slow, speeds=(near,)))
     assert figure is not None
     assert figure.axes[0].get_xlim()[0] < 1e3 * least / 5
 
 
-@pytest.mark.parametrize("sheet", [drawing.WIDE, drawing.NARROW])
-def test_no_dashed_line_crosses_the_words(sheet: drawing.Sheet) -> None:
+def test_no_dashed_line_crosses_the_words() -> None:
     """Lines at these shares of the axis, drawn upon each other, each with words of its own."""
     shares = (0.05, 0.3, 0.5, 0.6, 0.75, 0.9, 0.97)
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 3.1)
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.1)
         axes.set(xscale="log", yscale="log", xlim=(1e-2, 1e2), ylim=(1e-3, 1))
         for share in shares:
-            figure_working._beside(axes, 1e-3 * 10 ** (4 * share - 2))
+            figures._beside(axes, 1e-3 * 10 ** (4 * share - 2))
         figure.draw_without_rendering()
     frame = axes.get_window_extent()
     for share, words, line in zip(shares, axes.texts, axes.lines, strict=True):
@@ -100,7 +92,7 @@ def test_a_family_looks_the_same_in_every_diagram() -> None:
     looks = []
     for names in (["flap 1", "lag 1", "twist 1"], ["flap 1", "twist 1", "chord 1", "lag 1"]):
         tracks = [Curve("", name, "", "", np.arange(3.0), np.arange(3.0)) for name in names]
-        _, (axes,) = drawing.canvas(drawing.WIDE, 3.0)
+        _, (axes,) = plots.canvas(3.0)
         for track in tracks:
             figures._branch(axes, track)
         looks.append(
@@ -108,4 +100,4 @@ def test_a_family_looks_the_same_in_every_diagram() -> None:
         )
     assert all(looks[0][name] == looks[1][name] for name in looks[0])
     assert len({*looks[0].values(), *looks[1].values()}) == 4
-    assert palette.of_family("flap") == (palette.CATEGORIES[0], "o")
+    assert plots.of_family("flap") == (plots.CATEGORIES[0], "o")

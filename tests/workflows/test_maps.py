@@ -8,17 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from workflows.report import drawing
 from workflows.studies.sweep import map_pictures, pictures, quantities
 from workflows.studies.sweep.summary import HEADLINE
 
 RPM = (3000.0, 5000.0, 7000.0, 9000.0)
-
-
-@pytest.fixture(autouse=True)
-def _on_one_sheet(monkeypatch):
-    """The wide one; what is looked at is the same on both."""
-    monkeypatch.setattr(drawing, "both", lambda draw: draw(drawing.WIDE))
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ import spindamp
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.output import store
-from workflows.report import publish
+from workflows.report import page
 from workflows.results import curves
 from workflows.solve.records import Results
 
@@ -253,8 +253,8 @@ def test_nothing_is_drawn_where_there_is_no_plate(damper: Results, monkeypatch: 
     def started(*_: object) -> None:
         raise AssertionError("a process was started")
 
-    monkeypatch.setattr(publish, "Artist", started)
-    with publish.artist(damper) as nobody:
+    monkeypatch.setattr(page, "Artist", started)
+    with page.artist(damper) as nobody:
         assert nobody is None
 
 

@@ -20,8 +20,10 @@ import pytest
 import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, measured_quickly, write
-from workflows.report import drawing, mesh_figure, mode_picture, mode_shape, palette
+from workflows.report import figures as figures_of
+from workflows.report import mode_picture, mode_viewer
 from workflows.report import page as report
+from workflows.report import plots as plot
 from workflows.scene.file import SceneLike
 from workflows.solve import damper_stage
 from workflows.solve.records import Results
@@ -46,14 +48,14 @@ class Drawn:
 def captured() -> Iterator[list[Any]]:
     """The figures that are drawn, as matplotlib has them; of dampers whose curves are measured quickly."""
     drawn: list[Any] = []
-    kept = drawing.svg
+    kept = plot.svg
 
     def keep(figure: Any, *rest: Any, **options: Any) -> str:
         drawn.append(figure)
         return kept(figure, *rest, **options)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(drawing, "svg", keep)
+        patch.setattr(plot, "svg", keep)
         patch.setattr(damper_stage, "figures", measured_quickly)
         yield drawn
 
@@ -154,14 +156,13 @@ EFFECTS = Switches(
 
 @pytest.fixture(scope="module")
 def costs(captured: list[Any]) -> list[Any]:
-    """What accuracy and effects cost, on sheets of both widths."""
+    """What accuracy and effects cost."""
 
     def work() -> None:
-        for sheet in (drawing.WIDE, drawing.NARROW):
-            plots.ladder(SHORT, "ladder0", 1e-3, sheet)
-            plots.ladder(LADDER, "ladder1", 1e-3, sheet)
-            plots.overview([LADDER, LADDER], 1e-3, sheet)
-            plots.effects(EFFECTS, sheet)
+        plots.ladder(SHORT, "ladder0", 1e-3)
+        plots.ladder(LADDER, "ladder1", 1e-3)
+        plots.overview([LADDER, LADDER], 1e-3)
+        plots.effects(EFFECTS)
 
     return drawn_by(captured, work)
 
@@ -177,27 +178,32 @@ def odd(captured: list[Any]) -> Drawn:
 
 
 @pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])
-def figures(request: pytest.FixtureRequest) -> list[Any]:
+def figures(request: pytest.FixtureRequest) -> Iterator[list[Any]]:
     found = request.getfixturevalue(request.param)
-    return list(found.figures if isinstance(found, Drawn) else found)
+    with plot.style():  # labels are made anew where they are asked for
+        yield list(found.figures if isinstance(found, Drawn) else found)
 
 
 def shown(axis: Any) -> list[tuple[float, Any]]:
-    """Tick values and labels of an axis that are in view."""
-    places = axis.get_transform().transform(axis.get_majorticklocs())
+    """Tick values and labels of an axis that are in view, in their order."""
     low, high = sorted(axis.get_transform().transform(axis.get_view_interval()))
-    seen = (places >= low - 1e-9 * (high - low)) & (places <= high + 1e-9 * (high - low))
-    ticks = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), seen, strict=True)
-    return [(value, label) for value, label, inside in ticks if inside and label.get_text()]
+    ticks = [
+        *zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=True),
+        *zip(axis.get_minorticklocs(), axis.get_minorticklabels(), strict=False),
+    ]
+    places = axis.get_transform().transform(np.array([value for value, _ in ticks]))
+    slack = 1e-9 * (high - low)
+    seen = [
+        (value, label) for (value, label), at in zip(ticks, places, strict=True) if low - slack <= at <= high + slack
+    ]
+    return sorted((pair for pair in seen if pair[1].get_text()), key=lambda pair: pair[0])
 
 
 def number(label: str) -> float:
-    """What a label says."""
-    raised = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
-    plain = label.replace("\u2009", "").replace("\u2212", "-")
-    mantissa, power = re.fullmatch(rf"(.*?)(?:·?10([{raised}]+))?", plain).groups()  # type: ignore[union-attr]
-    exponent = (power or "⁰").translate(str.maketrans(raised, "-0123456789"))
-    return float(f"{mantissa or 1}e{exponent}")
+    """What a label says, as matplotlib sets it."""
+    plain = re.sub(r"[${}]|\\mathdefault", "", label).replace("\N{MINUS SIGN}", "-").replace("\\times", "e")
+    mantissa, _, power = plain.replace("e10^", "e").replace("10^", "1e").partition("e")
+    return float(f"{mantissa}e{power or 0}")
 
 
 def test_every_tick_says_its_number(figures: list[Any]) -> None:
@@ -205,14 +211,13 @@ def test_every_tick_says_its_number(figures: list[Any]) -> None:
         for axes in figure.axes:
             for axis in (axes.xaxis, axes.yaxis):
                 ticks = [(value, label.get_text()) for value, label in shown(axis)]
-                assert not any("$" in label for _, label in ticks), ticks
-                if all(re.search("[a-z]", label) for _, label in ticks):
+                if all(re.search("(?<![\\\\a-z])[a-z]{3}", label) for _, label in ticks):
                     continue  # names, not numbers
                 assert len(ticks) >= 2
                 assert len({label for _, label in ticks}) == len(ticks)
                 for value, label in ticks:
-                    assert number(label) == pytest.approx(value, rel=1e-9, abs=1e-300), (label, value)
-                assert not axis.get_offset_text().get_text()
+                    factor = number(axis.get_offset_text().get_text() or "1")
+                    assert number(label) * factor == pytest.approx(value, rel=1e-9, abs=1e-300), (label, value)
 
 
 def test_nothing_is_cut_off_and_no_labels_touch(figures: list[Any]) -> None:
@@ -260,7 +265,7 @@ def test_nothing_is_a_solid_block(spinning_up: Drawn) -> None:
 
 def test_envelopes_hold_the_curve(spinning_up: Drawn) -> None:
     """What is drawn instead of every cycle reaches as far as the cycles do, and its mean is theirs."""
-    from workflows.report.envelope import envelope
+    from workflows.report.figures import envelope
 
     damping = spinning_up.results.speeds[0].damping
     assert damping is not None
@@ -297,7 +302,7 @@ def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
 
 def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
     """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: plots.effects(EFFECTS, drawing.WIDE))
+    figures = drawn_by(captured, lambda: plots.effects(EFFECTS))
     left = figures[0].axes[0]
     assert left.get_xlim()[0] == pytest.approx(1e-5)
     ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
@@ -324,16 +329,16 @@ def test_the_plate_at_rest_is_its_outline(holed: Drawn, monkeypatch: pytest.Monk
     assert len(expected) == len(boundary(mesh.get_cells_type("triangle")))
 
     command = "import sys; sys.stdout.buffer.write(sys.stdin.buffer.read())"
-    monkeypatch.setattr(mode_shape, "COMMAND", ["-c", command])
-    monkeypatch.setattr(mode_shape, "PNG", b"PK")  # an archive is handed back instead of a picture
-    with mode_shape.Artist() as artist:
+    monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", command])
+    monkeypatch.setattr(mode_viewer, "PNG", b"PK")  # an archive is handed back instead of a picture
+    with mode_viewer.Artist() as artist:
         artist.draw(surface, 0)
         picture = artist.picture()
     assert picture is not None
     with np.load(io.BytesIO(picture.png)) as archive:
         assert {tuple(sorted(edge)) for edge in archive["outline"].tolist()} == expected
-        shape = mode_shape.Drawn(**{name: archive[name] for name in archive.files})
-    axes = mode_shape._plain(shape).axes[0]
+        shape = mode_viewer.ModeShape(**{name: archive[name] for name in archive.files})
+    axes = mode_viewer._plain(shape).axes[0]
     (lines,) = [found for found in axes.collections if type(found).__name__ == "Line3DCollection"]
     assert len(lines._segments3d) == len(expected)
 
@@ -384,7 +389,7 @@ def test_the_mesh_is_what_was_solved(holed: Drawn) -> None:
     surface = holed.results.surface
     assert surface is not None
     figures = [figure for figure in holed.figures if figure.axes[0].get_xlabel().startswith("x, radial, mm")]
-    assert len(figures) == 2
+    assert len(figures) == 1
     for figure in figures:
         axes = figure.axes[0]
         paths = [patch.get_path() for patch in axes.patches if isinstance(patch, PathPatch)]
@@ -405,14 +410,14 @@ def test_the_mesh_is_what_was_solved(holed: Drawn) -> None:
 def test_every_plate_shows_its_mesh(
     damped: bool, paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    both = drawing.both
-    monkeypatch.setattr(drawing, "both", lambda draw: both(draw) if draw.func is mesh_figure.mesh else "")
+    for name in ("campbell", "velocity", "capacity", "damping_ratio", "books", "cavity_path"):
+        monkeypatch.setattr(figures_of, name, lambda _: None)
     taken = {} if damped else {"damper": None, "release": None}
     scene = changed(paper, rotor__speeds=["3500 rpm"], rotor__modes=1, accuracy__frequency=0.05, **taken)
     assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", "out").status == 0
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     figures = re.findall(r'<svg[^>]*aria-label="Mesh of the plate from above[^>]*>.*?</svg>', page, re.S)
-    assert len(figures) == 2
+    assert len(figures) == 1
     for figure in figures:
         assert "clamped root" in figure
         assert ("damper" in re.sub("<[^>]+>", "", figure)) is damped
@@ -422,7 +427,7 @@ def test_every_plate_shows_its_mesh(
 
 
 def test_a_known_structure_has_no_mesh(spinning_up: Drawn) -> None:
-    assert spinning_up.pictures.mesh == ""
+    assert spinning_up.pictures.figures["mesh"] == ""
 
 
 def study() -> Costs:
@@ -438,10 +443,10 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 
-def test_pages_have_both_sheets_and_files_one(pages: dict[str, Path]) -> None:
+def test_pages_and_files_have_one_drawing(pages: dict[str, Path]) -> None:
     for name, path in pages.items():
         page = path.read_text(encoding="utf-8")
-        assert page.count('<svg class="wide-sheet"') == page.count('<svg class="narrow-sheet"') == 1
+        assert page.count("<svg") == 1
         drawn = path.with_name(f"{name}.svg").read_text(encoding="utf-8")
         assert drawn.count("<svg") == 1
         assert "var(" not in drawn
@@ -458,22 +463,3 @@ def test_a_phone_shows_them_whole(name: str, pages: dict[str, Path]) -> None:
 @pytest.mark.parametrize("name", ["accuracy", "effects"])
 def test_nothing_hinders_a_reader(name: str, pages: dict[str, Path]) -> None:
     assert findings(pages[name]) == []
-
-
-def test_a_map_says_each_cell_once() -> None:
-    """300 cells, each with a strength of its own, begin at the upper corner in the units of the page."""
-    k = np.arange(300)
-    x, y = k % 60, k // 60
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(drawing.WIDE, 2.6)
-        for n in k:
-            axes.fill_between([x[n], x[n] + 1], y[n], y[n] + 1, color=palette.CATEGORIES[0], alpha=n / 300, lw=0)
-        axes.set(xlim=(0, 60), ylim=(0, 5))
-        drawn = drawing.svg(figure, drawing.WIDE, "map", "a map", live=True)
-    moved, cells = re.findall(r'<g transform="translate\(0 ([\d.]+)\)">((?:\s*<path [^>]*/>)+)', drawn)[0]
-    at = np.array(re.findall(r'd="M([\d.]+) (-?[\d.]+)L', cells), float)
-    assert len(at) == len(k)
-    ((left, right, top, bottom),) = (each["box"] for each in json.loads(re.findall(r"data-axes='([^']*)'", drawn)[0]))
-    assert at[:, 0] == pytest.approx(left + x / 60 * (right - left), abs=0.02)
-    assert at[:, 1] + float(moved) == pytest.approx(bottom - (y + 1) / 5 * (bottom - top), abs=0.02)
-    assert len(drawn) < 45_000

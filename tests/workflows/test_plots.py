@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import workflows
-from workflows.report import palette
+from workflows.report import plots
 from workflows.results import curves
 
 
@@ -50,7 +50,7 @@ def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
 def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str) -> None:
     from matplotlib.colors import to_hex
 
-    places = {palette.INK, palette.MUTED, palette.RULE, palette.PAPER, *palette.shades(len(results.speeds))}
+    places = {plots.INK, plots.MUTED, plots.RULE, plots.PAPER, *plots.shades(len(results.speeds))}
     figure = getattr(results.plot, name)().figure
     for artist in figure.findobj():
         for part in ("color", "edgecolor", "facecolor"):

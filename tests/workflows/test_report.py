@@ -12,7 +12,7 @@ import pytest
 
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.report import mode_shape, templating
+from workflows.report import mode_viewer, templating
 from workflows.results import crossings
 from workflows.scene.file import parse
 
@@ -113,8 +113,8 @@ def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcom
 def test_without_vtk_the_report_still_has_its_picture(
     broken: str, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(mode_shape, "COMMAND", ["-c", broken])
-    monkeypatch.setattr(mode_shape, "PATIENCE", 0.5)
+    monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", broken])
+    monkeypatch.setattr(mode_viewer, "PATIENCE", 0.5)
     scene = write(changed(paper, rotor__speeds=["10000 rpm"], damper=None, release=None), tmp_path / "scene.toml")
     assert spindamp("run", scene, "--out", "out").status == 0
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

@@ -21,8 +21,8 @@ from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_ch
 from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
 from workflows.cli.entry import main
 from workflows.looking import page, screen, target, window
-from workflows.report import drawing, mode_shape
-from workflows.report.publish import load_results
+from workflows.report import figures, mode_viewer
+from workflows.report.page import load_results
 from workflows.scene.file import SHIPPED
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -224,8 +224,8 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     folder = tmp_path_factory.mktemp("turning")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mode_shape, "COMMAND", NO_VTK)
-        patch.setattr(drawing, "both", lambda _: "")
+        patch.setattr(mode_viewer, "COMMAND", NO_VTK)
+        patch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
         assert main(["run", str(write(scene, folder / "scene.toml")), "--out", str(folder / "out")]) == 0
     return folder / "out"
 

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import NO_GL, driven, needs_chromium, printed
-from workflows.report import packing, thinning, viewer
-from workflows.report.publish import load_results
+from workflows.report import mode_viewer
+from workflows.report.page import load_results
 from workflows.solve.plate_records import SMOOTH
 from workflows.solve.records import Mode, SpeedPoint, Surface
 
 LENGTH, WIDTH, HOLE = 0.2, 0.08, 0.02
 SPEEDS = (0.0, 3000.0, 6000.0)
-SCRIPT = Path(viewer.__file__).parents[1] / "templates" / "viewer.js"
+SCRIPT = Path(mode_viewer.__file__).parents[1] / "templates" / "viewer.js"
 
 COUNT_COLOURS = """
 const count = () => {
@@ -94,7 +94,7 @@ def read(data: dict[str, Any], number: int) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["triangle", "quad"])
 def test_what_is_packed_is_what_was_there(kind: str) -> None:
     surface = swinging(plate(20, kind))
-    view = viewer.of_surface(surface, points_of())
+    view = mode_viewer.of_surface(surface, points_of())
     data = json.loads(view.data)
     assert not view.thinned
     places = np.frombuffer(base64.b64decode(data["points"]), "<u2").reshape(-1, 2) / 65535 * data["span"] + data["low"]
@@ -102,15 +102,15 @@ def test_what_is_packed_is_what_was_there(kind: str) -> None:
     for number, shape in enumerate(surface.shapes.reshape(-1, *surface.shapes.shape[2:])):
         size = np.linalg.norm(shape, axis=1).max()
         found = read(data, number)
-        assert np.linalg.norm(found, axis=1).max() == pytest.approx(1.0, abs=2 * packing.ERROR)
+        assert np.linalg.norm(found, axis=1).max() == pytest.approx(1.0, abs=2 * mode_viewer.ERROR)
         sign = np.sign((found * shape).sum())
-        assert np.abs(sign * found * size - shape).max() <= 2 * packing.ERROR * size
+        assert np.abs(sign * found * size - shape).max() <= 2 * mode_viewer.ERROR * size
 
 
 def test_motion_a_quarter_of_a_period_behind_is_kept() -> None:
     surface = swinging(plate(20))
     behind = np.roll(surface.shapes, 1, axis=-1)
-    view = viewer.of_surface(dataclasses.replace(surface, behind=behind), points_of())
+    view = mode_viewer.of_surface(dataclasses.replace(surface, behind=behind), points_of())
     data = json.loads(view.data)
     count = len(SPEEDS) * 4
     for number in range(count):
@@ -118,15 +118,15 @@ def test_motion_a_quarter_of_a_period_behind_is_kept() -> None:
         size = np.sqrt((shape**2 + late**2).sum(axis=1).max())
         swing, lag = read(data, number), read(data, count + number)
         sign = np.sign((swing * shape).sum())
-        assert np.abs(sign * swing * size - shape).max() <= 2 * packing.ERROR * size
-        assert np.abs(sign * lag * size - late).max() <= 2 * packing.ERROR * size
+        assert np.abs(sign * swing * size - shape).max() <= 2 * mode_viewer.ERROR * size
+        assert np.abs(sign * lag * size - late).max() <= 2 * mode_viewer.ERROR * size
 
 
 @pytest.mark.parametrize("hole", [False, True])
 @pytest.mark.parametrize("kind", ["triangle", "quad"])
 def test_a_thinned_surface_is_the_plate_still(kind: str, hole: bool) -> None:
     surface = plate(100, kind, hole)
-    drawn = thinning.shown(surface, 600)
+    drawn = mode_viewer.thinned(surface, 600)
     assert 300 < len(drawn.kept) < 900
     assert drawn.edges is None, "triangles of our own are not passed off as cells"
     places = surface.points[drawn.kept]
@@ -157,10 +157,10 @@ def around_hole(surface: Surface) -> float:
 
 
 def test_a_million_unknowns_are_thinned() -> None:
-    view = viewer.of_surface(swinging(plate(640)), points_of())
+    view = mode_viewer.of_surface(swinging(plate(640)), points_of())
     assert view.of > 160_000, "three unknowns each, and two slopes: a million"
     assert view.thinned
-    assert view.points <= 1.5 * viewer.POINTS
+    assert view.points <= 1.5 * mode_viewer.POINTS
     assert len(view.data) < 150_000
 
 
@@ -181,7 +181,7 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
     assert fine is not None
     assert fine.lines is not None
     assert len(surface.points) < 0.5 * len(fine.points) <= 0.75 * SMOOTH
-    data = json.loads((viewer.view(load_results(finished)) or pytest.fail("a plate")).data)
+    data = json.loads((mode_viewer.view(load_results(finished)) or pytest.fail("a plate")).data)
     assert len(base64.b64decode(data["points"])) == 4 * len(fine.points)
     assert len(base64.b64decode(data["edges"])) == 4 * len(fine.lines), "the cells are the mesh's, not their parts"
     there = {tuple(place) for place in np.round(fine.points[:, :2], 9).tolist()}

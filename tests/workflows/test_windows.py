@@ -276,9 +276,9 @@ def test_the_command_that_go_py_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 TWICE = """
 from workflows.cli import entry as cli
-from workflows.report import drawing
+from workflows.report import figures
 assert cli.main(["run", "structure", "--out", "out"]) == 0
-drawing.both = lambda _: ""  # as it was
+figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")  # as it was
 assert cli.main(["run", "structure", "--out", "out"]) == 0
 """
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from workflows.report.thinning import loops
+from workflows.report.mode_viewer import loops
 from workflows.solve.records import Floats, Surface
 from workflows.wording import significant, whole
 

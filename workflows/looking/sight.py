@@ -7,7 +7,7 @@ from typing import Any
 
 from workflows.errors import BadInput
 from workflows.looking.mesh_facts import facts
-from workflows.report import mesh_figure
+from workflows.report import figures
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 from workflows.scene.speeds import typed
@@ -53,7 +53,7 @@ def of_plate(
         speeds=speeds,
         mark=None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2]),
         thickness=thickness if isinstance(thickness, float) else None,
-        root=mesh_figure.held(scene),
+        root=figures.held(scene),
         facts=(*known, *words),
         numbers=numbers,
     )

@@ -1,25 +1,34 @@
-"""The figures of the report, as SVG: Campbell diagram, velocity over time, damping capacity over amplitude."""
+"""The figures of a run, each drawn by one function: for its report, and as axes of matplotlib's for Python."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
-from workflows.report.envelope import envelope, oscillations
+from workflows.errors import BadInput
+from workflows.findings import worth
+from workflows.report import plots
+from workflows.report.mode_viewer import Indices
+from workflows.report.plots import Value
 from workflows.results import curves
 from workflows.results.crossings import crossings, orders
 from workflows.results.curves import Curve
-from workflows.scene import paper
-from workflows.solve.records import Floats, Results
+from workflows.scene import paper, plate_mesh
+from workflows.scene.scene import Scene
+from workflows.solve.quantity import Quantity, entries
+from workflows.solve.records import BallPath, Energy, Floats, Results, SpeedPoint, Surface, shown
+from workflows.wording import amount, significant
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LINE = 0.045
+    from workflows.solve.records import OwnFigures
+
+_LINE = 0.052
 """Height of a line of text, in heights of the Campbell diagram."""
 
 _SWINGS_AN_INCH = 10.0
@@ -28,49 +37,175 @@ _SWINGS_AN_INCH = 10.0
 _CYCLES_AT_MOST = 80
 """Cycles of a ring-down of which each is drawn; beyond, there are as many pieces."""
 
+_LEAST_AMPLITUDE = 0.1
+"""Part of the least amplitude of any curve at which the axis begins at the latest, whatever ticks lie below it."""
 
-def campbell(results: Results, sheet: Sheet) -> str:
-    """The Campbell diagram for a page; nothing for a plate at rest."""
-    figure, said = campbell_drawn(results, sheet), "Campbell diagram: natural frequencies over rotation speed"
-    return "" if figure is None else drawing.svg(figure, sheet, "campbell", said, live=True)
+_MARGIN = 1.1
+"""By what the axis goes beyond its ends."""
+
+_MIDDLE = 0.5
+"""Where the line of what the plate endures has the words left of it, as a share of the axis: there is room for them."""
+
+_LEAST_SHOWN = 1e-3
+"""Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
+
+_REMAINING, *_LOST = (
+    (each.name, each.what.short) for each in entries(Energy) if isinstance(each.what, Quantity) and each.what.short
+)
+
+_PARTS = (*_LOST, _REMAINING)
+"""Parts of the books and what the record calls them: what was lost, first to the structure, then what is left."""
+
+_COLOURS = (plots.CATEGORIES[5], plots.CATEGORIES[2], plots.CATEGORIES[1], plots.CATEGORIES[3], plots.RULE)
+
+_BAR = 0.7
+"""Height of a bar, of the distance between two."""
+
+_BARS_AT_MOST = 40
+"""Speeds that a picture has bars for."""
+
+_AXES = (plots.CATEGORIES[0], plots.CATEGORIES[2])
+"""Along the axes 1 and 2."""
+
+_LINED = 2.0
+"""Cycles of which the way is drawn as a line: more would cover each other."""
+
+_FINE = 0.03
+"""Part of a picture's height that is too small to be drawn: the last bounces before the ball stays at a wall."""
+
+_LENGTH = 4.0
+"""Of a picture over time, in its heights."""
+
+_DOT = 0.004
+"""Part of the time shown that a dot covers."""
+
+_LONGEST_IN_MM = 2.0
+"""Plates [m] up to which the axes are in mm."""
+
+_SMALLEST = 1.8
+"""Points of a side of a cell below which the cells would be a grey block."""
+
+_LOWEST, _HIGHEST = 1.1, 4.0
+"""Inches that the axes are high."""
+
+_LABELS = 0.9
+"""Inches that labels take beside the axes, and below."""
+
+_SWING = 0.14
+"""Largest displacement drawn, in lengths of the plate."""
+
+_SAME = 1e-3
+"""Relative difference up to which two speeds are one."""
+
+SHOWN = {
+    "campbell": "Campbell diagram: natural frequencies over rotation speed",
+    "mesh": "Mesh of the plate from above: cells and root",
+    "velocity": "Velocity of the structure over time",
+    "capacity": "Specific damping capacity over acceleration amplitude",
+    "working": "Damping ratio by the ball over the amplitude of the vibration",
+    "books": "Where the energy went at each speed, in shares",
+    "path": "The ball’s path in its cavity",
+}
+"""The figures of a report, and what they show."""
 
 
-def campbell_drawn(results: Results, sheet: Sheet) -> Figure | None:
+def report(results: Results) -> dict[str, str]:
+    """Every figure of a run as an SVG element of its report; empty where there is nothing to draw."""
+    drawn = {
+        "campbell": campbell(results),
+        "mesh": mesh(results),
+        "velocity": velocity(results),
+        "capacity": capacity(results),
+        "working": damping_ratio(results),
+        "books": books(results),
+        "path": cavity_path(results),
+    }
+    values = {"campbell": _frequencies, "working": _damping_ratios, "books": _shares}
+    return {
+        name: ""
+        if figure is None
+        else plots.svg(
+            figure,
+            name,
+            SHOWN[name] + (_at_which_speed(results) if name == "path" else ""),
+            values[name](results, figure) if name in values else (),
+            frames=name == "path",
+        )
+        for name, figure in drawn.items()
+    }
+
+
+def _at_which_speed(results: Results) -> str:
+    found = path_shown(results)
+    return "" if found is None else f" at {amount(found[1].rpm)} rpm, seen from above"
+
+
+def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
+    """Frequencies with their errors, which lead to the mode; then crossings with engine orders."""
+    (axes,), kept = figure.axes, () if results.surface is None else results.surface.at
+    for branch in curves.branches(results):
+        for at, number in branch.places:
+            mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
+            error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
+            title = f"{branch.label}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
+            yield Value(axes, rpm, mode.frequency_hz, title, (kept.index(at), number) if at in kept else None)
+    for meeting in crossings(results):
+        title = f"{meeting.order}× meets {meeting.label}: {meeting.rpm:.6g} rpm, {meeting.frequency_hz:.6g} Hz"
+        yield Value(axes, meeting.rpm, meeting.frequency_hz, title)
+
+
+def _damping_ratios(results: Results, figure: Figure) -> Iterator[Value]:
+    """The damping ratio by the ball over the amplitude at each load."""
+    for line in curves.damping_ratio(results):
+        for x, y in zip(1e3 * line.x, 100 * line.y, strict=True):
+            if y > 0:
+                yield Value(figure.axes[0], x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
+
+
+def _shares(results: Results, figure: Figure) -> Iterator[Value]:
+    """Shares of the energy at the start, a bar each."""
+    bars = _speeds_shown(results)
+    for axes, parts in zip(figure.axes, _panels(bars), strict=True):
+        for place, (rpm, energy) in enumerate(bars):
+            begun = 0.0
+            for name, label in parts:
+                part = getattr(energy, name)
+                share = 100 * part / energy.initial
+                title = f"{label}, {amount(rpm)} rpm: {share:.6g} %, {part:.6g} J"
+                yield Value(axes, begun + share / 2, place, title, size=(share, _BAR))
+                begun += share
+
+
+def campbell(results: Results) -> Figure | None:
     """Frequencies over speed with the engine orders that excite them; None for a plate at rest."""
     tracks, fastest = curves.campbell(results), max(point.rpm for point in results.speeds)
     if not tracks or fastest == 0:
         return None
-    figure, (axes,) = drawing.canvas(sheet, 3.5)
+    figure, (axes,) = plots.canvas(3.5)
     highest = 1.06 * max(float(track.y.max()) for track in tracks)
     axes.set(xlim=(0, fastest), ylim=(0, highest), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
     _engine_orders(axes, orders(results.scene), fastest, highest)
     colours = [_branch(axes, track) for track in tracks]
-    heights = _apart([float(track.y[-1]) for track in tracks], _LINE * highest)
+    heights = _spread([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
         axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
     meetings = crossings(results)
     met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
-    axes.plot(*met, "o", ms=2.4, color=palette.INK, zorder=3)
+    axes.plot(*met, "o", ms=2.4, color=plots.INK, zorder=3)
     _table_two(axes, results)
     return figure
 
 
-def velocity(results: Results, sheet: Sheet) -> str:
-    """The velocity over time for a page; nothing without a ring-down."""
-    figure = velocity_drawn(results, sheet)
-    return "" if figure is None else drawing.svg(figure, sheet, "velocity", "Velocity of the structure over time")
-
-
-def velocity_drawn(results: Results, sheet: Sheet) -> Figure | None:
+def velocity(results: Results) -> Figure | None:
     """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2), or None."""
     point = next((p for p in results.speeds if curves.velocity(p)), None)
     if point is None or point.damping is None:
         return None
-    figure, (axes,) = drawing.canvas(sheet, 2.5)
-    axes.axhline(0, color=palette.MUTED, lw=0.5)
+    figure, (axes,) = plots.canvas(2.5)
+    axes.axhline(0, color=plots.MUTED, lw=0.5)
     tracks = curves.velocity(point)
-    for track, colour in zip(tracks, palette.CATEGORIES, strict=False):
-        _oscillation(axes, track, colour, sheet)
+    for track, colour in zip(tracks, plots.CATEGORIES, strict=False):
+        _oscillation(axes, track, colour)
     end = max(1e3 * float(track.x[-1]) for track in tracks)
     stop = point.damping.stopped
     if stop is not None and 1e3 * stop < end:
@@ -80,18 +215,18 @@ def velocity_drawn(results: Results, sheet: Sheet) -> Figure | None:
     return figure
 
 
-def capacity(results: Results, sheet: Sheet) -> str:
+def capacity(results: Results) -> Figure | None:
     """Specific damping capacity over amplitude for every load: all of it, and the ball's part (Fig. 3)."""
     lines = curves.capacity(results)
     dampings = [p.damping for p in results.speeds if p.damping is not None and np.isfinite(p.damping.sdc).any()]
     if not lines:
-        return ""
+        return None
     # Without damping of its own the structure's part is nothing, and the two pictures would be one.
     panels = 2 if any(damping.intrinsic_sdc for damping in dampings) else 1
-    figure, drawn = drawing.canvas(sheet, 3.1, panels)
+    figure, drawn = plots.canvas(3.1, panels)
     whole, part = drawn[0], drawn[-1]
     edges = _pieces(lines)
-    for line, damping, colour in zip(lines, dampings, palette.shades(len(lines)), strict=True):
+    for line, damping, colour in zip(lines, dampings, plots.shades(len(lines)), strict=True):
         if panels == 2:
             _cycles(whole, line, 100 * line.y, edges, colour)
         _cycles(part, line, 100 * (line.y - damping.intrinsic_sdc), edges, colour)
@@ -100,13 +235,13 @@ def capacity(results: Results, sheet: Sheet) -> str:
     _title(whole, part, lines, results)
     for axes in drawn:
         axes.set(xlabel="amplitude of the acceleration, g", xscale=_scale(lines))
-    drawing.key(figure, part, sheet, title="load", reverse=sheet is drawing.WIDE)
-    return drawing.svg(figure, sheet, "capacity", "Specific damping capacity over acceleration amplitude")
+    plots.legend(figure, part, title="load")
+    return figure
 
 
-def is_fast(track: Curve, sheet: Sheet = drawing.NARROW) -> bool:
+def is_fast(track: Curve) -> bool:
     """Whether a vibration swings too often for each swing to be drawn."""
-    return oscillations(track.y) > _SWINGS_AN_INCH * sheet.width
+    return oscillations(track.y) > _SWINGS_AN_INCH * plots.WIDTH
 
 
 def is_band(cycles: Floats) -> bool:
@@ -116,7 +251,7 @@ def is_band(cycles: Floats) -> bool:
 
 def _branch(axes: Axes, track: Curve) -> str:
     """One frequency over speed; its colour."""
-    colour, marker = palette.of_family(track.label.rsplit(" ", 1)[0])
+    colour, marker = plots.of_family(track.label.rsplit(" ", 1)[0])
     axes.plot(track.x, track.y, color=colour, marker=marker if len(track.x) <= 12 else "", clip_on=False)
     return colour
 
@@ -125,15 +260,15 @@ def _table_two(axes: Axes, results: Results) -> None:
     """The frequencies that the paper has at these speeds, if it has them."""
     known = [(point.rpm, row) for point in results.speeds if (row := paper.row(results.scene, point.load_g))]
     if known:
-        ring: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mfc": "none", "mec": palette.INK, "mew": 0.8}
+        ring: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mfc": "none", "mec": plots.INK, "mew": 0.8}
         theirs = [row.frequency for _, row in known]
         axes.plot([rpm for rpm, _ in known], theirs, label="Table II", clip_on=False, zorder=4, **ring)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
 
 
-def _oscillation(axes: Axes, track: Curve, colour: str, sheet: Sheet) -> None:
-    """A vibration over time; only how far it swings where there are too many swings for the sheet."""
-    if not is_fast(track, sheet):
+def _oscillation(axes: Axes, track: Curve, colour: str) -> None:
+    """A vibration over time; only how far it swings where there are too many swings for the figure."""
+    if not is_fast(track):
         axes.plot(1e3 * track.x, track.y, color=colour, lw=0.9, label=track.label)
         return
     pieces = oscillations(track.y) // 2
@@ -146,7 +281,7 @@ def _oscillation(axes: Axes, track: Curve, colour: str, sheet: Sheet) -> None:
 
 def _stop(axes: Axes, stop: float, end: float) -> None:
     late = stop > 0.6 * end
-    axes.axvline(stop, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
+    axes.axvline(stop, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
     axes.annotate(
         "the ball comes to rest",
         (stop, 1.0),
@@ -185,7 +320,7 @@ def _title(whole: Axes, part: Axes, lines: list[Curve], results: Results) -> Non
     top = 100 * max(float(line.y.max()) for line in lines)
     if part is not whole and any(paper.row(results.scene, point.load_g) for point in results.speeds):
         low, high = (100 * value for value in paper.SDC_RANGE)
-        whole.axhspan(low, high, color=palette.RULE, lw=0)
+        whole.axhspan(low, high, color=plots.RULE, lw=0)
         middle = (0.97, (low + high) / 2)
         whole.annotate("the paper’s range", middle, xycoords=("axes fraction", "data"), ha="right", va="center")
         top = max(top, high)
@@ -201,21 +336,21 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
         end = order * fastest / 60
         if end < 0.04 * highest:
             continue
-        axes.plot([0, fastest], [0, end], color=palette.MUTED, lw=0.5, ls=(0, (1, 2)))
+        axes.plot([0, fastest], [0, end], color=plots.MUTED, lw=0.5, ls=(0, (1, 2)))
         if end <= 0.97 * highest:
             aside.append((order, end))
         else:
             _order(axes, order, 60 * 0.97 * highest / order, 0.97 * highest)
-    for (order, _), y in zip(aside, _apart([end for _, end in aside], 0.65 * _LINE * highest), strict=True):
+    for (order, _), y in zip(aside, _spread([end for _, end in aside], 0.65 * _LINE * highest), strict=True):
         _order(axes, order, fastest, y)
 
 
 def _order(axes: Axes, order: int, x: float, y: float) -> None:
-    small: dict[str, Any] = {"fontsize": 6.5, "color": palette.MUTED, "va": "center", "annotation_clip": False}
+    small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED, "va": "center", "annotation_clip": False}
     axes.annotate(f"{order}×", (x, y), (6, 0), textcoords="offset points", **small)
 
 
-def _apart(values: list[float], gap: float) -> list[float]:
+def _spread(values: list[float], gap: float) -> list[float]:
     """Label positions moved up just enough to be `gap` apart."""
     placed: dict[int, float] = {}
     last = -np.inf
@@ -223,3 +358,379 @@ def _apart(values: list[float], gap: float) -> list[float]:
         last = max(values[index], last + gap)
         placed[index] = last
     return [placed[index] for index in range(len(values))]
+
+
+def damping_ratio(results: Results) -> Figure | None:
+    """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
+    lines = curves.damping_ratio(results)
+    ranges = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
+    if not lines:
+        return None
+    figure, (axes,) = plots.canvas(3.1)
+    for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
+        shown = line.y > 0
+        axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
+        axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
+        if figures.cutoff > 0:
+            axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
+    peaks = [100 * figures.peak for figures in ranges]
+    top = max(*peaks, 100 * worth.AIR[1])
+    least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
+    axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * worth.AIR[0]), 2 * top))
+    axes.set_xlim(_from_to(lines, ranges))
+    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    _beside(axes, worth.endured(results))
+    plots.legend(figure, axes, title="load")
+    return figure
+
+
+def _from_to(lines: list[Curve], ranges: list[OwnFigures]) -> tuple[float, float]:
+    """Ends of the axis [mm]: all of the curves, and ticks that are not far below them."""
+    shown = np.concatenate([line.x[line.y > 0] for line in lines])
+    ticks = [figures.cutoff for figures in ranges if figures.cutoff > 0]
+    low = max(min([*ticks, shown.min()]), _LEAST_AMPLITUDE * shown.min())
+    return 1e3 * low / _MARGIN, 1e3 * shown.max() * _MARGIN
+
+
+def _beside(axes: Axes, limit: float | None) -> None:
+    """What the air does, and the amplitude [m] up to which the plate endures; the words do not meet its line."""
+    low, high = (100 * ratio for ratio in worth.AIR)
+    axes.axhspan(low, high, color=plots.RULE, lw=0)
+    end, (left, right) = 0.99, np.log(axes.get_xlim())
+    if limit is not None and np.log(1e3 * limit) < right:
+        axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+        share = (np.log(1e3 * limit) - left) / (right - left)
+        end = share - 0.01 if share > _MIDDLE else end
+    axes.annotate(
+        "air alone, turbine blades",
+        (end, low),
+        (0, -3),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        color=plots.MUTED,
+    )
+
+
+def _speeds_shown(results: Results) -> list[tuple[float, Energy]]:
+    """Speed [rpm] and books of the ring-downs that the figure shows, evenly chosen where there are many."""
+    found = [(p.rpm, p.damping.energy) for p in results.speeds if p.damping and p.damping.energy.initial > 0]
+    if len(found) <= _BARS_AT_MOST:
+        return found
+    return [found[k] for k in np.unique(np.linspace(0, len(found) - 1, _BARS_AT_MOST).round().astype(int))]
+
+
+def _panels(bars: list[tuple[float, Energy]]) -> list[tuple[tuple[str, str], ...]]:
+    """The parts that each panel shows."""
+    return [_PARTS, _PARTS[1:4]] if any(energy.structure > 0.0 for _, energy in bars) else [_PARTS]
+
+
+def books(results: Results) -> Figure | None:
+    """Shares of the energy of the release; below what the structure took, what the ball did on a scale of its own."""
+    bars = _speeds_shown(results)
+    if not bars:
+        return None
+    shown = _panels(bars)
+    figure, drawn = plots.canvas(0.75 + 0.2 * len(bars), len(shown))
+    for axes, parts in zip(drawn, shown, strict=True):
+        _bars(axes, bars, parts)
+        axes.set(xlabel="share of the energy at the start, %")
+    drawn[0].set(xlim=(0, 100))
+    if len(shown) == 2:
+        drawn[0].set(title="All of it")
+        drawn[1].set(title="What the ball took", xlim=(0, max(drawn[1].get_xlim()[1], 1e-6)))
+    plots.legend(figure, drawn[0])
+    return figure
+
+
+def _bars(axes: Axes, bars: list[tuple[float, Energy]], parts: tuple[tuple[str, str], ...]) -> None:
+    places, begun = np.arange(len(bars)), np.zeros(len(bars))
+    colours = dict(zip((name for name, _ in _PARTS), _COLOURS, strict=True))
+    for name, label in parts:
+        shares = np.array([100 * getattr(energy, name) / energy.initial for _, energy in bars])
+        axes.barh(places, shares, _BAR, begun, color=colours[name], label=label)
+        begun += shares
+    axes.set_yticks(places, [f"{amount(rpm)} rpm" for rpm, _ in bars])
+    axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
+
+
+def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
+    """The path kept and the speed it belongs to; None where no ball moved."""
+    for point in results.speeds:
+        if point.damping is not None and point.damping.path is not None:
+            return point.damping.path, point
+    return None
+
+
+def frequency(point: SpeedPoint) -> float:
+    """Of the structure with the ball at rest in its cavity [Hz]."""
+    if point.reduced is None:
+        raise ValueError("a ball has moved in a structure that is not known")
+    return point.reduced.f1_hz
+
+
+def cavity_path(results: Results) -> Figure | None:
+    """The ball from above, and over time with the structure's motion below; None where no ball moved."""
+    found, given = path_shown(results), results.scene.damper
+    if found is None or given is None:
+        return None
+    path, point = found
+    figure, (above, ball, structure) = _square_above(2.6, 2)
+    _from_above(above, path, given.cavity, given.radius, _LINED / frequency(point))
+    _over_time(ball, path, path.ball)
+    for i in curves.moving(path.ball):
+        half = 1e3 * (given.cavity[i] / 2 - given.radius)
+        for side in (-half, half):
+            ball.axhline(side, color=_AXES[i], lw=0.7, ls=(0, (4, 3)))
+    at, axis = _hits(path)
+    ball.plot(1e3 * path.t[at], 1e3 * path.ball[at, axis], "o", ms=2.4, color=plots.CATEGORIES[1], zorder=3)
+    _over_time(structure, path, path.structure)
+    ball.set(title="Ball from the middle of its cavity, mm")
+    structure.set(title="Structure at the cavity, mm", xlabel="time, ms")
+    if len(curves.moving(path.structure)) == 2 or len(curves.moving(path.ball)) == 2:
+        structure.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+    return figure
+
+
+def contacts(path: BallPath, radius: float) -> Floats:
+    """Places on the walls that were hit, (k, 2) [m], those that a dot shows apart."""
+    at, axes = _hits(path)
+    places = path.ball[at].copy()
+    rows = np.arange(len(places))
+    places[rows, axes] += radius * np.sign(places[rows, axes])
+    grid = _DOT * np.abs(places).max(initial=1.0e-300)
+    return places[np.unique(np.round(places / grid), axis=0, return_index=True)[1]]
+
+
+def _apart(places: Floats, least: float) -> list[int]:
+    """Of places (n, 2) one after another those that lie at least so far from the last one taken, and both ends."""
+    kept = [0]
+    for k in range(1, len(places) - 1):
+        if np.hypot(*(places[k] - places[kept[-1]])) >= least:
+            kept.append(k)
+    return [*kept, len(places) - 1]
+
+
+def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius: float, line: float) -> None:
+    """The cavity to scale, the ball where it began, its way for the time `line` [s] and where it hit the walls."""
+    from matplotlib.patches import Circle, Rectangle
+
+    a, b = (1e3 * side for side in cavity)
+    axes.add_patch(Rectangle((-a / 2, -b / 2), a, b, fill=False, ec=plots.INK, lw=1.3))
+    begun = Circle((1e3 * path.ball[0, 0], 1e3 * path.ball[0, 1]), 1e3 * radius)
+    begun.set(fill=False, ec=plots.MUTED, lw=0.8, ls=(0, (1.5, 2)))
+    axes.add_patch(begun)
+    way = path.ball[path.t <= path.t[0] + line]
+    axes.plot(*(1e3 * way[_apart(way, _FINE * max(cavity))].T), color=_AXES[0], lw=0.7)
+    axes.plot(*(1e3 * contacts(path, radius).T), "o", ms=2.4, color=plots.CATEGORIES[1])
+    axes.set(xlim=(-0.53 * a, 0.53 * a), ylim=(-0.53 * b, 0.53 * b), aspect="equal")
+    axes.set(title="Cavity from above, mm", xlabel="axis 1, bending", ylabel="axis 2, across")
+    axes.grid(visible=False)
+
+
+def _over_time(axes: Axes, path: BallPath, motion: Floats) -> None:
+    t, reach = (path.t - path.t[0]) / (path.t[-1] - path.t[0]), np.abs(motion).max()
+    for i in curves.moving(motion):
+        kept = _apart(np.column_stack([_LENGTH * t, motion[:, i] / reach]), _FINE)
+        axes.plot(1e3 * path.t[kept], 1e3 * motion[kept, i], color=_AXES[i], lw=0.9, label=f"axis {i + 1}")
+    axes.set(xlim=(1e3 * path.t[0], 1e3 * path.t[-1]))
+
+
+def _hits(path: BallPath) -> tuple[Indices, Indices]:
+    """Which of the times have a wall hit and along which axis; of several that one dot shows, the first."""
+    hits = np.flatnonzero([kind == "hit" for kind in path.kind])
+    at, axis = path.at[hits], path.axis[hits]
+    side = np.sign(path.ball[at, axis]) + 3 * axis
+    square = np.column_stack([side, np.floor((path.t[at] - path.t[0]) / (_DOT * (path.t[-1] - path.t[0])))])
+    first = np.unique(square, axis=0, return_index=True)[1]
+    return at[first], axis[first]
+
+
+def mesh(results: Results) -> Figure | None:
+    """The plate from above, in its own axes; None without a plate."""
+    surface, scene = results.surface, results.scene
+    if surface is None:
+        return None
+    mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
+    return mesh_of(surface, mark, held(scene))
+
+
+def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str) -> Figure:
+    """A plate from above with its damper (x, y) [m], if any; `root` says what its root is."""
+    metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
+    points = metres * surface.points[:, :2]
+    length, width = np.ptp(points, axis=0)
+    inside = plots.WIDTH - _LABELS
+    height = float(np.clip(inside * width / length, _LOWEST, _HIGHEST))
+    figure, (axes,) = plots.canvas(height + _LABELS)
+    if cells_are_drawn(surface):
+        _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), plots.MUTED, 0.35)
+    _draw(axes, points, surface.outline, plots.INK, 0.9)
+    _draw(axes, points, surface.root, plots.CATEGORIES[0], 3.0)
+    axes.plot([], [], color=plots.CATEGORIES[0], lw=3.0, label=root)
+    if mark is not None:
+        x, y = (metres * value for value in mark)
+        axes.plot(x, y, "o", ms=7, mfc="none", mec=plots.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
+    axes.grid(visible=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    return figure
+
+
+def held(scene: Scene) -> str:
+    """What the root is."""
+    return "clamped root" if scene.plate is None or scene.plate.root is None else "root on springs"
+
+
+def cells_are_drawn(surface: Surface) -> bool:
+    """Whether a figure shows each cell: beyond some thousands they would be one grey block."""
+    length, width, _ = np.ptp(surface.points, axis=0)
+    inside = 72.0 * (plots.WIDTH - _LABELS)
+    scale = min(inside / length, 72.0 * _HIGHEST / width)
+    return bool(scale * np.sqrt(length * width / len(surface.cells[1])) >= _SMALLEST)
+
+
+def _draw(axes: Axes, points: Floats, chains: np.ndarray, colour: str, width: float) -> None:
+    """Polylines through points, chains (n, points of each), as one path, which keeps the page small."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    codes = np.full(chains.shape, Path.LINETO)
+    codes[:, 0] = Path.MOVETO
+    path = Path(points[chains].reshape(-1, 2), codes.ravel())
+    axes.add_patch(PathPatch(path, fill=False, edgecolor=colour, lw=width, capstyle="round"))
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """What a curve does in each piece that it passes through: mean x; least, mean and most of y; all (pieces,)."""
+
+    x: Floats
+    low: Floats
+    mean: Floats
+    high: Floats
+
+
+def envelope(x: Floats, y: Floats, edges: Floats) -> Envelope:
+    """The pieces of a curve, x and y (n,), between ascending `edges`; what lies beyond belongs to the outermost."""
+    piece = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+    order = np.argsort(piece, kind="stable")
+    first = np.flatnonzero(np.diff(piece[order], prepend=-1))
+    count = np.diff(first, append=len(x))
+    along, up = x[order], y[order]
+    return Envelope(
+        x=np.add.reduceat(along, first) / count,
+        low=np.minimum.reduceat(up, first),
+        mean=np.add.reduceat(up, first) / count,
+        high=np.maximum.reduceat(up, first),
+    )
+
+
+def oscillations(y: Floats) -> int:
+    """How often a curve swings up and down through zero."""
+    signs = np.sign(y[y != 0.0])
+    return int(np.count_nonzero(np.diff(signs))) // 2
+
+
+def _square_above(side: float, panels: int) -> tuple[Figure, list[Axes]]:
+    """A figure with a square `side` inches high, and panels below it."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(plots.WIDTH, side + 1.5 * panels))
+    figure.set_layout_engine("constrained", hspace=0.08)
+    grid = figure.add_gridspec(panels + 1, 1, height_ratios=(side, *([1.25] * panels)))
+    return figure, [figure.add_subplot(grid[k]) for k in range(panels + 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Plots:
+    """What can be drawn of results; `axes.figure.savefig("campbell.pdf")` writes a picture.
+
+    Each raises BadInput where the run has not what it shows.
+    """
+
+    results: Results
+
+    def campbell(self) -> Axes:
+        """Natural frequencies [Hz] over the rotation speed [rpm], with engine orders and their crossings."""
+        with plots.style():
+            return self._axes(campbell(self.results), "a plate that turns")
+
+    def damping(self) -> Axes:
+        """Damping ratio by the ball [%] over the amplitude at the cavity [mm], a curve for each load."""
+        with plots.style():
+            return self._axes(damping_ratio(self.results), "a damper whose ball can move")
+
+    def ringdown(self) -> Axes:
+        """Velocity of the structure [m/s] over time [ms] after the release, at the run's middle speed."""
+        with plots.style():
+            return self._axes(velocity(self.results), "a ring-down")
+
+    def mesh(self) -> Axes:
+        """The plate from above: cells, root, place of the damper."""
+        with plots.style():
+            return self._axes(mesh(self.results), "a plate")
+
+    def mode(self, number: int = 1, rpm: float | None = None) -> Any:
+        """A mode in three dimensions, the plate at rest in outline.
+
+        Args:
+            number: of the mode, from 1.
+            rpm: rotation speed, one of those kept; the middle one by default.
+
+        Returns:
+            A `pyvista.Plotter`: `.show()` shows it, `.screenshot(path)` writes it where nothing has been shown yet.
+        """
+        import pyvista as pv
+
+        surface = self.results.surface
+        if surface is None:
+            raise _without("a plate")
+        row = self._row(surface.at, rpm)
+        if not 1 <= number <= surface.shapes.shape[1]:
+            raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
+        points, cells, shape = surface.points, surface.cells[1], surface.shapes[row, number - 1]
+        moved, swing = _swinging(points, shape)
+        point = self.results.speeds[surface.at[row]]
+        mode = point.modes[number - 1]
+        plotter = pv.Plotter()
+        plate = pv.PolyData(moved, np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel())
+        plate["swing, of the largest"] = swing
+        plotter.add_mesh(plate, cmap="plasma", show_edges=True, clim=(0.0, 1.0))
+        for edges, colour, width in ((surface.outline, "grey", 2), (surface.root, plots.CATEGORIES[0], 6)):
+            lines = np.column_stack([np.full(len(edges), 2), edges]).ravel()
+            plotter.add_mesh(pv.PolyData(points, lines=lines), color=colour, line_width=width)
+        said = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
+        plotter.add_text(said, font_size=10)
+        return plotter
+
+    def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
+        """Which of the speeds kept is meant."""
+        if rpm is None:
+            return int(np.argmin(np.abs(np.asarray(at) - shown(self.results.speeds))))
+        kept = [self.results.speeds[number].rpm for number in at]
+        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
+        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
+            raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
+        return row
+
+    def _axes(self, figure: Figure | None, needed: str) -> Axes:
+        if figure is None:
+            raise _without(needed)
+        plots.plain(figure)
+        return plots.coloured(figure, len(self.results.speeds)).axes[0]
+
+
+def _without(needed: str) -> BadInput:
+    return BadInput(f"the run has nothing to draw: expected {needed}", key="plot")
+
+
+def _swinging(points: Floats, shape: Floats) -> tuple[Floats, Floats]:
+    """The points (n, 3) moved by a shape, and how far each swings, of the largest."""
+    length = float(np.ptp(points, axis=0).max())
+    swing = np.linalg.norm(shape, axis=1)
+    largest = float(swing.max()) or 1.0
+    return points + _SWING * length / largest * shape, swing / largest

@@ -1,36 +1,34 @@
-"""The report: one self-contained HTML page for a person."""
+"""The report: one self-contained HTML page for a person; and writing a run, every file of its folder or none."""
 
 from __future__ import annotations
 
 import base64
 import math
-from dataclasses import dataclass
-from functools import partial
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from workflows import wording
+from workflows.errors import BadInput
 from workflows.findings import answer, cutoffs, of_the_ball, trust, worth
 from workflows.findings.assumptions import assumptions
-from workflows.report import (
-    drawing,
-    figure_books,
-    figure_path,
-    figure_working,
-    figures,
-    hover,
-    mesh_figure,
-    palette,
-    player,
-    templating,
-    viewer,
-)
-from workflows.report.mode_shape import Picture
-from workflows.report.viewer import View
-from workflows.results import curves, resolved
+from workflows.output import store
+from workflows.report import ball_player, figures, mode_viewer, plots, templating
+from workflows.report.mode_viewer import Artist, Picture, View
+from workflows.report.text import shown
+from workflows.results import curves, kept, resolved
+from workflows.results import document as results_json
+from workflows.results import files as results_files
 from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
-from workflows.solve.records import Results, SpeedPoint
+from workflows.solve import records
+from workflows.solve.records import Results, SpeedPoint, expect
+from workflows.stages import Stages
 
 _MODES_AT_MOST = 7
 """Columns of the table of a plate without a damper."""
@@ -38,15 +36,9 @@ _MODES_AT_MOST = 7
 
 @dataclass(frozen=True)
 class Drawings:
-    """The pictures of a report: SVG elements (empty where there is nothing to draw) and the mode shape."""
+    """The pictures of a report: SVG elements by name (empty where there is nothing to draw) and the mode shape."""
 
-    campbell: str
-    mesh: str
-    velocity: str
-    capacity: str
-    working: str
-    books: str
-    path: str
+    figures: dict[str, str]
     css: str
     shape: Picture | None = None
     view: View | None = None
@@ -54,18 +46,9 @@ class Drawings:
 
 def draw(results: Results) -> Drawings:
     """Make the figures; the slow part of a report."""
-    with drawing.style():
-        return Drawings(
-            campbell=drawing.both(partial(figures.campbell, results)),
-            mesh=drawing.both(partial(mesh_figure.mesh, results)),
-            velocity=drawing.both(partial(figures.velocity, results)),
-            capacity=drawing.both(partial(figures.capacity, results)),
-            working=drawing.both(partial(figure_working.working, results)),
-            books=drawing.both(partial(figure_books.books, results)),
-            path=drawing.both(partial(figure_path.cavity_path, results)),
-            css=palette.shades_css(len(results.speeds)),
-            view=viewer.view(results),
-        )
+    with plots.style():
+        drawn = figures.report(results)
+    return Drawings(drawn, plots.shades_css(len(results.speeds)), view=mode_viewer.view(results))
 
 
 def render(results: Results, drawings: Drawings) -> str:
@@ -89,7 +72,7 @@ def _said(results: Results) -> dict[str, Any]:
         "scene": results.scene,
         "answer": answer.answer(results),
         "thick": _thick(results),
-        "held": mesh_figure.held(results.scene),
+        "held": figures.held(results.scene),
         "assumptions": assumptions(results),
         "versions": versions(),
         "hashes": hashes(results),
@@ -116,22 +99,15 @@ def _tabulated(results: Results) -> dict[str, Any]:
 
 
 def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
-    """The figures, the values under the pointer, and the player of the ball's path."""
+    """The figures, and the player of the ball's path."""
     from markupsafe import Markup
 
-    names = ("campbell", "mesh", "velocity", "capacity", "working", "books", "path")
-    return {name: Markup(getattr(drawings, name)) for name in names} | {
-        "points": {
-            "campbell": hover.campbell(results) if drawings.campbell else "",
-            "working": hover.working(results) if drawings.working else "",
-            "books": hover.books(results) if drawings.books else "",
-        },
-        "hovering": templating.script("hover.js"),
-        "cells_drawn": results.surface is not None and mesh_figure.cells_are_drawn(results.surface),
+    return {name: Markup(drawn) for name, drawn in drawings.figures.items()} | {
+        "cells_drawn": results.surface is not None and figures.cells_are_drawn(results.surface),
         "fast": any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
         "bands": any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
         "shown": next((p for p in results.speeds if p.damping and p.damping.history), None),
-        "playing": player.data(results) if drawings.path else "",
+        "playing": ball_player.data(results) if drawings.figures["path"] else "",
         "playing_script": templating.script("player.js"),
         "stretch": _stretch(results),
     }
@@ -172,14 +148,14 @@ def _driven(results: Results) -> list[Crossing] | None:
 
 def _stretch(results: Results) -> dict[str, Any] | None:
     """What the figure of the ball's path says of the stretch that it shows; None without one."""
-    found = figure_path.of(results)
+    found = figures.path_shown(results)
     if found is None:
         return None
     path, point = found
     begin, end = (float(path.t[k]) for k in (0, -1))
     return {
         "point": point,
-        "cycles": (end - begin) * figure_path.frequency(point),
+        "cycles": (end - begin) * figures.frequency(point),
         "begin": 1e3 * begin,
         "hits": path.kind.count("hit"),
     }
@@ -200,9 +176,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
 
 
 def _shape_point(results: Results) -> SpeedPoint | None:
-    from workflows.solve.records import shown
-
-    return results.speeds[shown(results.speeds)] if results.surface is not None else None
+    return results.speeds[records.shown(results.speeds)] if results.surface is not None else None
 
 
 def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -226,3 +200,133 @@ def _text(value: object) -> str:
         items = [_text(item) for item in value]
         return f"[{', '.join(items[:12])}{', …' if len(items) > 12 else ''}]"
     return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def save(results: Results, folder: str | os.PathLike[str]) -> Path:
+    """Write all that `spindamp run` writes into a folder, which is replaced whole or not at all; returns the folder.
+
+    Raises:
+        BadInput: the folder cannot be written, or holds what is not ours.
+        TypeError: not results, or not a folder's name.
+    """
+    expect(results, "save")
+    out = _path("save", "folder", folder)
+    try:
+        target = store.check(out, curves.FILES)
+        with artist(results) as drawing:
+            publish(results, out, Stages(visible=False, spent=results.timings), drawing)
+    except BadInput as error:
+        raise BadInput(error.problem, key="folder", value=str(out)) from error
+    return target
+
+
+def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
+    """Write the report alone, a page without outside parts, into a file, which is replaced; returns the file.
+
+    Raises:
+        BadInput: the file cannot be written.
+        TypeError: not results, or not a file's name.
+    """
+    expect(results, "save_report")
+    _path("save_report", "file", path)
+    writable(path)
+    with artist(results) as drawing:
+        drawings = _drawn(results, drawing)
+    return put(path, render(results, drawings))
+
+
+def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
+    """Put a text in the place of a file, whole or not at all; returns the file, resolved.
+
+    Raises:
+        BadInput: it cannot be written; `key` is what named it.
+    """
+    out = writable(path, key)
+    try:
+        _replace(out, text)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
+    return out
+
+
+def load_results(folder: str | os.PathLike[str]) -> Results:
+    """What `spindamp run --out` or `save` wrote into a folder, as it was when it was written.
+
+    Raises:
+        BadInput: there is no run of ours.
+        TypeError: not the name of a folder.
+    """
+    return shown(kept.read(folder))
+
+
+@contextmanager
+def artist(results: Results) -> Iterator[Artist | None]:
+    """Who draws the first mode at the speed shown, where there is a plate."""
+    if results.surface is None:
+        yield None
+        return
+    with Artist() as drawing:
+        drawing.draw(results.surface, records.shown(results.speeds))
+        yield drawing
+
+
+def _drawn(results: Results, artist: Artist | None) -> Drawings:
+    """The pictures of a report; the artist is asked last, who draws in a process of its own meanwhile."""
+    drawings = draw(results)
+    return drawings if artist is None else replace(drawings, shape=artist.picture())
+
+
+def _path(who: str, what: str, given: object) -> Path:
+    if not isinstance(given, str | os.PathLike):
+        raise TypeError(f"{who} takes the name of a {what} second, got {type(given).__name__}")
+    return Path(given)
+
+
+def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
+    """The path of a file, resolved; BadInput where there can be none."""
+    try:
+        target = Path(path).resolve()
+        taken, special = target.is_dir(), target.exists() and not target.is_file()
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: a loop of links
+        problem = f"cannot be a file: {getattr(error, 'strerror', None) or error}"
+        raise BadInput(problem, key=key, value=str(path)) from error
+    if taken or os.fspath(path).endswith(("/", os.sep)):
+        raise BadInput("is a folder: expected a file, such as 'report.html'", key=key, value=str(path))
+    if special:
+        raise BadInput(
+            "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
+        )
+    return target
+
+
+def _replace(path: Path, text: str) -> None:
+    """Put a text in the place of a file, whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fresh = path.with_name(f".{path.name[:80]}.{secrets.token_hex(8)}")
+    try:
+        fresh.write_text(text, encoding="utf-8")
+        os.replace(fresh, path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def publish(results: Results, out: Path, stages: Stages, artist: Artist | None = None) -> Results:
+    """Write a run into `out` and return it with its final times.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    with store.replacing(out) as folder:
+        with stages("write"):
+            results_files.write_csv(results, folder)
+            results_files.write_netcdf(results, folder / "results.nc")
+            if results.surface is not None:
+                results_files.write_vtu(results.surface, results, folder / "modes.vtu")
+        with stages("report"):
+            drawings = _drawn(results, artist)
+        # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
+        finished = replace(results, timings=stages.timings())
+        (folder / "report.html").write_text(render(finished, drawings), encoding="utf-8")
+        kept.write(finished, folder / kept.NAME)
+        (folder / "results.json").write_text(results_json.dumps(finished) + "\n", encoding="utf-8")
+    return finished

@@ -1,121 +1,325 @@
-"""The pictures of a run for Python: axes of matplotlib's or a plotter of pyvista's, to be shown, changed or saved."""
+"""The plot helper of all pages: one style, one size that scales, and SVG in the colours and type of its page.
+
+A figure is drawn once. Its text is legible on a phone, where the page scales it by about 1, and on a wide screen, where
+the style sheet limits its width. matplotlib is used without pyplot, and imported only when something is drawn.
+"""
 
 from __future__ import annotations
 
+import html
+import io
+import json
+import logging
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-
-from workflows.errors import BadInput
-from workflows.report import drawing, figure_working, figures, mesh_figure, palette
-from workflows.scene import plate_mesh
-from workflows.solve.records import Floats, Results, shown
-from workflows.wording import amount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_SWING = 0.14
-"""Largest displacement drawn, in lengths of the plate."""
+WIDTH = 4.5
+"""Width of a figure [in]."""
 
-_SAME = 1e-3
-"""Relative difference up to which two speeds are one."""
+INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
+"""Text and axes, secondary text, grid, and the page itself: placeholders, which a page replaces by its variables."""
+
+CATEGORIES = ("#0072b2", "#d55e00", "#009e73", "#a0568c", "#c48a00", "#3f9bd1", "#7f7f7f")
+"""After Okabe and Ito (2008): told apart with any kind of colour vision."""
+
+_WRITTEN = ("#0072b2", "#b34f00", "#00795a", "#a0568c", "#8a6000", "#2474a6", "#6b6b6b")
+"""The same for text on a light page: with a contrast of 4.5 and more."""
+
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
+
+_FAMILIES = ("flap", "twist", "lag", "chord", "axial")
+"""Families of modes in the order of the colours and markers; any other has those that follow."""
+
+_VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
+    colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
+}
+_LIGHT = {"--ink": "#1c1d20", "--muted": "#6b6d73", "--rule": "#e2dfd6", "--paper": "#ffffff"}
+"""The colours of a light page."""
+
+_NAMED_AT_MOST, _NAMED_OF_MANY = 16, 9
+"""Curves that a legend names all, and how many it names of more: from the first to the last, evenly."""
+
+_APART = 2.0
+"""Points between two values that have a title each."""
+
+_REACH = 5.0
+"""Radius in points around a value within which the pointer shows its title."""
+
+_STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "spindamp",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "axes.labelsize": 8.5,
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.facecolor": "none",
+    "axes.formatter.limits": (-4, 7),
+    "axes.formatter.min_exponent": 5,
+    "axes.formatter.useoffset": False,
+    "figure.facecolor": "none",
+    "grid.color": RULE,
+    "grid.linewidth": 0.5,
+    "text.color": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.title_fontsize": 8.0,
+    "lines.linewidth": 1.3,
+    "path.simplify_threshold": 0.25,
+    "lines.markersize": 3.2,
+}
 
 
-@dataclass(frozen=True, eq=False)
-class Plots:
-    """What can be drawn of results; `axes.figure.savefig("campbell.pdf")` writes a picture.
+@dataclass(frozen=True)
+class Value:
+    """A value in a figure that says itself under the pointer.
 
-    Each raises BadInput where the run has not what it shows.
+    Attributes:
+        axes: in which it is drawn.
+        x, y: its place, in the units of the axes.
+        title: what it says.
+        mode: the speed kept and the mode, both from 0, that it leads to in the viewer; None: it leads nowhere.
+        size: width and height of the bar around the place, in the units of the axes; None for a point.
     """
 
-    results: Results
-
-    def campbell(self) -> Axes:
-        """Natural frequencies [Hz] over the rotation speed [rpm], with engine orders and their crossings."""
-        with drawing.style():
-            return self._axes(figures.campbell_drawn(self.results, drawing.WIDE), "a plate that turns")
-
-    def damping(self) -> Axes:
-        """Damping ratio by the ball [%] over the amplitude at the cavity [mm], a curve for each load."""
-        with drawing.style():
-            return self._axes(figure_working.drawn(self.results, drawing.WIDE), "a damper whose ball can move")
-
-    def ringdown(self) -> Axes:
-        """Velocity of the structure [m/s] over time [ms] after the release, at the run's middle speed."""
-        with drawing.style():
-            return self._axes(figures.velocity_drawn(self.results, drawing.WIDE), "a ring-down")
-
-    def mesh(self) -> Axes:
-        """The plate from above: cells, root, place of the damper."""
-        surface, scene = self.results.surface, self.results.scene
-        if surface is None:
-            raise _without("a plate")
-        mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
-        with drawing.style():
-            return self._axes(mesh_figure.drawn(surface, mark, mesh_figure.held(scene), drawing.WIDE), "a plate")
-
-    def mode(self, number: int = 1, rpm: float | None = None) -> Any:
-        """A mode in three dimensions, the plate at rest in outline.
-
-        Args:
-            number: of the mode, from 1.
-            rpm: rotation speed, one of those kept; the middle one by default.
-
-        Returns:
-            A `pyvista.Plotter`: `.show()` shows it, `.screenshot(path)` writes it where nothing has been shown yet.
-        """
-        import pyvista as pv
-
-        surface = self.results.surface
-        if surface is None:
-            raise _without("a plate")
-        row = self._row(surface.at, rpm)
-        if not 1 <= number <= surface.shapes.shape[1]:
-            raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
-        points, cells, shape = surface.points, surface.cells[1], surface.shapes[row, number - 1]
-        moved, swing = _swinging(points, shape)
-        point = self.results.speeds[surface.at[row]]
-        mode = point.modes[number - 1]
-        plotter = pv.Plotter()
-        plate = pv.PolyData(moved, np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel())
-        plate["swing, of the largest"] = swing
-        plotter.add_mesh(plate, cmap="plasma", show_edges=True, clim=(0.0, 1.0))
-        for edges, colour, width in ((surface.outline, "grey", 2), (surface.root, palette.CATEGORIES[0], 6)):
-            lines = np.column_stack([np.full(len(edges), 2), edges]).ravel()
-            plotter.add_mesh(pv.PolyData(points, lines=lines), color=colour, line_width=width)
-        said = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
-        plotter.add_text(said, font_size=10)
-        return plotter
-
-    def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
-        """Which of the speeds kept is meant."""
-        if rpm is None:
-            return int(np.argmin(np.abs(np.asarray(at) - shown(self.results.speeds))))
-        kept = [self.results.speeds[number].rpm for number in at]
-        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
-        return row
-
-    def _axes(self, figure: Figure | None, needed: str) -> Axes:
-        from workflows.report import ticks
-
-        if figure is None:
-            raise _without(needed)
-        ticks.label(figure)
-        return palette.coloured(figure, len(self.results.speeds)).axes[0]
+    axes: Axes
+    x: float
+    y: float
+    title: str
+    mode: tuple[int, int] | None = None
+    size: tuple[float, float] | None = None
 
 
-def _without(needed: str) -> BadInput:
-    return BadInput(f"the run has nothing to draw: expected {needed}", key="plot")
+@contextmanager
+def style() -> Iterator[None]:
+    """The look of all figures; whatever is drawn, is drawn inside."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it remarks on a home that cannot be written
+    import matplotlib as mpl
+
+    with mpl.rc_context(_STYLE):
+        yield
 
 
-def _swinging(points: Floats, shape: Floats) -> tuple[Floats, Floats]:
-    """The points (n, 3) moved by a shape, and how far each swings, of the largest."""
-    length = float(np.ptp(points, axis=0).max())
-    swing = np.linalg.norm(shape, axis=1)
-    largest = float(swing.max()) or 1.0
-    return points + _SWING * length / largest * shape, swing / largest
+def canvas(height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
+    """A figure with panels one below the other, each `height` inches high.
+
+    Margins are measured once all is drawn, so that whatever labels come out have room.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, panels * height))
+    figure.set_layout_engine("constrained", hspace=0.08)
+    axes = [figure.add_subplot(panels, 1, i + 1) for i in range(panels)]
+    for each in axes:
+        each.locator_params(axis="x", nbins=6)
+    return figure, axes
+
+
+def legend(figure: Figure, axes: Axes, **how: Any) -> None:
+    """A legend of the curves of `axes` below the figure; of many it names some."""
+    curves = axes.get_legend_handles_labels()
+    if (count := len(curves[0])) > _NAMED_AT_MOST:
+        named = [round(k * (count - 1) / (_NAMED_OF_MANY - 1)) for k in range(_NAMED_OF_MANY)]
+        curves = [curves[0][k] for k in named], [curves[1][k] for k in named]
+        how["title"] = f"{how.get('title', 'curves')}, {_NAMED_OF_MANY} of {count}"
+    figure.legend(*curves, loc="outside lower left", ncols=how.pop("ncols", 3), alignment="left", **how)
+
+
+def plain(figure: Figure) -> None:
+    """Plain numbers on logarithmic axes, where matplotlib would have powers of ten."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "log" and axis.isDefault_majfmt:
+                axis.set_major_formatter("{x:g}")
+
+
+def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (), *, frames: bool = False) -> str:
+    """The figure as an SVG element for a page.
+
+    Args:
+        figure: as matplotlib has it.
+        name: keeps its ids apart from those of other figures.
+        description: what it shows, for readers who do not see it.
+        values: those that have a title.
+        frames: whether it carries the places of its axes, so that a script finds the place of a value.
+
+    Returns:
+        The element, in the variables of the page's style sheet.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    plain(figure)
+    out = io.StringIO()
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    titles = _titles(figure, values)
+    role = "group" if "<a " in titles else "img"
+    axes = f" data-axes='{json.dumps(_frames(figure))}'" if frames else ""
+    drawn = _for_a_page(out.getvalue(), name)
+    drawn = drawn.replace("<svg", f'<svg role="{role}" aria-label="{html.escape(description)}"{axes}', 1)
+    return drawn.replace("</svg>", f"{titles}</svg>")
+
+
+def standalone(drawn: str, count: int = 1) -> str:
+    """An SVG for a page as a file of its own, in the colours of a light page, `count` of them shades."""
+    light = _LIGHT | {"--sans": "sans-serif"} | {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
+    light |= {f"--text-{i}": colour for i, colour in enumerate(_WRITTEN)}
+    light |= dict(re.findall(r"(--shade-\d+):(#\w+);", shades_css(count).partition("@")[0]))
+    for variable, colour in light.items():
+        drawn = drawn.replace(f"var({variable})", colour)
+    width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
+    ground = f'<rect width="{width}" height="{height}" fill="#ffffff"/>'
+    start = drawn.index(">", drawn.index("<svg")) + 1
+    return drawn[: start - 1] + ' xmlns="http://www.w3.org/2000/svg">' + ground + drawn[start:] + "\n"
+
+
+def coloured(figure: Figure, count: int) -> Figure:
+    """The figure with the colours of a light page in the place of placeholders, `count` of them shades."""
+    from matplotlib.colors import to_hex, to_rgba
+
+    known = {place: _LIGHT[_VARIABLES[place]] for place in (INK, MUTED, RULE, PAPER)}
+    known |= dict(zip(shades(count), _plasma(0.05, 0.76, count), strict=False))
+    for artist in figure.findobj():
+        for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
+            found: Any = getattr(artist, f"get_{part}", lambda: None)()
+            with suppress(ValueError, TypeError):
+                to = known.get(to_hex(found))
+                if to is not None and to_rgba(found)[3] > 0:
+                    getattr(artist, f"set_{part}")(to)
+    figure.set_facecolor(_LIGHT["--paper"])
+    return figure
+
+
+def of_family(name: str) -> tuple[str, str]:
+    """Colour and marker of a family of modes, the same in every diagram."""
+    k = _FAMILIES.index(name) if name in _FAMILIES else len(_FAMILIES)
+    return CATEGORIES[k], MARKERS[k]
+
+
+def shades(count: int) -> list[str]:
+    """Colours for an ordered family of curves, dark to bright; placeholders like the others."""
+    return [f"#0203{i:02x}" for i in range(min(count, 256))] + ["#0203ff"] * (count - 256)
+
+
+def shades_css(count: int) -> str:
+    """The variables behind :func:`shades`, for a light and for a dark page."""
+
+    def block(low: float, high: float) -> str:
+        colours = _plasma(low, high, count)
+        return ":root{" + "".join(f"--shade-{i}:{colour};" for i, colour in enumerate(colours)) + "}"
+
+    return f"{block(0.05, 0.76)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
+
+
+def _plasma(low: float, high: float, count: int) -> list[str]:
+    """Colours from a part of the map of that name, 256 at most."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    steps = [low + (high - low) * i / max(count - 1, 1) for i in range(min(count, 256))]
+    return [to_hex(colormaps["plasma"](step)) for step in steps]
+
+
+def _titles(figure: Figure, values: Iterable[Value]) -> str:
+    """A group of shapes that are not painted, each with a title that a browser shows under the pointer."""
+    height, shapes, taken = 72.0 * figure.get_figheight(), [], set()
+    for value in values:
+        x, y = value.axes.transData.transform((value.x, value.y))
+        box = value.axes.bbox
+        if not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
+            continue
+        place = (round(x / _APART), round(y / _APART), value.size is None)
+        if place in taken and value.size is None:
+            continue
+        taken.add(place)
+        shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
+        if value.size is not None:
+            half = value.size[0] / 2, value.size[1] / 2
+            (x0, y0), (x1, y1) = value.axes.transData.transform(
+                [(value.x - half[0], value.y - half[1]), (value.x + half[0], value.y + half[1])]
+            )
+            wide, high = abs(x1 - x0), abs(y1 - y0)
+            shape = (
+                f'<rect x="{min(x0, x1):.1f}" y="{height - max(y0, y1):.1f}" width="{wide:.1f}" height="{high:.1f}"/>'
+            )
+        tag = "g" if value.mode is None else f'a href="#plate" data-mode="{value.mode[0]},{value.mode[1]}"'
+        shapes.append(f"<{tag}><title>{html.escape(value.title)}</title>{shape}</{tag[0]}>")
+    if not shapes:
+        return ""
+    return '<g class="values" fill="none" pointer-events="all">\n' + "\n".join(shapes) + "\n</g>\n"
+
+
+def _frames(figure: Figure) -> list[dict[str, Any]]:
+    """Where the axes are in the drawing (left, right, top, bottom), and what they run over."""
+    width, height = (72.0 * side for side in figure.get_size_inches())
+    found = []
+    for axes in figure.axes:
+        box = axes.get_position()
+        sides = (box.x0 * width, box.x1 * width, (1 - box.y1) * height, (1 - box.y0) * height)
+        ends = {"x": [float(end) for end in axes.get_xlim()], "y": [float(end) for end in axes.get_ylim()]}
+        found.append({"box": [round(float(side), 2) for side in sides]} | ends)
+    return found
+
+
+def _for_a_page(text: str, name: str) -> str:
+    """What matplotlib writes as an element of a page: without a size, in the page's colours and type, and small."""
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.S)
+    text = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href", "href")
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r"'DejaVu Sans'(?:, sans-serif)?", "var(--sans)", text)
+    text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), text)
+    text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)
+    for colour, variable in _VARIABLES.items():
+        text = text.replace(colour, f"var({variable})")
+    text = re.sub(r'(<text style="[^"]*)var\(--line-', r"\1var(--text-", text)
+    text = re.sub(r"#0203([0-9a-f]{2})", lambda shade: f"var(--shade-{int(shade[1], 16)})", text)
+    text = re.sub(r">\s+<", ">\n<", text)
+    return _styled(_named(text, name), name)
+
+
+def _named(text: str, name: str) -> str:
+    """Ids that something refers to as `name` and a number; the others are left out."""
+    short = {old: f"{name}{k}" for k, old in enumerate(dict.fromkeys(re.findall(r"[(\"]#([^)\"]+)", text)))}
+    text = re.sub(r' id="([^"]*)"', lambda old: f' id="{short[old[1]]}"' if old[1] in short else "", text)
+    return re.sub(r'([("])#([^)"]+)', lambda old: f"{old[1]}#{short[old[2]]}", text)
+
+
+def _styled(text: str, name: str) -> str:
+    """Styles that occur more than twice as classes, `name` and a number, said once in the drawing."""
+    often = [style for style, times in Counter(re.findall(r' style="([^"]*)"', text)).items() if times > 2]
+    classes = {style: f"{name}-{number}" for number, style in enumerate(often)}
+    text = re.sub(r' style="([^"]*)"', lambda old: f' class="{classes[old[1]]}"' if old[1] in classes else old[0], text)
+    rules = "".join(f".{each}{{{style}}}\n" for style, each in classes.items())
+    return text.replace("</style>", f"\n{rules}</style>", 1)

@@ -493,6 +493,16 @@ function start(figure) {
   new ResizeObserver(later).observe(canvas);
   new IntersectionObserver(([entry]) => { state.seen = entry.isIntersecting; if (state.seen) { state.last = performance.now(); later(); } }).observe(canvas);
 
+  /* Marks in a figure that lead to a mode: a click shows it, and the mode in motion is marked. */
+  const marks = moving ? [...document.querySelectorAll("a[data-mode]")] : [];
+  const mark = ({ speed, mode }) => marks.forEach(each => each.classList.toggle("now", each.dataset.mode === `${speed},${mode}`));
+  figure.addEventListener("shown", event => mark(event.detail));
+  for (const each of marks) each.addEventListener("click", event => {
+    event.preventDefault();
+    show(...each.dataset.mode.split(",").map(Number));
+    figure.scrollIntoView({ block: "nearest", behavior: "smooth" });
+  });
+
   figure.viewer = { show, draw, frame, play, view, at: () => moving && { speed: form.speed.selectedIndex, mode: form.mode.selectedIndex } };
   figure.classList.add("live");
   form.hidden = false;

@@ -12,7 +12,7 @@ from workflows.cli.commands import kernels
 from workflows.output import store
 from workflows.progress import Stages
 from workflows.report import text as summary
-from workflows.report.mode_shape import Artist
+from workflows.report.mode_viewer import Artist
 from workflows.results import curves
 from workflows.results import document as results_json
 from workflows.scene.source import SceneFile
@@ -37,7 +37,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
             artist.draw(found.plate.surface, records.shown(found.points))
         results = pipeline.results(pipeline.damped(found, stages), stages)
         if out is not None:
-            from workflows.report.publish import publish
+            from workflows.report.page import publish
 
             results = publish(results, out, stages, artist)
     typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))

@@ -53,7 +53,7 @@ def view(
 def _check(out: Path) -> None:
     """A page's name, in a folder that is there, before anything is solved."""
     from workflows.errors import BadInput
-    from workflows.report.publish import writable
+    from workflows.report.page import writable
 
     target = writable(out, "--out")
     if target.suffix.lower() != ".html":

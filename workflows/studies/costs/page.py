@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from workflows import wording
 from workflows.output import store
-from workflows.report import drawing, palette, templating
+from workflows.report import plots as plot
+from workflows.report import templating
 from workflows.studies.costs import plots
 from workflows.studies.costs.ladder import Costs, Ladder, Rung
 from workflows.studies.costs.plates import WITH_THEORY
@@ -27,16 +27,11 @@ def write_accuracy(found: Costs, out: Path) -> None:
     """
     asked = found.asked["frequency"]
     named = list(enumerate(found.ladders))
-    figures = [
-        drawing.both(partial(plots.ladder, ladder, f"ladder{number}", _asked(found, ladder)))
-        for number, ladder in named
-    ]
+    figures = [plots.ladder(ladder, f"ladder{number}", _asked(found, ladder)) for number, ladder in named]
     first = [ladder for ladder in found.ladders if ladder.stage in ("plate", "damper")]
     with store.replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
-        (folder / "accuracy.svg").write_text(
-            palette.standalone(plots.overview(first, asked, drawing.WIDE)), encoding="utf-8"
-        )
+        (folder / "accuracy.svg").write_text(plot.standalone(plots.overview(first, asked)), encoding="utf-8")
         _write_csv(
             folder / "accuracy.csv",
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
@@ -59,10 +54,10 @@ def write_effects(found: Switches, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    figure = drawing.both(partial(plots.effects, found))
+    figure = plots.effects(found)
     with store.replacing(out) as folder:
         (folder / "effects.json").write_text(dumps(found.document()) + "\n", encoding="utf-8")
-        (folder / "effects.svg").write_text(palette.standalone(plots.effects(found, drawing.WIDE)), encoding="utf-8")
+        (folder / "effects.svg").write_text(plot.standalone(plots.effects(found)), encoding="utf-8")
         times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
         _write_csv(
             folder / "effects.csv",

@@ -7,8 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from workflows import wording
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.studies.costs.ladder import Ladder
 from workflows.studies.costs.switching import Switched, Switches
 
@@ -24,52 +23,51 @@ _ROUNDING = 1e-12
 _UNSEEN = 1e-2
 """Changes below this part of the accuracy asked for are said to be none, so that the others can be told apart."""
 
-_LONGEST, _LONGEST_IN_A_PANEL = 76, 32
-"""Characters of a reason that fit beside an effect's name: across both panels, and in one."""
+_LONGEST = 40
+"""Characters of a reason that fit beside an effect's name."""
 
 _SAID: dict[str, Any] = {
     "textcoords": "offset points",
     "va": "center",
-    "color": palette.MUTED,
+    "color": plot.MUTED,
     "fontsize": 7,
-    "bbox": {"facecolor": palette.PAPER, "edgecolor": "none", "pad": 1.0},
+    "bbox": {"facecolor": plot.PAPER, "edgecolor": "none", "pad": 1.0},
 }
 """How words instead of a bar are set."""
 
 
-def ladder(found: Ladder, name: str, asked: float | None, sheet: Sheet) -> str:
+def ladder(found: Ladder, name: str, asked: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 3.4)
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.4)
         _work_precision(axes, found, asked)
-        drawing.key(figure, axes, sheet, ncols=1)
-        return drawing.svg(figure, sheet, name, f"Time against error: {found.quantity}")
+        plot.legend(figure, axes, ncols=1)
+        return plot.svg(figure, name, f"Time against error: {found.quantity}")
 
 
-def overview(ladders: list[Ladder], asked: float | None, sheet: Sheet) -> str:
+def overview(ladders: list[Ladder], asked: float | None) -> str:
     """Some ladders side by side."""
-    with drawing.style():
-        figure, panels = drawing.canvas(sheet, 4.0, len(ladders))
+    with plot.style():
+        figure, panels = plot.canvas(4.0, len(ladders))
         for axes, found in zip(panels, ladders, strict=True):
             _work_precision(axes, found, asked)
             axes.set_title(found.stage)
             axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
-        return drawing.svg(figure, sheet, "overview", "Time against error")
+        return plot.svg(figure, "overview", "Time against error")
 
 
-def effects(found: Switches, sheet: Sheet) -> str:
+def effects(found: Switches) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
-    with drawing.style():
-        figure, (left, right) = drawing.canvas(sheet, 0.9 + 0.34 * len(found.rows), 2)
+    with plot.style():
+        figure, (left, right) = plot.canvas(0.9 + 0.34 * len(found.rows), 2)
         rows, least = found.rows[::-1], _least(found)
         for place, row in enumerate(rows):
-            colour = palette.CATEGORIES[0] if row.on else palette.CATEGORIES[6]
-            _change(left, place, row, colour, least, sheet)
+            colour = plot.CATEGORIES[0] if row.on else plot.CATEGORIES[6]
+            _change(left, place, row, colour, least)
             _time(right, place, row, colour)
         labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
         left.set_yticks([place for place, _ in labels], [label for _, label in labels])
-        names = [] if sheet is drawing.WIDE else [_name(row) for row in rows]
-        right.set_yticks(range(len(names)), names)
+        right.set_yticks(range(len(rows)), [_name(row) for row in rows])
         for axes in (left, right):
             axes.set_ylim(-0.6, len(rows) - 0.4)
             axes.tick_params(axis="y", length=0.0)
@@ -81,9 +79,9 @@ def effects(found: Switches, sheet: Sheet) -> str:
             title="largest relative change of any quantity",
             xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
         )
-        left.axvline(found.asked, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
+        left.axvline(found.asked, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
         right.set(title="share of the run's time with it, %")
-        return drawing.svg(figure, sheet, "effects", "What each effect changes and costs")
+        return plot.svg(figure, "effects", "What each effect changes and costs")
 
 
 def _least(found: Switches) -> float:
@@ -95,17 +93,14 @@ def _is_seen(row: Switched, least: float) -> bool:
     return row.largest is not None and abs(row.largest[1]) > least
 
 
-def _change(axes: Axes, place: int, row: Switched, colour: str, least: float, sheet: Sheet) -> None:
+def _change(axes: Axes, place: int, row: Switched, colour: str, least: float) -> None:
     if row.largest is not None and _is_seen(row, least):
         size = abs(row.largest[1])
         axes.plot([least, size], [place, place], color=colour, lw=1.2)
         axes.plot([size], [place], "o", color=colour, ms=4)
         return
-    across = sheet is drawing.WIDE and row.time_share is None
-    longest = _LONGEST if across else _LONGEST_IN_A_PANEL
-    text = textwrap.shorten(_unseen(row, least), longest, placeholder=" …")
-    said = axes.annotate(text, (0.0, place), (4.0, 0.0), xycoords=("axes fraction", "data"), **_SAID)
-    said.set_in_layout(False)  # across both panels, it would push them apart
+    text = textwrap.shorten(_unseen(row, least), _LONGEST, placeholder=" …")
+    axes.annotate(text, (0.0, place), (4.0, 0.0), xycoords=("axes fraction", "data"), **_SAID)
 
 
 def _unseen(row: Switched, least: float) -> str:
@@ -145,13 +140,13 @@ def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:
             axes.plot(
                 [max(row.error or 0.0, _SMALLEST) for row in rows],
                 [row.time_s or 0.0 for row in rows],
-                color=palette.CATEGORIES[number % len(palette.CATEGORIES)],
-                marker=palette.MARKERS[number % len(palette.MARKERS)],
-                ls="-" if number < len(palette.CATEGORIES) else (0, (3, 2)),
+                color=plot.CATEGORIES[number % len(plot.CATEGORIES)],
+                marker=plot.MARKERS[number % len(plot.MARKERS)],
+                ls="-" if number < len(plot.CATEGORIES) else (0, (3, 2)),
                 lw=1.0,
                 label=method,
             )
     if asked is not None:
-        axes.axvline(asked, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(asked, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from workflows import wording
 from workflows.output import store
-from workflows.report import palette, templating
+from workflows.report import plots as plot
+from workflows.report import templating
 from workflows.studies.design import pictures, verdict
 from workflows.studies.design.designed import Designed
 from workflows.studies.sweep import maps
@@ -52,7 +53,7 @@ def render(found: Designed) -> str:
     return templating.page(
         "design.html.j2",
         {},
-        palette.shades_css(maps.SHADES),
+        plot.shades_css(maps.SHADES),
         title=found.space.source.scene.title,
         verdict=verdict.verdict(found.space, found.found),
         sentences=_sentences(found),

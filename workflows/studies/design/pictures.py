@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.studies.design import curves as curves_of
 from workflows.studies.design import damping
 from workflows.studies.design.damping import LeastDamping
@@ -44,9 +43,9 @@ def draw(found: Designed) -> list[Picture]:
     return pictures
 
 
-def _picture(draw: Callable[[Sheet], str], caption: str) -> Picture:
-    with drawing.style():
-        return Picture(drawing.both(draw), caption)
+def _picture(draw: Callable[[], str], caption: str) -> Picture:
+    with plot.style():
+        return Picture(draw(), caption)
 
 
 _OF_CURVES = (
@@ -65,8 +64,8 @@ _OF_THE_MAP = (
 )
 
 
-def _curves(goal: LeastDamping, curves: list[Curve], sheet: Sheet) -> str:
-    figure, (axes,) = drawing.canvas(sheet, 3.1)
+def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
+    figure, (axes,) = plot.canvas(3.1)
     colours = maps.spread(len(curves) + 1)
     for curve, colour in zip(curves, colours, strict=False):
         shown = curve.working.damping_ratio > 0
@@ -75,20 +74,20 @@ def _curves(goal: LeastDamping, curves: list[Curve], sheet: Sheet) -> str:
         grid = np.geomspace(goal.low, goal.high, 30)
         bound = [damping.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
-    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=palette.RULE, lw=0)
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
-    drawing.key(figure, axes, sheet, title="speed")
-    return drawing.svg(figure, sheet, "best", "Damping ratio of the best damper over amplitude")
+    plot.legend(figure, axes, title="speed")
+    return plot.svg(figure, "best", "Damping ratio of the best damper over amplitude")
 
 
-def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
+def _map(found: Designed, grid: Grid) -> str:
     of_damping = isinstance(found.space.goal, LeastDamping)
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
-    figure, (axes,) = drawing.canvas(sheet, 3.4)
+    figure, (axes,) = plot.canvas(3.4)
     xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
     values = factor * grid.values
     levels = maps.levels([values]) if of_damping else maps.levels([values], least=0.0)
@@ -105,8 +104,8 @@ def _map(found: Designed, grid: Grid, sheet: Sheet) -> str:
     axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
     axes.grid(visible=False)
     idle = "beyond a limit" if grid.beyond.any() else ""
-    maps.colour_key(figure, sheet, levels, colours if of_damping else colours[::-1], name, idle=idle)
-    return drawing.svg(figure, sheet, "around", f"The {name.partition(',')[0]} around the best design")
+    maps.colour_key(figure, levels, colours if of_damping else colours[::-1], name, idle=idle)
+    return plot.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
 
 
 def _shown(name: str, value: Any) -> Any:

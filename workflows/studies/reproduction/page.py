@@ -9,7 +9,8 @@ from typing import Any
 
 from workflows import wording
 from workflows.output import store
-from workflows.report import palette, templating
+from workflows.report import plots as plot
+from workflows.report import templating
 from workflows.studies.reproduction import pictures
 from workflows.studies.reproduction.claim import Value
 from workflows.studies.reproduction.reproduce import ASSUMPTIONS, Reproduction
@@ -44,7 +45,7 @@ def render(found: Reproduction) -> str:
     return templating.page(
         "reproduce.html.j2",
         {"value": value, "fixed": wording.fixed, "significant": wording.significant},
-        palette.shades_css(7),
+        plot.shades_css(7),
         found=found,
         figures=[(figure, Markup(figure.svg)) for figure in pictures.draw(found)],
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],

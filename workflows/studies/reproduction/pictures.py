@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCurve
 
@@ -37,53 +35,52 @@ def draw(found: Reproduction) -> list[Figure]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    with drawing.style():
-        velocity = Figure(2, "Velocity over time at 10000 rpm.", drawing.both(partial(_velocity, found)))
+    with plot.style():
+        velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
         return [velocity] + [
-            Figure(number, caption, drawing.both(partial(_capacity, family, number)))
-            for number, (caption, family) in capacity.items()
+            Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
         ]
 
 
-def _velocity(found: Reproduction, sheet: Sheet) -> str:
-    figure, panels = drawing.canvas(sheet, 2.3, 2)
+def _velocity(found: Reproduction) -> str:
+    figure, panels = plot.canvas(2.3, 2)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
         damping = found.study.points[formulation][SHOWN].damping
         if damping is None or damping.history is None:
             continue
         for axis, name in enumerate("xy"):
-            colour = palette.CATEGORIES[axis]
+            colour = plot.CATEGORIES[axis]
             axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
         if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=palette.INK, lw=0.8, ls=(0, (4, 3)))
+            axes.axvline(1e3 * damping.stopped, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
-    return drawing.svg(figure, sheet, "fig2", "Velocity of the structure over time")
+    return plot.svg(figure, "fig2", "Velocity of the structure over time")
 
 
-def _capacity(family: Family, number: int, sheet: Sheet) -> str:
+def _capacity(family: Family, number: int) -> str:
     """Damping capacity over dimensionless acceleration, the structure's own part dashed."""
-    figure, panels = drawing.canvas(sheet, 2.9, 2)
+    figure, panels = plot.canvas(2.9, 2)
     curves = [curve for formulation in FORMULATIONS for curve in family[formulation]]
     low, high = (f(100 * float(f(c.sdc[1:])) for c in curves) for f in (min, max))
     if number == 3:
         high = max(high, 100 * SDC_RANGE[1])
     margin = 0.06 * (high - low)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        for curve, colour in zip(family[formulation], palette.shades(len(family[formulation])), strict=True):
+        for curve, colour in zip(family[formulation], plot.shades(len(family[formulation])), strict=True):
             axes.plot(curve.amplitude_g, 100 * curve.sdc, color=colour, marker="o", ms=2.2, lw=1.1, label=curve.label)
         _guides(axes, family[formulation][0], number)
         axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
         if number == 3:
             axes.set_xscale("log")
     panels[0].set_ylabel("specific damping capacity, %")
-    drawing.key(figure, panels[1], sheet)
-    return drawing.svg(figure, sheet, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
+    plot.legend(figure, panels[1])
+    return plot.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
 def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=palette.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.axhline(own, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
     if number == 3:
-        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=palette.RULE, lw=0)
+        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plot.RULE, lw=0)

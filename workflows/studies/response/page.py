@@ -11,7 +11,8 @@ from typing import Any
 from workflows import wording
 from workflows.findings import worth
 from workflows.output import store
-from workflows.report import drawing, palette, templating
+from workflows.report import plots as plot
+from workflows.report import templating
 from workflows.studies.response import files, peaks, plots, told
 from workflows.studies.response.document import document
 from workflows.studies.response.records import Response, Through
@@ -36,11 +37,11 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
         (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
         files.dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
         files.write_csv(found, folder)
-        campbell = palette.standalone(plots.campbell(found, drawing.WIDE))
+        campbell = plot.standalone(plots.campbell(found))
         (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
         for number, through in enumerate(found.passed):
-            shades = palette.shades(len(through.forces))
-            drawn = palette.standalone(plots.response(found, through, str(number), shades, drawing.WIDE))
+            shades = plot.shades(len(through.forces))
+            drawn = plot.standalone(plots.response(found, through, str(number), shades), len(shades))
             (folder / f"response_{files.tag(through)}.svg").write_text(drawn, encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
     return out
@@ -50,19 +51,19 @@ def render(found: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
     from markupsafe import Markup
 
-    shades = palette.shades(len(found.excitation.levels))
+    shades = plot.shades(len(found.excitation.levels))
     sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
     words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly, wording.whole)
     return templating.page(
         "response.html.j2",
         {word.__name__: word for word in words},
-        palette.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
+        plot.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
         found=found,
         unit=found.excitation.unit,
         sentences=told.sentences(found),
         sections=sections,
-        campbell=Markup(drawing.both(partial(plots.campbell, found))),
-        damping=Markup(drawing.both(partial(plots.damping, found))),
+        campbell=Markup(plots.campbell(found)),
+        damping=Markup(plots.damping(found)),
         air=worth.AIR,
         is_beyond=partial(peaks.is_beyond, found),
         mark=worth.MARK,
@@ -79,9 +80,9 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "through": through,
         "crossing": through.crossing,
         "rows": mine,
-        "response": Markup(drawing.both(partial(plots.response, found, through, str(number), shades))),
-        "ratios": Markup(drawing.both(partial(plots.ratios, found, through, str(number)))),
-        "path": Markup(drawing.both(partial(plots.path, found, through, str(number)))),
+        "response": Markup(plots.response(found, through, str(number), shades)),
+        "ratios": Markup(plots.ratios(found, through, str(number))),
+        "path": Markup(plots.path(found, through, str(number))),
         "endured": peaks.endured(found, through),
         "beyond": any(peaks.is_beyond(found, row) for row in mine),
     }

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings import worth
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.results import curves
 from workflows.studies.response import peaks
 from workflows.studies.response.records import Response, Through
@@ -22,35 +21,34 @@ _MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not
 """What happens at a crossing, as a mark."""
 
 
-def campbell(found: Response, sheet: Sheet) -> str:
+def campbell(found: Response) -> str:
     """Frequencies over speed, the orders asked for, and what happens where they cross."""
     fastest = max(point.rpm for point in found.results.speeds)
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 3.3)
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.3)
         tracks = curves.campbell(found.results)
         for number, track in enumerate(tracks):
-            axes.plot(track.x, track.y, color=palette.CATEGORIES[number % len(palette.CATEGORIES)], label=track.label)
+            axes.plot(track.x, track.y, color=plot.CATEGORIES[number % len(plot.CATEGORIES)], label=track.label)
         crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
         top = max((track.y.max() for track in tracks), default=0.0)
         top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=palette.MUTED, lw=0.6, ls=(0, (1, 2)))
-            small: dict[str, Any] = {"fontsize": 6.5, "color": palette.MUTED}
+            axes.plot([0, end], [0, order * end / 60], color=plot.MUTED, lw=0.6, ls=(0, (1, 2)))
+            small: dict[str, Any] = {"fontsize": 6.5, "color": plot.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
             kinds = [row.regime for row in peaks.rows(found) if row.through is through]
             for kind in dict.fromkeys(kinds):
                 _mark(axes, through, kind)
         for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=palette.MUTED, ms=6)
+            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plot.MUTED, ms=6)
         axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
         handles, labels = axes.get_legend_handles_labels()
         unique = dict(zip(labels, handles, strict=True))
-        how = {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 3}
         if unique:
-            figure.legend(list(unique.values()), list(unique), **how)
-        return drawing.svg(figure, sheet, "crossings", "Campbell diagram with what happens at the crossings")
+            figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
+        return plot.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
 def _mark(axes: Axes, through: Through, kind: str) -> None:
@@ -60,7 +58,7 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
         c.rpm,
         c.frequency_hz,
         _MARKS[kind],
-        color=palette.INK,
+        color=plot.INK,
         mfc="none",
         mew=0.8,
         ms=size,
@@ -70,10 +68,10 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
     )
 
 
-def response(found: Response, through: Through, name: str, shades: Sequence[str], sheet: Sheet) -> str:
+def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 3.3)
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.3)
         rpm = through.omega * 30 / np.pi
         states = through.states
         least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
@@ -87,24 +85,25 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
                 label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
                 axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
         axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
-        drawing.key(figure, axes, sheet, title=found.excitation.kind, reverse=sheet is drawing.WIDE)
-        return drawing.svg(figure, sheet, f"response-{name}", "Amplitude over speed, without and with the ball")
+        plot.legend(figure, axes, title=found.excitation.kind)
+        return plot.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
 
-def ratios(found: Response, through: Through, name: str, sheet: Sheet) -> str:
+def ratios(found: Response, through: Through, name: str) -> str:
     """Amplitude with the ball over the one without, over speed and force: the largest of the answers."""
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 2.6)
+    from matplotlib.colors import LinearSegmentedColormap
+
+    with plot.style():
+        figure, (axes,) = plot.canvas(2.6)
         rpm = through.omega * 30 / np.pi
         mean = through.shaped(through.states.mean).max(axis=2)
         ratio = mean / np.abs(through.shaped(through.states.without))
         levels = len(through.forces)
         reach = max(0.02, float(np.abs(np.log10(ratio)).max()))
-        for k in range(levels):
-            for n in range(len(rpm) - 1):
-                strength = float(np.log10(0.5 * (ratio[n, k] + ratio[n + 1, k])) / reach)
-                colour = palette.CATEGORIES[0] if strength < 0 else palette.CATEGORIES[1]
-                axes.fill_between(rpm[n : n + 2], k - 0.45, k + 0.45, color=colour, alpha=min(abs(strength), 1.0), lw=0)
+        strength = np.log10((ratio[1:] + ratio[:-1]) / 2).T
+        colours = LinearSegmentedColormap.from_list("", [plot.CATEGORIES[0], "#ffffff00", plot.CATEGORIES[1]])
+        rows = np.arange(levels + 1) - 0.5
+        axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
         axes.set_yticks(range(levels), [significant(force) for force in through.forces])
         axes.set(
             xlim=(rpm[0], rpm[-1]),
@@ -114,17 +113,17 @@ def ratios(found: Response, through: Through, name: str, sheet: Sheet) -> str:
         low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
         axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
         axes.grid(visible=False)
-        return drawing.svg(figure, sheet, f"ratios-{name}", "Ratio of amplitudes over speed and force")
+        return plot.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
 
 
-def damping(found: Response, sheet: Sheet) -> str:
+def damping(found: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
     shown = [through for through in found.passed if through.figures.amplitude.size]
     if not shown:
         return ""
-    with drawing.style():
-        figure, (axes,) = drawing.canvas(sheet, 3.0)
-        for through, colour in zip(shown, palette.shades(len(shown)), strict=True):
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.0)
+        for through, colour in zip(shown, plot.shades(len(shown)), strict=True):
             figures, c = through.figures, through.crossing
             some = figures.damping_ratio > 0
             label = f"order {c.order}, {whole(c.rpm)} rpm"
@@ -133,30 +132,30 @@ def damping(found: Response, sheet: Sheet) -> str:
             if np.isfinite(low) and np.isfinite(high):
                 axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
         air = [100 * ratio for ratio in worth.AIR]
-        axes.axhspan(*air, color=palette.RULE, lw=0)
+        axes.axhspan(*air, color=plot.RULE, lw=0)
         least = 100 * min(through.figures.peak for through in shown) / 30
         axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
         axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-        drawing.key(figure, axes, sheet, ncols=1)
-        return drawing.svg(figure, sheet, "zeta", "Damping ratio by the ball over amplitude")
+        plot.legend(figure, axes, ncols=1)
+        return plot.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 
 
-def path(found: Response, through: Through, name: str, sheet: Sheet) -> str:
+def path(found: Response, through: Through, name: str) -> str:
     """The ball in its cavity over some cycles, at the speed and under the force of the largest amplitude."""
     taken = through.path
-    with drawing.style():
-        figure, panels = drawing.canvas(sheet, 2.4, 2)
+    with plot.style():
+        figure, panels = plot.canvas(2.4, 2)
         along, place = panels
         axis = through.axis
-        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=palette.CATEGORIES[0], label="ball in its cavity")
+        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], label="ball in its cavity")
         size = np.abs(taken.structure[:, axis]).max() or 1.0
         scale = np.abs(taken.ball[:, axis]).max() or 1.0
         along.plot(
-            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=palette.MUTED, lw=0.8,
+            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=plot.MUTED, lw=0.8,
             label="structure, scaled",
         )  # fmt: skip
         along.set(xlabel="time, ms", ylabel="place, mm")
         along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=palette.CATEGORIES[0], lw=0.8)
+        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], lw=0.8)
         place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
-        return drawing.svg(figure, sheet, f"path-{name}", "The ball's path in its cavity")
+        return plot.svg(figure, f"path-{name}", "The ball's path in its cavity")

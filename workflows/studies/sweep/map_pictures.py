@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.studies.sweep import labels, maps
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.quantities import HEADLINE
@@ -77,7 +76,7 @@ def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
     return bool((high > 1.1 * low).any())
 
 
-def draw(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], x: str, y: str, sheet: Sheet) -> str:
+def draw(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], x: str, y: str) -> str:
     """A map of a quantity, its name in words and its factor from SI, with the best point marked."""
     quantity, named, factor = shown
     panel, places = panels(data, (x, y))
@@ -86,7 +85,7 @@ def draw(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], 
         factor * data[quantity].isel(fixed | ({panel: k} if panel else {})).transpose(y, x).values for k in places
     ]
     levels = maps.levels(tables)
-    figure, axes = drawing.canvas(sheet, 2.9, len(places))
+    figure, axes = plot.canvas(2.9, len(places))
     colours = maps.spread(len(levels) - 1)
     xs, ys = labels.along(data, x), labels.along(data, y)
     idle = False
@@ -101,8 +100,8 @@ def draw(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], 
         each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
         each.grid(visible=False)
     axes[0].set_ylabel(labels.label(data, y))
-    maps.colour_key(figure, sheet, levels, colours, named, idle="nothing, or no verdict" if idle else "")
-    return drawing.svg(figure, sheet, f"map-{quantity}", f"{named} over {x} and {y}")
+    maps.colour_key(figure, levels, colours, named, idle="nothing, or no verdict" if idle else "")
+    return plot.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
 
 
 def _panel(axes: Axes, xs: Floats, ys: Floats, values: Floats, levels: list[float]) -> bool:
@@ -122,5 +121,5 @@ def _boundaries(axes: Axes, xs: Floats, ys: Floats, values: Floats) -> None:
     levels = [100 * AIR[0] / 10, 100 * AIR[0]]
     inside = [level for level in levels if np.nanmin(values) < level < np.nanmax(values)]
     if inside:
-        lines = axes.contour(xs, ys, values, inside, colors=palette.INK, linewidths=1.0, linestyles="dashed")
+        lines = axes.contour(xs, ys, values, inside, colors=plot.INK, linewidths=1.0, linestyles="dashed")
         axes.clabel(lines, fmt=lambda level: significant(level, 2), fontsize=6.5)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.wording import significant
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def levels(tables: list[Floats], least: float = 0.02) -> list[float]:
 
 def spread(count: int) -> list[str]:
     """So many of the shades, from the first to the last."""
-    every = palette.shades(SHADES)
+    every = plot.shades(SHADES)
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
@@ -61,14 +60,12 @@ def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
 
 def mark(axes: Any, x: float, y: float) -> None:
     """Mark the best point, also at the edge of a map."""
-    axes.plot(x, y, "o", color=palette.PAPER, ms=8, mec=palette.INK, mew=1.2, clip_on=False, zorder=5)
-    axes.plot(x, y, "x", color=palette.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+    axes.plot(x, y, "o", color=plot.PAPER, ms=8, mec=plot.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=plot.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
 
 
-def colour_key(
-    figure: Any, sheet: Sheet, levels: list[float], colours: list[str], title: str, *, idle: str = ""
-) -> None:
-    """Say beside a map which colour is which level, and what is hatched."""
+def colour_key(figure: Any, levels: list[float], colours: list[str], title: str, *, idle: str = "") -> None:
+    """Say below a map which colour is which level, and what is hatched."""
     from matplotlib.patches import Patch
 
     named = [
@@ -76,8 +73,5 @@ def colour_key(
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
     if idle:
-        named.insert(0, Patch(facecolor="none", edgecolor=palette.MUTED, lw=0.4, hatch=_HATCH, label=idle))
-    where: dict[str, Any] = (
-        {"loc": "outside right center"} if sheet is drawing.WIDE else {"loc": "outside lower left", "ncols": 2}
-    )
-    figure.legend(handles=named[::-1], title=title.replace(", ", ",\n"), **where)
+        named.insert(0, Patch(facecolor="none", edgecolor=plot.MUTED, lw=0.4, hatch=_HATCH, label=idle))
+    figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")

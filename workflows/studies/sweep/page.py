@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import wording
-from workflows.report import palette, templating
+from workflows.report import plots as plot
+from workflows.report import templating
 from workflows.studies.sweep import folder, labels, maps, pictures, summary, uncertain
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.quantities import HEADLINE
@@ -53,7 +54,7 @@ def render(data: xr.Dataset) -> str:
     return templating.page(
         "sweep.html.j2",
         {"significant": wording.significant, "fixed": wording.fixed},
-        palette.shades_css(maps.SHADES),
+        plot.shades_css(maps.SHADES),
         found=found,
         best=_best(data, found),
         headline=summary.headline(data, found),

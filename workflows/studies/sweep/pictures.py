@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.findings.worth import AIR
-from workflows.report import drawing, palette
-from workflows.report.drawing import Sheet
+from workflows.report import plots as plot
 from workflows.studies.sweep import labels, map_pictures, maps, table
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plans import SAMPLE
@@ -77,9 +76,9 @@ def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
     return [name for name in NAMED if name == HEADLINE or map_pictures.varies(data, name, along)]
 
 
-def _picture(draw: Callable[[Sheet], str], caption: str) -> Picture:
-    with drawing.style():
-        return Picture(drawing.both(draw), caption)
+def _picture(draw: Callable[[], str], caption: str) -> Picture:
+    with plot.style():
+        return Picture(draw(), caption)
 
 
 def _best(data: xr.Dataset) -> dict[str, int]:
@@ -111,9 +110,9 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
     return about[quantity] + fixed
 
 
-def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None, sheet: Sheet) -> str:
+def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None) -> str:
     """A quantity over one key, a curve for each value of another."""
-    figure, (axes,) = drawing.canvas(sheet, 3.1)
+    figure, (axes,) = plot.canvas(3.1)
     places = [0]
     if series is not None:
         count = data.sizes[series]
@@ -123,19 +122,17 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
     for number, k in enumerate(places):
         values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
         label = None if series is None else labels.titled(data, series, k)
-        colour = palette.CATEGORIES[number % len(palette.CATEGORIES)]
-        axes.plot(
-            xs, np.where(values > 0, values, np.nan), color=colour, marker=palette.MARKERS[number % 7], label=label
-        )
+        colour = plot.CATEGORIES[number % len(plot.CATEGORIES)]
+        axes.plot(xs, np.where(values > 0, values, np.nan), color=colour, marker=plot.MARKERS[number % 7], label=label)
     if quantity == HEADLINE:
-        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=palette.RULE, lw=0)
+        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
     positive = data[quantity].isel(fixed).values
     spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
     axes.set(xlabel=labels.label(data, x), ylabel=NAMED[quantity], xscale=maps.scale(xs))
     axes.set_yscale("log" if spread else "linear")
     if series is not None:
-        drawing.key(figure, axes, sheet)
-    return drawing.svg(figure, sheet, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
+        plot.legend(figure, axes)
+    return plot.svg(figure, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
 
 
 _OF_BARS = (
@@ -144,21 +141,21 @@ _OF_BARS = (
 )
 
 
-def _bars(data: xr.Dataset, sheet: Sheet) -> str:
+def _bars(data: xr.Dataset) -> str:
     """Total indices of the peak and of the cut-off, a bar for each parameter."""
     shown = (HEADLINE, "cutoff_ratio")
     k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
-    figure, panels = drawing.canvas(sheet, 0.9 + 0.34 * len(names), len(shown))
+    figure, panels = plot.canvas(0.9 + 0.34 * len(names), len(shown))
     for axes, quantity in zip(panels, shown, strict=True):
         found = data.sel(quantity=quantity).isel({SPEEDS: k})
         totals = 100 * np.nan_to_num(found["ST"].values)
-        axes.barh(range(len(names)), totals, color=palette.CATEGORIES[0], height=0.5)
+        axes.barh(range(len(names)), totals, color=plot.CATEGORIES[0], height=0.5)
         halves = 100 * np.nan_to_num(found["ST_conf"].values)
-        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=palette.INK, elinewidth=1.0)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plot.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
         axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
-    return drawing.svg(figure, sheet, "indices", "Total Sobol' indices of each parameter")
+    return plot.svg(figure, "indices", "Total Sobol' indices of each parameter")
 
 
 _CALLED = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
@@ -167,7 +164,7 @@ _SCATTERED = 6
 _DOTS = 2000
 
 
-def _scattered(data: xr.Dataset, sheet: Sheet) -> str:
+def _scattered(data: xr.Dataset) -> str:
     """The damping of a sample over each of its keys."""
     keys = [name for name in table.keys_of(data) if data[name].dims == (SAMPLE,)]
     keys = [name for name in keys if np.issubdtype(np.asarray(data[name].values).dtype, np.number)][:_SCATTERED]
@@ -175,12 +172,12 @@ def _scattered(data: xr.Dataset, sheet: Sheet) -> str:
     if SPEEDS in data.dims:
         values = values.isel({SPEEDS: (data.sizes[SPEEDS] - 1) // 2})
     some = slice(0, _DOTS)
-    figure, panels = drawing.canvas(sheet, 2.4, max(len(keys), 1))
+    figure, panels = plot.canvas(2.4, max(len(keys), 1))
     for axes, name in zip(panels, keys, strict=False):
-        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=palette.CATEGORIES[0], ms=2)
+        axes.plot(labels.along(data, name)[some], values.values[some], ".", color=plot.CATEGORIES[0], ms=2)
         axes.set(xlabel=labels.label(data, name))
         known = values.values[np.isfinite(values.values) & (values.values > 0)]
         if known.size and known.max() > 10 * known.min():
             axes.set_yscale("log")
     panels[0].set_ylabel(NAMED[HEADLINE])
-    return drawing.svg(figure, sheet, "sample", "Damping ratio over each key of the sample")
+    return plot.svg(figure, "sample", "Damping ratio over each key of the sample")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from workflows.report import figure_path, packing
+from workflows.report import figures, mode_viewer
 from workflows.results import curves
 from workflows.solve.records import BallPath, Floats, Results
 
@@ -20,15 +20,15 @@ _STOPS = {"reversal": "comes to rest", "hit": "hits the wall and stays"}
 
 def data(results: Results) -> str:
     """The player's data as JSON that may stand in a page; nothing where no ball moved."""
-    found, given = figure_path.of(results), results.scene.damper
+    found, given = figures.path_shown(results), results.scene.damper
     if found is None or given is None:
         return ""
     path, point = found
     begin = float(path.t[0])
     told: dict[str, Any] = {
         "begin": 1e3 * begin,
-        "t": packing.text((1e3 * (path.t - begin)).astype("<f4")),
-        "frequency": 1e-3 * figure_path.frequency(point),
+        "t": mode_viewer.base64_of((1e3 * (path.t - begin)).astype("<f4")),
+        "frequency": 1e-3 * figures.frequency(point),
         "radius": 1e3 * given.radius,
         "ball": _packed(path.ball),
         "structure": _packed(path.structure),
@@ -52,4 +52,4 @@ def events(path: BallPath) -> list[tuple[int, str, int]]:
 def _packed(motion: Floats) -> dict[str, Any]:
     """Places (n, 2) in mm as 16-bit integers of the largest, one axis after the other."""
     largest = float(np.abs(motion).max())
-    return {"largest": 1e3 * largest, "places": packing.shorts(motion.T, largest)}
+    return {"largest": 1e3 * largest, "places": mode_viewer.shorts(motion.T, largest)}

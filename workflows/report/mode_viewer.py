@@ -1,0 +1,493 @@
+"""The modes in motion in a page (templates/viewer.js), and the still picture beneath: surface and shapes as plain data.
+
+A surface with more points than a page has room for is thinned, its edges kept; shapes are packed as sums of few vectors
+of 16-bit numbers. The still picture comes from VTK in a process of its own, or else from matplotlib.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import json
+import subprocess
+import sys
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from workflows.scene import plate_mesh
+from workflows.solve.records import Floats, Results, SpeedPoint, Surface, shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+POINTS = 1200
+"""Points of a surface in a page that has more to show."""
+
+_FEWEST = 300
+"""Points down to which a surface is thinned to make room for its shapes."""
+
+Indices = npt.NDArray[np.int64]
+
+_CORNER = 0.94
+"""Cosine of the turn from which a boundary point is a corner, and kept."""
+
+_CLEAR = 0.6
+"""Spacings that inner points keep away from the boundary's, so that no triangle reaches across it."""
+
+_AT_ONCE = 2_000_000
+"""Pairs of points and edges that are looked at together."""
+
+ERROR = 1e-3
+"""Largest departure of a packed displacement, in parts of the shape's largest."""
+
+PATIENCE = 20.0
+"""Seconds to wait for VTK once everything else is done."""
+
+COMMAND = ["-P", str(Path(__file__).with_name("mode_picture.py"))]
+"""What draws, as arguments to Python; -P: modules in the user's folder are not taken for the ones meant."""
+
+PNG = b"\x89PNG"
+
+_SCALE = 0.25
+"""Largest displacement drawn, in lengths of the plate."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """What a page has room for: points of a surface, and bytes of its shapes' vectors before they are text."""
+
+    points: int = POINTS
+    bytes: int = 60_000
+
+
+IN_A_REPORT = Room()
+
+
+@dataclass(frozen=True)
+class View:
+    """A viewer's data, as JSON that may stand in a page, and what to say beside the picture.
+
+    Attributes:
+        data: the JSON.
+        of: points of the mesh.
+        points: of these, those that are drawn.
+        moving: whether there are modes.
+    """
+
+    data: str
+    of: int
+    points: int
+    moving: bool
+
+    @property
+    def thinned(self) -> bool:
+        """Whether points were left out."""
+        return self.points < self.of
+
+
+def view(results: Results) -> View | None:
+    """The viewer of a run, within the room a report has; None without a plate."""
+    if results.surface is None:
+        return None
+    mark = None
+    if results.scene.damper is not None:
+        mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
+    plate = results.scene.plate
+    thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
+    return of_surface(results.surface, results.speeds, mark, thickness, (shown(results.speeds), 0))
+
+
+def of_surface(
+    surface: Surface,
+    speeds: tuple[SpeedPoint, ...] = (),
+    mark: tuple[float, float] | None = None,
+    thickness: float | None = None,
+    first: tuple[int, int] = (0, 0),
+    room: Room = IN_A_REPORT,
+) -> View:
+    """The viewer of a surface.
+
+    Args:
+        surface: with as many shapes as there are, also none.
+        speeds: those of the run, which `surface.at` counts.
+        mark: where the damper is (x, y) [m], if there is one.
+        thickness: of the whole plate [m]; None where `surface` has it or it is not known.
+        first: which of the speeds is shown first, or the one kept next to it, and which of its modes, both from 0.
+        room: what the page has room for.
+    """
+    surface = surface.finer or surface
+    drawn = thinned(surface, room.points)
+    shapes, behind = _shapes(surface, drawn.kept)
+    found = packed(np.concatenate([shapes, behind])) if len(shapes) else None
+    fit = room.points if found is None else max(_FEWEST, room.bytes // (2 * max(found.rank, 1)))
+    if fit < len(drawn.kept) and fit < room.points:
+        return of_surface(surface, speeds, mark, thickness, first, replace(room, points=fit))
+    data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
+    data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
+    if found is not None:
+        data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
+        data["first"] = [int(np.argmin(np.abs(np.asarray(surface.at) - first[0]))), first[1]]
+        data["shapes"] = vectors(found)
+    return View(_for_a_page(data), len(surface.points), len(drawn.kept), found is not None)
+
+
+def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
+    """Points, triangles, edges and what is marked on them."""
+    places = surface.points[drawn.kept, :2]
+    low, span = places.min(axis=0), np.ptp(places, axis=0)
+    return {
+        "low": low.tolist(),
+        "span": span.tolist(),
+        "points": unsigned(np.round((places - low) / span * 65535.0)),
+        "triangles": unsigned(drawn.triangles),
+        "edges": "" if drawn.edges is None else unsigned(drawn.edges),
+        "outline": unsigned(drawn.outline),
+        "root": unsigned(drawn.root),
+        "thickness": _thickness(surface, drawn, thickness),
+    }
+
+
+def _thickness(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
+    """The thickness [m] of all points, or of each as a part of the largest; 0 where it is not known."""
+    if surface.thickness is None:
+        return {"largest": thickness or 0.0, "parts": ""}
+    largest = float(surface.thickness.max())
+    return {"largest": largest, "parts": shorts(surface.thickness[drawn.kept], largest)}
+
+
+def _shapes(surface: Surface, kept: Indices) -> tuple[Floats, Floats]:
+    """Shapes (speeds × modes, n, 3) in phase, and a quarter of a period behind; each with a largest swing of 1.
+
+    None of the latter where all points of a mode move in phase.
+    """
+    if not surface.shapes.size:
+        return np.zeros((0, len(kept), 3)), np.zeros((0, len(kept), 3))
+    shapes = surface.shapes.reshape(-1, *surface.shapes.shape[2:])
+    behind = None if surface.behind is None else surface.behind.reshape(shapes.shape)
+    squares = (shapes**2).sum(axis=2) if behind is None else (shapes**2 + behind**2).sum(axis=2)
+    largest = np.sqrt(squares.max(axis=1))
+    most = np.abs(shapes).reshape(len(shapes), -1).argmax(axis=1)
+    sign = np.where(shapes.reshape(len(shapes), -1)[np.arange(len(shapes)), most] < 0, -1.0, 1.0)
+    scale = (sign / np.where(largest > 0, largest, 1.0))[:, None, None]
+    return shapes[:, kept] * scale, np.zeros((0, len(kept), 3)) if behind is None else behind[:, kept] * scale
+
+
+def _speed(point: SpeedPoint, count: int) -> dict[str, Any]:
+    """What the selectors say of a speed's modes with a shape: numbers as in `results.json`."""
+    modes = [{"hz": mode.frequency_hz, "family": mode.family, "branch": mode.branch} for mode in point.modes[:count]]
+    return {"rpm": point.rpm, "modes": modes}
+
+
+def _for_a_page(data: dict[str, Any]) -> str:
+    """JSON that ends no script element."""
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+@dataclass(frozen=True, eq=False)
+class Thinned:
+    """The surface as it is drawn.
+
+    Attributes:
+        kept: which points of the surface, (n,).
+        triangles: (m, 3), numbers of kept points, as all below.
+        edges: of the cells, (k, 2); None where the triangles are not those of the mesh.
+        outline, root: ends of boundary edges and of those that are held, (edges, 2).
+    """
+
+    kept: Indices
+    triangles: Indices
+    edges: Indices | None
+    outline: Indices
+    root: Indices
+
+
+def thinned(surface: Surface, most: int) -> Thinned:
+    """The mesh itself where it has at most so many points, or else about as many of its points in triangles."""
+    cells = surface.cells[1]
+    if len(surface.points) > most:
+        return _thinned(surface, most)
+    triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    edges = surface.lines if surface.lines is not None else _sides(cells)
+    return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
+
+
+def _sides(cells: Indices) -> Indices:
+    """The edges of cells (m, 3 or 4), each once, (k, 2)."""
+    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    return np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
+
+
+def _thinned(surface: Surface, most: int) -> Thinned:
+    from scipy.spatial import Delaunay, KDTree
+
+    places = surface.points[:, :2]
+    spacing = np.sqrt(_area(places, surface.cells[1]) / (0.8 * most))
+    rims = [_along(places, loop, spacing) for loop in loops(surface.outline)]
+    rim = np.concatenate(rims)
+    inner = np.setdiff1d(_one_a_square(places, spacing), surface.outline)
+    inner = inner[KDTree(places[rim]).query(places[inner])[0] > _CLEAR * spacing]
+    kept = np.concatenate([rim, inner])
+    number = {int(point): k for k, point in enumerate(kept)}
+    outline = np.array([(number[a], number[b]) for loop in rims for a, b in zip(loop, np.roll(loop, -1), strict=True)])
+    triangles = np.asarray(Delaunay(places[kept]).simplices, dtype=np.int64)
+    middles = places[kept][triangles].mean(axis=1)
+    triangles = triangles[_inside(middles, places[kept][outline])]
+    held = np.isin(kept, surface.root)
+    return Thinned(kept, triangles, None, outline, outline[held[outline].all(axis=1)])
+
+
+def _area(places: Floats, cells: Indices) -> float:
+    x, y = places[cells].transpose(2, 0, 1)
+    return float(0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum())
+
+
+def loops(outline: Indices) -> list[Indices]:
+    """The edges (k, 2) put one after another: closed chains of points."""
+    beside: dict[int, list[int]] = defaultdict(list)
+    for a, b in outline.tolist():
+        beside[a].append(b)
+        beside[b].append(a)
+    found = []
+    while beside:
+        start = at = next(iter(beside))
+        loop = []
+        while True:
+            loop.append(at)
+            onwards = beside[at].pop()
+            beside[onwards].remove(at)
+            for point in (at, onwards):
+                if point in beside and not beside[point]:
+                    del beside[point]
+            at = onwards
+            if at == start:
+                break
+        found.append(np.array(loop))
+    return found
+
+
+def _along(places: Floats, loop: Indices, spacing: float) -> Indices:
+    """Points of a loop: its corners, and others at least `spacing` apart."""
+    at = places[loop]
+    on = np.roll(at, -1, axis=0) - at
+    on /= np.linalg.norm(on, axis=1)[:, None]
+    corner = (on * np.roll(on, 1, axis=0)).sum(axis=1) < _CORNER
+    far = np.concatenate([[0.0], np.linalg.norm(np.diff(at, axis=0), axis=1).cumsum()])
+    keep, last = [], -np.inf
+    for k in range(len(loop)):
+        if corner[k] or far[k] - last >= spacing:
+            keep.append(k)
+            last = far[k]
+    if len(keep) < 3:
+        keep = np.unique(np.linspace(0, len(loop) - 1, min(len(loop), 8)).astype(int)).tolist()
+    return loop[keep]
+
+
+def _one_a_square(places: Floats, spacing: float) -> Indices:
+    """Of the points in each square of a grid, that nearest to its middle."""
+    square = np.floor((places - places.min(axis=0)) / spacing)
+    off = np.linalg.norm((places - places.min(axis=0)) / spacing - square - 0.5, axis=1)
+    order = np.lexsort((off, square[:, 1], square[:, 0]))
+    first = np.r_[True, np.any(np.diff(square[order], axis=0) != 0, axis=1)]
+    return np.asarray(order[first], dtype=np.int64)
+
+
+def _inside(points: Floats, edges: Floats) -> npt.NDArray[np.bool_]:
+    """Which points (n, 2) the edges (k, 2, 2) enclose: a ray to the right meets an odd number of them."""
+    (xa, ya), (xb, yb) = edges[:, 0].T, edges[:, 1].T
+    rise = np.where(ya == yb, 1.0, yb - ya)
+    found = np.zeros(len(points), dtype=bool)
+    step = max(1, _AT_ONCE // len(edges))
+    for start in range(0, len(points), step):
+        x, y = points[start : start + step].T[..., None]
+        met = (ya > y) != (yb > y)
+        found[start : start + step] = (met & (x < xa + (y - ya) / rise * (xb - xa))).sum(axis=1) % 2 == 1
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Packed:
+    """Shapes (count, n, 3) as sums of vectors: for each direction vectors (r, n) and shares (count, r)."""
+
+    vectors: tuple[Floats, Floats, Floats]
+    shares: tuple[Floats, Floats, Floats]
+
+    @property
+    def rank(self) -> int:
+        """Vectors of all directions."""
+        return sum(len(vectors) for vectors in self.vectors)
+
+
+def packed(shapes: Floats) -> Packed:
+    """The fewest vectors that give shapes (count, n, 3), of which the largest displacements are 1, to half of ERROR."""
+    pairs = [_few(shapes[:, :, k]) for k in range(3)]
+    vectors, shares = zip(*pairs, strict=True)
+    return Packed(vectors, shares)
+
+
+def _few(along: Floats) -> tuple[Floats, Floats]:
+    """Vectors (r, n) and shares (count, r) whose product is `along` (count, n) to half of ERROR."""
+    # Of the small matrix of inner products, for singular values below ERROR are of no use: far faster than an SVD.
+    left = np.linalg.eigh(along @ along.T)[1][:, ::-1]
+    right, rest, rank = left.T @ along, along.copy(), 0
+    while rank < len(left) and np.abs(rest).max(initial=0.0) > 0.5 * ERROR:
+        rest -= np.outer(left[:, rank], right[rank])
+        rank += 1
+    return right[:rank], left[:, :rank]
+
+
+def shorts(values: Floats, largest: float) -> str:
+    """Numbers between -largest and largest as 16-bit integers, in base64."""
+    return base64_of(np.round(values * (32767.0 / (largest or 1.0))).astype("<i2"))
+
+
+def unsigned(numbers: Any) -> str:
+    """Numbers from 0 to 65535 as 16-bit integers, in base64."""
+    return base64_of(np.asarray(numbers).astype("<u2"))
+
+
+def base64_of(array: Any) -> str:
+    """The bytes of an array in base64."""
+    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
+
+
+def vectors(found: Packed) -> list[dict[str, Any]]:
+    """Vectors (scaled by `largest`) and shares (32-bit floats) of each direction, ready for JSON."""
+    return [
+        {
+            "rank": len(along),
+            "largest": float(np.abs(along).max(initial=0.0)),
+            "vectors": shorts(along, float(np.abs(along).max(initial=0.0))),
+            "shares": base64_of(shares.astype("<f4")),
+        }
+        for along, shares in zip(found.vectors, found.shares, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG picture, and a remark where it is not the usual one."""
+
+    png: bytes
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeShape:
+    """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3)."""
+
+    points: Floats
+    cells: np.ndarray
+    outline: np.ndarray
+    shape: Floats
+
+
+class Artist:
+    """Draws while the run goes on: started early, fed the shape when it is known, asked for the picture last."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._shape: ModeShape | None = None
+        self._failure = ""
+
+    def __enter__(self) -> Self:
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, *COMMAND], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            )
+        except OSError as error:
+            self._failure = str(error)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+            for stream in (self._process.stdin, self._process.stdout):
+                if stream is not None:
+                    with contextlib.suppress(OSError):  # what it had not read yet
+                        stream.close()
+
+    def draw(self, surface: Surface, speed: int) -> None:
+        """Hand over the first mode at the speed nearest to number `speed` of the run."""
+        row = int(np.argmin(np.abs(np.asarray(surface.at) - speed)))
+        shape = surface.shapes[row, 0]
+        largest = float(np.linalg.norm(shape, axis=1).max()) or 1.0
+        sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
+        length = float(np.ptp(surface.points[:, 0]))
+        moved = sign * _SCALE * shape / largest
+        self._shape = ModeShape(surface.points / length, surface.cells[1], surface.outline, moved)
+        archive = io.BytesIO()
+        np.savez(archive, **vars(self._shape))
+        if self._process is not None and self._process.stdin is not None:
+            stdin, self._process.stdin = self._process.stdin, None
+            try:
+                stdin.write(archive.getvalue())
+            except OSError:
+                self._failure = "the drawing process ended early"
+            with contextlib.suppress(OSError):
+                stdin.close()
+
+    def picture(self) -> Picture | None:
+        """The picture; None where no shape was handed over."""
+        if self._shape is None:
+            return None
+        png = b"" if self._failure else self._wait()
+        if png:
+            return Picture(png)
+        remark = f"Drawn without VTK, which found no working OpenGL here ({self._failure})."
+        return Picture(_png(_plain(self._shape)), remark)
+
+    def _wait(self) -> bytes:
+        """What VTK has drawn; where it has not, `_failure` says why."""
+        png = b""
+        if self._process is None:
+            self._failure = "it did not start"
+            return png
+        try:
+            png = self._process.communicate(timeout=PATIENCE)[0]
+        except subprocess.TimeoutExpired:
+            self._failure = f"no picture within {PATIENCE:.0f} s"
+            return png
+        if self._process.returncode != 0:
+            self._failure, png = f"exit status {self._process.returncode}", b""
+        elif not png.startswith(PNG):
+            self._failure, png = "no picture", b""
+        return png
+
+
+def _plain(drawn: ModeShape) -> Figure:
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    figure = Figure(figsize=(8, 4.6), facecolor="none")
+    axes: Any = figure.add_subplot(projection="3d", facecolor="none")
+    points, moved = drawn.points, drawn.points + drawn.shape
+    lift = np.linalg.norm(drawn.shape, axis=1)[drawn.cells].mean(axis=1)
+    faces = Poly3DCollection(moved[drawn.cells], array=lift, cmap="plasma", edgecolor="#ffffff60", linewidth=0.4)
+    axes.add_collection3d(faces)
+    axes.add_collection3d(Line3DCollection(points[drawn.outline], color="#8a8a8a", linewidth=1.2))
+    low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(np.maximum(high - low, 1e-3), zoom=1.5)
+    axes.view_init(22, -62)
+    axes.set_axis_off()
+    return figure
+
+
+def _png(figure: Figure) -> bytes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    out = io.BytesIO()
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.print_png(out)
+    return out.getvalue()
