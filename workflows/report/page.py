@@ -28,7 +28,7 @@ from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve import records
 from workflows.solve.records import Results, SpeedPoint, expect
-from workflows.stages import Stages
+from workflows.progress import Stages
 
 _MODES_AT_MOST = 7
 """Columns of the table of a plate without a damper."""
