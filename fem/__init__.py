@@ -14,71 +14,65 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem.accuracy.choose_mesh import Choice, choose_mesh
-    from fem.accuracy.choose_theory import choose_theory
-    from fem.accuracy.two_meshes import estimate_error
-    from fem.linalg.lanczos import NotConverged, SingularMatrix
-    from fem.meshes.ladder import Given, Rectangle
-    from fem.meshes.locate import PlaceError
-    from fem.meshes.planform import MeshError, rectangle
+    from fem.accuracy.error_estimates import estimate_error
+    from fem.accuracy.mesh_selection import Choice, choose_mesh
+    from fem.accuracy.theory_selection import choose_theory
+    from fem.linalg.eigensolvers import NotConverged, SingularMatrix
+    from fem.meshes.mesh_sequence import Given, Rectangle
+    from fem.meshes.planform import MeshError, PlaceError, rectangle
     from fem.meshes.read import read_mesh
-    from fem.modes.critical_speed import critical_speed
-    from fem.modes.family import families
-    from fem.modes.real import Divergence, Modes
+    from fem.modes.gyroscopic import critical_speed
+    from fem.modes.real import Divergence, Modes, families
     from fem.modes.solve import solve_modes
     from fem.operators.assembly import Operators, assemble, with_coriolis, with_point_mass
-    from fem.operators.at_vertices import displacement
-    from fem.plate.given import Material, Plate
-    from fem.plate.root import ElasticRoot
-    from fem.plate.rotor import Effects, Rotor
-    from fem.reduction.at_a_place import ModesAtPlace, modes_at
-    from fem.reduction.at_one_speed import NoFlapMode, Reduced, reduce_at
-    from fem.reduction.over_speeds import Reduction, reduce_over
-    from fem.statics.large_deflection import NoEquilibrium, equilibrium
-    from fem.statics.rest import Unresolved
-    from fem.sweep.diagram import Campbell, campbell
+    from fem.output import displacement
+    from fem.plate import ElasticRoot, Material, Plate
+    from fem.reduction.modal import ModesAtPlace, modes_at
+    from fem.reduction.single_mode import NoFlapMode, Reduced, Reduction, reduce_at, reduce_over
+    from fem.rotor import Effects, Rotor
+    from fem.statics.equilibrium import NoEquilibrium, Unresolved, equilibrium
+    from fem.sweep.campbell import Campbell, Veering, campbell
     from fem.sweep.laws import LawViolation
-    from fem.sweep.tracking import Veering
 
 _HOMES = {
-    "Campbell": "fem.sweep.diagram",
-    "Choice": "fem.accuracy.choose_mesh",
+    "Campbell": "fem.sweep.campbell",
+    "Choice": "fem.accuracy.mesh_selection",
     "Divergence": "fem.modes.real",
-    "Effects": "fem.plate.rotor",
-    "ElasticRoot": "fem.plate.root",
-    "Given": "fem.meshes.ladder",
+    "Effects": "fem.rotor",
+    "ElasticRoot": "fem.plate",
+    "Given": "fem.meshes.mesh_sequence",
     "LawViolation": "fem.sweep.laws",
-    "Material": "fem.plate.given",
+    "Material": "fem.plate",
     "MeshError": "fem.meshes.planform",
     "Modes": "fem.modes.real",
-    "ModesAtPlace": "fem.reduction.at_a_place",
-    "NoEquilibrium": "fem.statics.large_deflection",
-    "NoFlapMode": "fem.reduction.at_one_speed",
-    "NotConverged": "fem.linalg.lanczos",
+    "ModesAtPlace": "fem.reduction.modal",
+    "NoEquilibrium": "fem.statics.equilibrium",
+    "NoFlapMode": "fem.reduction.single_mode",
+    "NotConverged": "fem.linalg.eigensolvers",
     "Operators": "fem.operators.assembly",
-    "PlaceError": "fem.meshes.locate",
-    "Plate": "fem.plate.given",
-    "Rectangle": "fem.meshes.ladder",
-    "Reduced": "fem.reduction.at_one_speed",
-    "Reduction": "fem.reduction.over_speeds",
-    "Rotor": "fem.plate.rotor",
-    "SingularMatrix": "fem.linalg.lanczos",
-    "Unresolved": "fem.statics.rest",
-    "Veering": "fem.sweep.tracking",
+    "PlaceError": "fem.meshes.planform",
+    "Plate": "fem.plate",
+    "Rectangle": "fem.meshes.mesh_sequence",
+    "Reduced": "fem.reduction.single_mode",
+    "Reduction": "fem.reduction.single_mode",
+    "Rotor": "fem.rotor",
+    "SingularMatrix": "fem.linalg.eigensolvers",
+    "Unresolved": "fem.statics.equilibrium",
+    "Veering": "fem.sweep.campbell",
     "assemble": "fem.operators.assembly",
-    "campbell": "fem.sweep.diagram",
-    "choose_mesh": "fem.accuracy.choose_mesh",
-    "choose_theory": "fem.accuracy.choose_theory",
-    "critical_speed": "fem.modes.critical_speed",
-    "displacement": "fem.operators.at_vertices",
-    "equilibrium": "fem.statics.large_deflection",
-    "estimate_error": "fem.accuracy.two_meshes",
-    "families": "fem.modes.family",
-    "modes_at": "fem.reduction.at_a_place",
+    "campbell": "fem.sweep.campbell",
+    "choose_mesh": "fem.accuracy.mesh_selection",
+    "choose_theory": "fem.accuracy.theory_selection",
+    "critical_speed": "fem.modes.gyroscopic",
+    "displacement": "fem.output",
+    "equilibrium": "fem.statics.equilibrium",
+    "estimate_error": "fem.accuracy.error_estimates",
+    "families": "fem.modes.real",
+    "modes_at": "fem.reduction.modal",
     "read_mesh": "fem.meshes.read",
     "rectangle": "fem.meshes.planform",
-    "reduce_at": "fem.reduction.at_one_speed",
-    "reduce_over": "fem.reduction.over_speeds",
+    "reduce_at": "fem.reduction.single_mode",
+    "reduce_over": "fem.reduction.single_mode",
     "solve_modes": "fem.modes.solve",
     "with_coriolis": "fem.operators.assembly",
     "with_point_mass": "fem.operators.assembly",

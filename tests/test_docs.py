@@ -76,7 +76,7 @@ def test_links_inside_the_documentation_resolve():
 ANSWERS = {
     "Where is friction at the wall?": [("damper/impacts.py", "friction"), ("damper/impacts.py", "friction")],
     "Where does a frequency get its error?": [
-        ("fem/accuracy/estimates.py", "class Estimates"),
+        ("fem/accuracy/error_estimates.py", "class Estimates"),
         ("workflows/solve/plate_records.py", "ErrorParts("),
     ],
     "Where does a sentence of the report come from?": [("workflows/findings/answer.py", 'f"At its best')],
@@ -91,8 +91,8 @@ ANSWERS = {
         ("workflows/solve/damper_records.py", 'Quantity("J", "lost to rolling'),
     ],
     "Who decides the mesh, and how exact each part has to be?": [
-        ("fem/accuracy/choose_mesh.py", "def choose_mesh"),
-        ("fem/accuracy/budget.py", "class Budget"),
+        ("fem/accuracy/mesh_selection.py", "def choose_mesh"),
+        ("fem/accuracy/tolerances.py", "class Budget"),
     ],
 }
 """What a newcomer asks, and what stands in the files that the page sends him to."""

@@ -4,7 +4,7 @@ import grimp
 import pytest
 
 ROOMS = {
-    "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "meshes"),
+    "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "rotor", "meshes"),
     "workflows": ("cli", "studies", "report", "results", "findings", "solve", "effects", "scene"),
 }
 """From the top down: a room may import those after it."""
@@ -12,7 +12,7 @@ ROOMS = {
 GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "versions", "wording", "progress")}
 """What imports no room, and any room may import."""
 
-ATTIC = {"workflows": ("pipeline", "running", "parts", "looking")}
+ATTIC = {"fem": ("output",), "workflows": ("pipeline", "running", "parts", "looking")}
 """What is over several rooms: the loop of a run, for Python too, part of a scene as a command solves it, what there is
 to look at."""
 

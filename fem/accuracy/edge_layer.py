@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.locate import locate
+from fem.meshes.planform import locate
 from fem.operators.assembly import point_rows
-from fem.theory.kind import Kind, kind
 from fem.theory.mindlin import SHEAR_CORRECTION
+from fem.theory.registry import Kind, kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.operators.assembly import Operators
-    from fem.plate.given import Plate
+    from fem.plate import Plate
 
     Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def layer_errors(apart: Array, coarse: float, fine: float, whole: Array) -> Arra
         apart: relative differences of the two.
         coarse: what the edge cells of the one miss of the layer, see `unseen`.
         fine: what those of the other miss.
-        whole: what the layer does to each frequency, see `fem.accuracy.theory_error.layers`.
+        whole: what the layer does to each frequency, see `fem.accuracy.theory_selection.layers`.
     """
     if fine == 0.0:
         return np.zeros_like(apart)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fem.meshes.locate import TOLERANCE, locate
+from fem.meshes.planform import TOLERANCE, locate
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

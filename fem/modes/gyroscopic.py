@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fem.linalg import lanczos as solver
-from fem.linalg.lanczos import NotConverged, orthonormal, rounding
+from fem.linalg import eigensolvers as solver
+from fem.linalg.eigensolvers import NotConverged, SingularMatrix, factorise, krylov, orthonormal, random_block, rounding
 from fem.modes.real import Modes, solve_real
+from fem.statics.equilibrium import check_rest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+    from fem.linalg.eigensolvers import Factor
+
 
 EXTRA = 4
 """Modes of the plate's own beyond those asked for: among them damping is shared out, and none is missed."""
@@ -190,3 +193,46 @@ def _damped(
     small = vectors[: basis.shape[1], up]
     shapes = basis @ (small / np.linalg.norm(root @ small, axis=0))
     return 1.0 / values[up], _turned(shapes, mass)
+
+
+NEVER = 1e3
+"""A critical speed above this times the lowest frequency at rest counts as none."""
+
+RUNG = 4.0
+"""Ratio of the speeds between which the critical one is bracketed."""
+
+
+def critical_speed(operators: Operators) -> float:
+    """Lowest speed in rad/s at which K(Omega) is singular; infinity where it never is.
+
+    It is the mesh's: where stiffening and softening nearly cancel, as in the plane of rotation without a hub, a coarse
+    mesh may have a critical speed that a finer one has not, or not have one. Prestress is taken as linear in Omega²,
+    also where the effects ask for large deflection.
+
+    Raises:
+        Unresolved: for a plate too thin for its theory.
+        NotConverged: the iteration does not converge.
+    """
+    if operators.softening is None and operators.geometric is None:
+        return np.inf
+    rest = check_rest(operators)
+    below = NEVER * float(np.sqrt(rest))
+    if _stable(operators, below) is not None:
+        return np.inf
+    while (factor := _stable(operators, below)) is None:
+        below = below / RUNG if below**2 * NEVER**2 > rest else 0.0
+    loss = -operators.spinning
+    start = factor.solve(loss @ random_block(loss.shape[0]))
+    values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.at(below), start, 1, np.asarray)
+    if values[0] <= 0.0:
+        raise NotConverged(f"rounding hides the critical speed above {below:.6g} rad/s")
+    return float(np.sqrt(below**2 + 1.0 / values[0]))
+
+
+def _stable(operators: Operators, omega: float) -> Factor | None:
+    """Factor of K at a speed in rad/s, if it is positive."""
+    try:
+        factor = factorise(operators.at(omega))
+    except SingularMatrix:
+        return None
+    return None if factor.negative else factor

@@ -4,19 +4,19 @@ The matrices are affine: K(Omega) = K_r + (Omega² - Omega_r²) K_1, with one fa
 basis V, orthonormal in K_r, starts with the modes there; in the axes of K_1 the small stiffness is diagonal at every
 speed, so that the lowest frequencies keep their digits however stiff the highest. Everything a residual can be
 made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors in K_r, dual
-norms of residuals cost r³ at any speed (`fem.sweep.bounds`). New vectors are the dominant parts of the residuals' own
-representers.
+norms of residuals cost r³ at any speed (`fem.sweep.error_bounds`). New vectors are the dominant parts of the
+residuals' own representers.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import polar
 
-from fem.linalg.lanczos import orthonormal, rounding
+from fem.linalg.eigensolvers import orthonormal, rounding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+
 
 SAFETY = 2.0
 """Factor on the largest stiffening outside the basis, which is an estimate from within."""
@@ -161,3 +162,47 @@ def _extremes(a: Array, b: Array) -> tuple[float, float]:
     whitened = vectors[:, keep] / np.sqrt(values[keep])
     found = np.linalg.eigvalsh(whitened.T @ _symmetric(a) @ whitened)
     return float(found[0]), float(found[-1])
+
+
+LEAST = float(np.finfo(float).eps)
+"""What counts as no stiffness; a speed that leaves less has no lowest frequency."""
+
+
+def still(basis: ReducedBasis, omega: Array, count: int) -> tuple[Array, Array]:
+    """Frequencies (k, count) in rad/s and mass-normalised vectors (k, r, count), Coriolis forces apart."""
+    soft = _softness(basis, omega)
+    mass = basis.axes.T @ basis.mass @ basis.axes
+    values, vectors = np.linalg.eigh(soft[:, :, None] * mass * soft[:, None, :])
+    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5
+    return rates, _turned(basis, soft[:, :, None] * vectors[:, :, : -count - 1 : -1] * rates[:, None, :])
+
+
+def turning(basis: ReducedBasis, coriolis: Array, omega: Array, count: int) -> tuple[Array, NDArray[Any]]:
+    """Frequencies (k, count) in rad/s and mass-normalised complex vectors (k, r, count)."""
+    r, soft = basis.size, _softness(basis, omega)
+    squares, directions = np.linalg.eigh(basis.axes.T @ basis.mass @ basis.axes)
+    root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
+    felt = soft[:, :, None] * (basis.axes.T @ coriolis @ basis.axes) * soft[:, None, :]
+    state = np.zeros((omega.size, 2 * r, 2 * r), dtype=complex)
+    state[:, :r, :r] = -1j * omega[:, None, None] * felt
+    state[:, r:, :r] = root * soft[:, None, :]
+    state[:, :r, r:] = state[:, r:, :r].transpose(0, 2, 1)
+    values, vectors = np.linalg.eigh(state)
+    rates, vectors = _inverse(values[:, : -count - 1 : -1]), vectors[:, :, : -count - 1 : -1]
+    speeds = np.linalg.norm(vectors[:, r:], axis=1)
+    return rates, _turned(basis, soft[:, :, None] * vectors[:, :r] * (rates / speeds)[:, None, :])
+
+
+def _turned(basis: ReducedBasis, vectors: NDArray[Any]) -> NDArray[Any]:
+    """Coordinates (k, r, q) in the basis of vectors given along the axes; one product, not k."""
+    rows = vectors.transpose(0, 2, 1)
+    return np.asarray((rows.reshape(-1, basis.size) @ basis.axes.T).reshape(rows.shape).transpose(0, 2, 1))
+
+
+def _softness(basis: ReducedBasis, omega: Array) -> Array:
+    """Roots (k, r) of the small stiffness's inverse, along the axes."""
+    return np.asarray(np.maximum(basis.held(omega), LEAST) ** -0.5)
+
+
+def _inverse(values: Array) -> Array:
+    return np.asarray(1.0 / np.maximum(values, np.finfo(float).tiny))

@@ -16,9 +16,9 @@ import numpy as np
 
 from fem.meshes.planform import rectangle
 from fem.operators.assembly import assemble
-from fem.plate.given import Material, Plate
-from fem.plate.rotor import Effects, Rotor
-from fem.sweep.diagram import campbell
+from fem.plate import Material, Plate
+from fem.rotor import Effects, Rotor
+from fem.sweep.campbell import campbell
 from fem.sweep.laws import LawViolation
 
 if TYPE_CHECKING:

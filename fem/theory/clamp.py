@@ -18,7 +18,7 @@ from fem.theory import mindlin
 
 if TYPE_CHECKING:
     from fem.meshes.thickness import Profile
-    from fem.plate.given import Plate
+    from fem.plate import Plate
     from fem.theory.discretisation import Discretisation
 
 HELD = 0.11

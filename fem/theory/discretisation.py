@@ -18,7 +18,7 @@ from fem.theory.fields import CLAMPED, Block, Fields
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.plate.given import Plate
+    from fem.plate import Plate
     from fem.theory.sections import Layer
     from fem.theory.strains import Energy
 

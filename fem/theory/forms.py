@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.plate.rotor import Rotor
+    from fem.rotor import Rotor
     from fem.theory.discretisation import Discretisation
 
     Array = NDArray[np.float64]

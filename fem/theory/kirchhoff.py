@@ -24,7 +24,7 @@ from fem.theory.tabulated_element import together
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.plate.given import Plate
+    from fem.plate import Plate
 
 ELEMENTS = ("bfs", "argyris", "morley")
 """Names of the elements for w."""

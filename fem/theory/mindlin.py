@@ -2,18 +2,20 @@
 
 U = (u - z theta_x, v - z theta_y, w). Direct strains in plane stress; transverse shear g = grad w - theta
 with the correction factor 5/6 (Reissner 1945; Mindlin, J. Appl. Mech. 18 (1951) 31). Quadrilaterals carry Q2
-throughout, triangles P2 with a cubic bubble in the rotations; see `fem.theory.assumed_shear` for the shear.
+throughout, triangles P2 with a cubic bubble in the rotations; see `fem.theory.mindlin` for the shear.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.meshes.thickness import of
-from fem.theory import assumed_shear as tying
-from fem.theory import director, director_shear
+from fem.theory import finite_rotation
 from fem.theory import springs as root
 from fem.theory.discretisation import Discretisation, Space, blocks, clamped, number
 from fem.theory.fields import Block, Fields
@@ -22,9 +24,79 @@ from fem.theory.sections import layers, stretched, weighed
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.plate.given import Plate
+    from fem.plate import Plate
 
     Array = NDArray[np.float64]
+
+
+GAUSS2 = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
+"""Two-point Gauss abscissae on [0, 1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tying:
+    """A reduction on the reference cell.
+
+    Attributes:
+        points: (2, nsample), where covariant shear is sampled.
+        functionals: (n, nsample, 2), the weights of its two components in each functional.
+        space: maps reference points (2, m) to the n spanning fields of the edge space there, (n, 2, m).
+    """
+
+    points: Array
+    functionals: Array
+    space: Callable[[Array], Array]
+
+    def reduction(self, points: Array) -> Array:
+        """Return R, (m, 2, nsample, 2): reduced covariant shear at points (2, m) from the samples."""
+        unisolvence = np.einsum("fsb,kbs->fk", self.functionals, self.space(self.points))
+        dual = np.linalg.solve(unisolvence.T, self.space(points).reshape(len(unisolvence), -1))
+        nodal = dual.reshape(len(unisolvence), 2, -1)
+        return np.asarray(np.einsum("fam,fsb->masb", nodal, self.functionals))
+
+
+def quadrilateral() -> Tying:
+    """Q12 x Q21 on the unit square: two Gauss points on each of three lines a direction."""
+    lines = np.array([0.0, 0.5, 1.0])
+    along, across = (a.ravel() for a in np.meshgrid(GAUSS2, lines, indexing="ij"))
+    points = np.hstack([np.vstack([along, across]), np.vstack([across, along])])
+    functionals = np.zeros((12, 12, 2))
+    functionals[np.arange(6), np.arange(6), 0] = 1.0
+    functionals[np.arange(6, 12), np.arange(6, 12), 1] = 1.0
+
+    def space(at: Array) -> Array:
+        x, y = at
+        zero = np.zeros_like(x)
+        first = [x**i * y**j for i in range(2) for j in range(3)]
+        second = [y**i * x**j for i in range(2) for j in range(3)]
+        return np.array([[p, zero] for p in first] + [[zero, p] for p in second])
+
+    return Tying(points, functionals, space)
+
+
+def triangle() -> Tying:
+    """Second-order Nédélec space of the first kind: two Gauss points an edge and the cell's mean."""
+    from skfem.quadrature import get_quadrature
+    from skfem.refdom import RefTri
+
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    edges = [(0, 1), (1, 2), (0, 2)]
+    inner, weights = get_quadrature(RefTri, 5)
+    on_edges = [corners[a] + s * (corners[b] - corners[a]) for a, b in edges for s in GAUSS2]
+    points = np.hstack([np.array(on_edges).T, inner])
+    functionals = np.zeros((8, points.shape[1], 2))
+    for k, (a, b) in enumerate(edges):
+        functionals[2 * k, 2 * k] = functionals[2 * k + 1, 2 * k + 1] = corners[b] - corners[a]
+    functionals[6, 6:, 0] = functionals[7, 6:, 1] = weights
+
+    def space(at: Array) -> Array:
+        x, y = at
+        zero, one = np.zeros_like(x), np.ones_like(x)
+        linear = [[p, zero] for p in (one, x, y)] + [[zero, p] for p in (one, x, y)]
+        return np.array([*linear, [-x * y, x * x], [-y * y, x * y]])
+
+    return Tying(points, functionals, space)
+
 
 SHEAR_CORRECTION = 5.0 / 6.0
 """Reissner's factor for a homogeneous section."""
@@ -78,8 +150,8 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         stiffness=plate.material.plane_stress,
         extra=((shear, np.eye(2)[:, :, None, None] * modulus), *springs),
         energies=(
-            director.Section(turned, plate.material, thickness),
-            director_shear.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            finite_rotation.Section(turned, plate.material, thickness),
+            finite_rotation.Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
             *root.energies(springs),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),
@@ -93,7 +165,7 @@ def _reduction(basis: Any) -> tuple[Array, Array]:
 
     The latter is (ncell, npoint, 2, nsample, 2).
     """
-    rule = tying.quadrilateral() if basis.mesh.t.shape[0] == 4 else tying.triangle()
+    rule = quadrilateral() if basis.mesh.t.shape[0] == 4 else triangle()
     covariant = rule.reduction(basis.X)
     return rule.points, np.einsum("abcm,masn->cmbsn", basis.mapping.invDF(basis.X), covariant, optimize=True)
 

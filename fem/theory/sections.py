@@ -41,7 +41,7 @@ class Layer:
         gradient: D, (3, d, ngradient), with H[k, a] = dU_k/dX_a for the d directions in which the theory has strains.
         quadratic: Q, (m, d, ngradient), whose products Q_ma Q_mb / 2 are the second-order part of the strain: D itself
             for solids; in plates the terms of grad u times grad theta are left out, as von Karman does
-            (`fem.theory.director` has them).
+            (`fem.theory.finite_rotation` has them).
     """
 
     z: float | Array

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.ladder import crowded
+from fem.meshes.mesh_sequence import crowded
 from fem.meshes.thickness import of
 from fem.theory.discretisation import Discretisation, Space, blocks, number
 from fem.theory.fields import CLAMPED, Fields
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.meshes.thickness import Profile
-    from fem.plate.given import Plate
+    from fem.plate import Plate
 
     Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from fem.theory.fields import Block, Fields
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.plate.root import ElasticRoot
+    from fem.plate import ElasticRoot
     from fem.theory.discretisation import Space
 
     Array = NDArray[np.float64]

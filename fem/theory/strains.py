@@ -3,8 +3,8 @@
 The elastic energy is the integral of e.C e / 2 over strains e(f) of fields f: forces are (de/df)' C e, the tangent
 stiffness is (de/df)' C (de/df) + (C e).(d²e/df²). `Quadratic` has the strains of layers (`fem.theory.sections.Layer`),
 E = sym D g + (1/2) sum_m (Q g)_a (Q g)_b: Green's for solids; for plates von Kármán's and, in addition, the in-plane
-products, so that turning a plate in its own plane does not strain it. `fem.theory.director` is for plates that turn
-further.
+products, so that turning a plate in its own plane does not strain it. `fem.theory.finite_rotation` is for plates that
+turn further.
 """
 
 from __future__ import annotations

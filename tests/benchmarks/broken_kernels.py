@@ -188,7 +188,7 @@ BREAKS = (
                 "    values = 1.01 * values\n    order = np.argsort(values)\n",
             ),
             (
-                "fem/sweep/galerkin.py",
+                "fem/sweep/reduced_basis.py",
                 "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5\n",
                 "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5 * 1.005\n",
             ),

@@ -13,7 +13,7 @@ import calculix_table
 import numpy as np
 from skfem import MeshQuad
 
-from fem.meshes.ladder import crowded, graded
+from fem.meshes.mesh_sequence import crowded, graded
 
 DATA = Path(__file__).parents[1] / "fem" / "data" / "calculix_bent.csv"
 

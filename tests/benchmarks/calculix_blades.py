@@ -12,7 +12,7 @@ import calculix
 import calculix_table
 import numpy as np
 
-from fem.meshes.ladder import graded
+from fem.meshes.mesh_sequence import graded
 from fem.meshes.thickness import Polynomial
 
 DATA = Path(__file__).parents[1] / "fem" / "data" / "calculix_blades.csv"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from skfem import MeshQuad
 
-from fem.meshes.ladder import Rectangle, crowded
+from fem.meshes.mesh_sequence import Rectangle, crowded
 
 DATA = Path(__file__).parents[1] / "fem" / "data" / "calculix_theories.csv"
 COUNT = 6

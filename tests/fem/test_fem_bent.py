@@ -9,7 +9,7 @@ import pytest
 from fem_cases import STEEL, rpm
 
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, equilibrium, rectangle, solve_modes
-from fem.accuracy.deflection import bent
+from fem.accuracy.neglected_effects import bent
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 import calculix

@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from fem import Effects, Material, Plate, Rotor, assemble, displacement, rectangle, solve_modes
-from fem.operators.between_vertices import between
+from fem.output import between
 
 STEEL = Material(200e9, 0.3, 7850.0)
 LENGTH, WIDTH, THICKNESS = 0.2, 0.08, 0.004

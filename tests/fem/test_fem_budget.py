@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.accuracy.budget import FIRST, SURE, Budget
+from fem.accuracy.tolerances import FIRST, SURE, Budget
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 

@@ -19,8 +19,8 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.accuracy.choose_mesh import MOST_UNKNOWNS
-from fem.meshes.ladder import crowded
+from fem.accuracy.mesh_selection import MOST_UNKNOWNS
+from fem.meshes.mesh_sequence import crowded
 
 COUNT = 6
 
@@ -107,7 +107,7 @@ def test_a_given_mesh_is_split_until_it_is_fine_enough():
 
 
 def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
-    monkeypatch.setattr("fem.meshes.ladder.MOST_CELLS", 10)
+    monkeypatch.setattr("fem.meshes.mesh_sequence.MOST_CELLS", 10)
     planform = Given(rectangle(0.2, 0.08, 5, 2))
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-3)
     assert choice.size == 1
@@ -139,14 +139,14 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
 
 def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     """Its errors are not known until two meshes have modes there; until then the choice is not met."""
-    import fem.accuracy.tried
+    import fem.accuracy.trial_meshes
 
-    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.tried.probe
+    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.trial_meshes.probe
 
     def gone(operators, *given):
         return probe(operators, *given)[: 1 if operators.mass.shape[0] < 1000 else 2]
 
-    monkeypatch.setattr("fem.accuracy.tried.probe", gone)
+    monkeypatch.setattr("fem.accuracy.trial_meshes.probe", gone)
     speeds = 0.0, rpm(9000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met

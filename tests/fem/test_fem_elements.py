@@ -7,8 +7,8 @@ import pytest
 from fem_cases import STEEL, distorted
 
 from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
-from fem.theory import by_name as theories
 from fem.theory import mindlin
+from fem.theory import registry as theories
 from fem.theory.forms import elastic_stiffness
 
 MESHES = {

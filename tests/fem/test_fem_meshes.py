@@ -11,7 +11,7 @@ import skfem
 from fem_cases import STEEL, distorted, rpm
 
 from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, reduce_at, solve_modes
-from fem.meshes.locate import locate
+from fem.meshes.planform import locate
 
 MESHES = Path(__file__).parents[2] / "meshes"
 

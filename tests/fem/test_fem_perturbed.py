@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.linalg import lanczos as solver
+from fem.linalg import eigensolvers as solver
 from tests.perturbed.cases import CASES
 from tests.perturbed.trial import trial
 

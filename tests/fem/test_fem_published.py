@@ -77,7 +77,7 @@ def test_a_ball_that_is_too_light(monkeypatch):
     operators = assemble(paper_plate(8, 4), Rotor(), Effects())
     diagram = campbell(operators, SPEEDS, 4)
     reduce_over(operators, diagram, (0.2, 0.0), mass_ratio=0.006)
-    module = importlib.import_module("fem.reduction.over_speeds")
+    module = importlib.import_module("fem.reduction.single_mode")
     right = module.become
     monkeypatch.setattr(module, "become", lambda *given: (1.01 * right(*given)[0], right(*given)[1]))
     with pytest.raises(LawViolation, match="a stuck ball"):

@@ -17,7 +17,7 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
-from fem.reduction.over_speeds import _Family
+from fem.reduction.single_mode import _Family
 
 TIP = (0.2, 0.0)
 

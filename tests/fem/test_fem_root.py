@@ -6,12 +6,12 @@ from fem_cases import AT_REST, STEEL
 from scipy.optimize import brentq
 
 from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, Unresolved, assemble, rectangle, solve_modes
-from fem.accuracy.theory_error import theory_errors
-from fem.linalg.lanczos import factorise
+from fem.accuracy.theory_selection import theory_errors
+from fem.linalg.eigensolvers import factorise
 from fem.meshes.thickness import Polynomial
 from fem.operators.assembly import point_rows
-from fem.theory.by_name import LAYERED
 from fem.theory.fields import gram
+from fem.theory.registry import LAYERED
 
 STRIP = Material(2e11, 0.0, 7850.0)
 FLAT, BENT = Effects(), Effects(large_deflection=True)

@@ -21,8 +21,8 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.statics import large_deflection as statics
-from fem.statics.large_deflection import _stressed, _unbalanced, tangent
+from fem.statics import equilibrium as statics
+from fem.statics.equilibrium import _stressed, _unbalanced, tangent
 
 BENT = Effects(large_deflection=True)
 

@@ -21,9 +21,9 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.accuracy.budget import Budget
-from fem.accuracy.theory_error import theory_errors
-from fem.theory.by_name import solid_theory
+from fem.accuracy.theory_selection import theory_errors
+from fem.accuracy.tolerances import Budget
+from fem.theory.registry import solid_theory
 from tests.benchmarks import calculix_theories
 
 # Euler-Bernoulli and longitudinal vibration of a bar, the smooth problems: nu = 0 has no corner singularities.

@@ -23,14 +23,13 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.linalg.lanczos import factorise
-from fem.meshes.ladder import Given
+from fem.linalg.eigensolvers import factorise
+from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
-from fem.operators.assembly import point_rows
-from fem.operators.transfer import transfer
-from fem.theory.by_name import discretise
-from fem.theory.director import Section
+from fem.operators.assembly import point_rows, transfer
 from fem.theory.fields import gram
+from fem.theory.finite_rotation import Section
+from fem.theory.registry import discretise
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 import calculix_blades

@@ -7,7 +7,7 @@ import pytest
 from fem_cases import STEEL, rpm
 
 from fem import Effects, Plate, Rectangle, Rotor, assemble, solve_modes
-from fem.accuracy.coriolis import turned
+from fem.accuracy.neglected_effects import turned
 
 COUNT = 6
 

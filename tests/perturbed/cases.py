@@ -24,9 +24,9 @@ from fem import (
     reduce_over,
     solve_modes,
 )
-from fem.accuracy.probing import probe
-from fem.linalg.lanczos import rounding
-from fem.statics.linearised import linearise
+from fem.accuracy.trial_meshes import probe
+from fem.linalg.eigensolvers import rounding
+from fem.statics.equilibrium import linearise
 from tests.perturbed.changes import Problem, Units
 
 STEEL = Material(2e11, 0.3, 7850.0)

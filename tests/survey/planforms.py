@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from skfem import MeshQuad
 
-from fem.meshes.ladder import crowded
+from fem.meshes.mesh_sequence import crowded
 
 OCTAGON = np.tan(np.pi / 8.0)
 """Half a side of a regular octagon over half its width."""

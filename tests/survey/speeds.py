@@ -6,7 +6,7 @@ On coarse meshes of Mindlin's theory; what CalculiX is asked does not hang on th
 import numpy as np
 
 from fem import Effects, Material, Plate, Rotor
-from fem.accuracy.deflection import bent
+from fem.accuracy.neglected_effects import bent
 from tests.survey import plates
 
 NEAR = 0.2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem import Effects, Material, Plate, Rectangle, Rotor
-from fem.accuracy.deflection import bent
+from fem.accuracy.neglected_effects import bent
 from tests.workflows.conftest import Scene, changed
 from workflows.effects import large_deflection as bending
 from workflows.effects import rules as effects

@@ -310,7 +310,7 @@ def test_what_a_plate_has_not_is_refused_with_advice(key: str, words: str) -> No
 def test_the_theorys_error_knows_the_slope_of_the_faces(theory: str) -> None:
     """0.7 times the square of the slope, which is 0.02 here; a solid has none."""
     from fem import Effects, Material, Plate, Rotor, assemble, rectangle, solve_modes
-    from fem.accuracy.theory_error import theory_errors
+    from fem.accuracy.theory_selection import theory_errors
     from fem.meshes.thickness import Polynomial
 
     tapered = Plate(rectangle(0.2, 0.08, 8, 4), Polynomial(((0.01,), (-0.04,))), Material(2e11, 0.3, 7850.0))

@@ -383,7 +383,7 @@ def test_the_theory_is_chosen_once(
     command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
 ) -> None:
     """Also where what a run takes is reckoned from a small one."""
-    from fem.accuracy import choose_theory as choosing
+    from fem.accuracy import theory_selection as choosing
 
     calls: list[float] = []
     plain = choosing.choose_theory

@@ -90,7 +90,7 @@ def test_plates_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
     def impossible(*_: object) -> None:
         raise fem.LawViolation("frequencies ascend, but they do not")
 
-    monkeypatch.setattr("fem.sweep.diagram.check_diagram", impossible)
+    monkeypatch.setattr("fem.sweep.campbell.check_diagram", impossible)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="frequencies ascend"):
         face.sweep(scene, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool)
 

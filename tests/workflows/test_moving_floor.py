@@ -170,7 +170,7 @@ def test_a_release_sets_the_leading_modes_going(paper: Scene) -> None:
 
 
 def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    import fem.reduction.at_a_place as place
+    import fem.reduction.modal as place
 
     calls: list[int] = []
     plain = place.modes_at

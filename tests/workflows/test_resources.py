@@ -200,7 +200,7 @@ def test_unknowns_are_counted_before_there_are_any(model: str, kind: str) -> Non
 def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """A split mesh would have had more unknowns than any that the search may try, and gigabytes."""
     import fem
-    from fem.accuracy import choose_mesh as choice
+    from fem.accuracy import mesh_selection as choice
 
     monkeypatch.setattr(choice, "MOST_UNKNOWNS", {name: most // 10 for name, most in choice.MOST_UNKNOWNS.items()})
     form = fem.Given(fem.rectangle(0.2, 0.08, 40, 16))

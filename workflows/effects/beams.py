@@ -8,7 +8,7 @@ from workflows.scene import thicknesses
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 SLOPE = 1.3765
 """Of a uniform cantilever's first mode at the tip, over w/L."""

@@ -13,11 +13,11 @@ from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from fem.accuracy.coriolis import Turned
-    from fem.meshes.ladder import Planform
+    from fem.accuracy.neglected_effects import Turned
+    from fem.meshes.mesh_sequence import Planform
 
 CELLS_PER_MODE = 10
-"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.coriolis.UNCERTAIN`)."""
+"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
 
 
 def called_for(case: Case) -> Called:
@@ -73,7 +73,7 @@ def _by_stretching(scene: Scene, form: Planform | None) -> float:
 
 def _solved(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
     from fem import Effects
-    from fem.accuracy.coriolis import turned
+    from fem.accuracy.neglected_effects import turned
     from workflows.scene import plate_mesh
 
     source = SceneFile(scene, "scene", Path())
@@ -102,5 +102,5 @@ EFFECT = Definition(
     "Coriolis forces",
     after=("large_deflection",),
     on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
-    costs=("fem.plate.rotor.Rotor.spin", "fem.modes.solve.solve_gyroscopic"),
+    costs=("fem.rotor.Rotor.spin", "fem.modes.solve.solve_gyroscopic"),
 )

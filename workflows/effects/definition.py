@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from workflows.effects.left_out import Called
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
     from workflows.scene.damper import Damper
     from workflows.scene.scene import Scene
 

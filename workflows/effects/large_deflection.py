@@ -15,8 +15,8 @@ from workflows.scene.source import SceneFile
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from fem.accuracy.deflection import Bent
-    from fem.meshes.ladder import Planform
+    from fem.accuracy.neglected_effects import Bent
+    from fem.meshes.mesh_sequence import Planform
 
 THINNER, LEAST = 0.88, 0.29
 """What the strain at the root does to the six lowest modes of a flat blade, by Poisson's ratio (times nu (1 + nu), the
@@ -120,7 +120,7 @@ def moved_by_strain(scene: Scene, strain: float) -> float:
 
 def _solved(scene: Scene, form: Planform | None) -> Bent | None:
     from fem import Effects
-    from fem.accuracy.deflection import bent
+    from fem.accuracy.neglected_effects import bent
     from workflows.scene import plate_mesh
 
     source = SceneFile(scene, "scene", Path())
@@ -146,5 +146,5 @@ EFFECT = Definition(
     refused=refused,
     part_of="stress_stiffening",
     assumed=assumed,
-    costs=("fem.statics.linearised.equilibrium", "fem.statics.large_deflection.newton"),
+    costs=("fem.statics.equilibrium.equilibrium", "fem.statics.equilibrium.newton"),
 )

@@ -12,7 +12,7 @@ from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
     from workflows.scene.source import SceneFile
 
 

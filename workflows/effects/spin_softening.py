@@ -22,4 +22,4 @@ def called_for(case: Case) -> Called:
     return Called(True, "in-plane modes and, a little, the turning cross-sections of bending move across the spin axis")
 
 
-EFFECT = Definition("plate", called_for, "spin softening", costs=("fem.plate.rotor.Rotor.projector",))
+EFFECT = Definition("plate", called_for, "spin softening", costs=("fem.rotor.Rotor.projector",))

@@ -12,7 +12,7 @@ from workflows.scene.scene import Scene
 from workflows.wording import significant
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 
 def called_for(case: Case) -> Called:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem.theory.kind import kind
+from fem.theory.registry import kind
 from workflows.effects.table import EFFECTS
 from workflows.findings import of_the_ball
 from workflows.scene import paper

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fem.accuracy.choose_theory import DEAR
+from fem.accuracy.theory_selection import DEAR
 from workflows.effects.table import EFFECTS
 from workflows.findings import missing
 from workflows.solve.records import ErrorParts, Results

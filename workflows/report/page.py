@@ -17,6 +17,7 @@ from workflows.errors import BadInput
 from workflows.findings import answer, cutoffs, of_the_ball, trust, worth
 from workflows.findings.assumptions import assumptions
 from workflows.output import store
+from workflows.progress import Stages
 from workflows.report import ball_player, figures, mode_viewer, plots, templating
 from workflows.report.mode_viewer import Artist, Picture, View
 from workflows.report.text import shown
@@ -28,7 +29,6 @@ from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve import records
 from workflows.solve.records import Results, SpeedPoint, expect
-from workflows.progress import Stages
 
 _MODES_AT_MOST = 7
 """Columns of the table of a plate without a damper."""

@@ -16,7 +16,7 @@ from workflows.solve.structure_records import Theory
 from workflows.wording import revolutions, significant
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 
 def scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:

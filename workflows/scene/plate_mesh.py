@@ -15,7 +15,7 @@ from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     import fem
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 
 def planform(source: SceneFile) -> Planform:
@@ -177,7 +177,7 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
 
 def _check_place(source: SceneFile, form: fem.Given) -> None:
     """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
-    from fem.meshes.locate import PlaceError, locate
+    from fem.meshes.planform import PlaceError, locate
 
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)

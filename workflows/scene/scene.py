@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from fem.accuracy.budget import Budget
+from fem.accuracy.tolerances import Budget
 from workflows.scene import fitting
 from workflows.scene.damper import Damper, Release
 from workflows.scene.design import Design

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
     from fem.meshes.thickness import Profile
     from workflows.scene.plate import Plate
 

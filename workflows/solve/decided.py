@@ -15,7 +15,7 @@ from workflows.solve.answering import answering
 from workflows.solve.structure_records import Theory
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def model(source: SceneFile, decided: Decided) -> str:
 
 def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
     """The theory's name with the layers of a solid, and the error that these leave."""
-    from fem.theory.by_name import solid_theory
+    from fem.theory.registry import solid_theory
 
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:

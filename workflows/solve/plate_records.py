@@ -76,7 +76,7 @@ def points(
     at_cavity: list[tuple[CavityMode, ...]],
 ) -> tuple[SpeedPoint, ...]:
     """Modes and what the damper feels at the speeds of these numbers in the sweep."""
-    from fem.accuracy.theory_over_speeds import over_speeds
+    from fem.accuracy.theory_selection import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
@@ -161,7 +161,7 @@ def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) ->
 
     For pictures: no more digits than these show.
     """
-    from fem.operators.between_vertices import between
+    from fem.output import between
 
     mesh = operators.model.mesh
     points = mesh.t.shape[1] if mesh.t.shape[0] == 4 else mesh.t.shape[1] / 2

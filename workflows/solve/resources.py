@@ -16,7 +16,7 @@ from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
     from workflows.solve.decided import Decided
 
 BASE = 2.5e8
@@ -187,10 +187,10 @@ def _beside_the_plate(source: SceneFile) -> float:
 
 def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
     """Unknowns of the first mesh of a search that has enough cells for the modes, or of the only one."""
-    from fem.meshes.ladder import Rectangle, begun_with
+    from fem.meshes.mesh_sequence import Rectangle, begun_with
 
     if not isinstance(form, Rectangle):
-        from fem.accuracy.choose_mesh import has_pair
+        from fem.accuracy.mesh_selection import has_pair
 
         coarsest = unknowns(model, form.mesh(form.sizes[0]))
         if not has_pair(form, coarsest, model, most):
@@ -272,7 +272,7 @@ def _held() -> float:
 
 def _least_size(source: SceneFile) -> tuple[float, float]:
     """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
-    from fem.meshes.ladder import CELLS_PER_MODE
+    from fem.meshes.mesh_sequence import CELLS_PER_MODE
 
     points = float(CELLS_PER_MODE * source.scene.rotor.modes)
     if source.mesh is not None:

@@ -11,7 +11,7 @@ from workflows.scene.source import SceneFile
 from workflows.solve.structure_records import Theory
 
 if TYPE_CHECKING:
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
@@ -39,7 +39,7 @@ def theory(scene: Scene, form: Planform | None = None, large_deflection: bool = 
     if given.theory != "auto":
         return Theory(given.theory, "asked for by the scene")
     from fem import Effects
-    from fem.accuracy.choose_theory import choose_theory
+    from fem.accuracy.theory_selection import choose_theory
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)

@@ -15,7 +15,7 @@ from workflows.wording import fixed, significant, whole
 
 if TYPE_CHECKING:
     import fem
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""

@@ -23,7 +23,7 @@ from workflows.studies.sweep.placed import Carried
 
 if TYPE_CHECKING:
     import fem
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
 
 _KEPT, _MASSES = 4, 256
 """Plates that are kept at a time, and balls' masses of each."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fem.plate.given import Plate
+    from fem.plate import Plate
     from fem.theory.discretisation import Discretisation
+
 
 THEORIES = ("mindlin", "kirchhoff", "solid")
 """Names of the theories, the default first; "kirchhoff/morley" and "solid/4" name an element or layers too, and
@@ -53,3 +55,20 @@ def solid_theory(length: float, thickness: float, tolerance: float) -> tuple[str
     enough = [layers for layers, error in left.items() if error <= tolerance]
     layers = min(enough, default=max(left))
     return f"solid/{layers}", left[layers]
+
+
+class Kind(StrEnum):
+    """What a theory takes for a plate: a surface that only bends, one that shears too, or a body."""
+
+    KIRCHHOFF = "kirchhoff"
+    MINDLIN = "mindlin"
+    SOLID = "solid"
+
+
+def kind(theory: str) -> Kind:
+    """The kind of a theory by its name.
+
+    Raises:
+        ValueError: for another name.
+    """
+    return Kind(theory.partition("/")[0])

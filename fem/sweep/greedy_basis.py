@@ -1,8 +1,8 @@
 """Growing a reduced basis until it answers every speed of a range within a tolerance.
 
 The basis is trained at a few speeds: it takes in the representers of the residuals there until the bounds
-(`fem.sweep.bounds`) meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted modes,
-more modes are known at the reference speed; where the basis would grow too large, the range is halved.
+(`fem.sweep.error_bounds`) meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted
+modes, more modes are known at the reference speed; where the basis would grow too large, the range is halved.
 """
 
 from __future__ import annotations
@@ -12,11 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.modes.family import FAMILIES, share_matrices
-from fem.modes.real import solve_real
-from fem.sweep import bounds
-from fem.sweep.galerkin import still
-from fem.sweep.reduced_basis import ReducedBasis, begin, enrich
+from fem.modes.real import FAMILIES, share_matrices, solve_real
+from fem.sweep import error_bounds
+from fem.sweep.reduced_basis import ReducedBasis, begin, enrich, still
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,6 +22,7 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+
 
 LARGEST = 60
 """Vectors at which a basis counts as too large for its range of speeds."""
@@ -65,7 +64,7 @@ class Swept:
         rates: circular frequencies (k, count) in rad/s.
         bounds: on their relative error.
         damping: ratios (k, count).
-        shares: (k, 5, count), see `fem.modes.family`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
+        shares: (k, 5, count), see `fem.modes.real`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
         reduced: whether from a reduced basis.
         met: speeds (k,) whose bounds are within the tolerance, or as good as rounding allows.
         state: the displacement (n,) vibrated about, where the deflection is large.
@@ -130,7 +129,7 @@ def _by_halves(
 
 def grow(
     operators: Operators, omega: Array, count: int, tolerance: float, spare: int
-) -> tuple[ReducedBasis, bounds.ReducedModes, bool]:
+) -> tuple[ReducedBasis, error_bounds.ReducedModes, bool]:
     """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""
     reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
     known = count + spare + 1
@@ -139,31 +138,31 @@ def grow(
     basis = begin(operators, stiffness, modes)
     training = np.linspace(omega[0], omega[-1], TRAINING)
     for _ in range(ROUNDS):
-        trial = bounds.solve(basis, training, count)
+        trial = error_bounds.solve(basis, training, count)
         if trial.within(AIM * tolerance).all():
-            found = bounds.solve(basis, omega, count)
+            found = error_bounds.solve(basis, omega, count)
             if found.within(tolerance).all():
                 return basis, found, False
             training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
-            trial = bounds.solve(basis, training, count)
+            trial = error_bounds.solve(basis, training, count)
         if (trial.floor <= 0.0).any():
             worst = float(training[trial.floor <= 0.0][0])
             solve_real(operators, worst, operators.at(worst), count)
         finest = AIM * tolerance / (2 * count)
-        more = bounds.representatives(basis, trial, count, finest)
+        more = error_bounds.representatives(basis, trial, count, finest)
         if more.shape[1] == 0:  # the mode above the wanted ones may stand in the way of their bounds
-            more = bounds.representatives(basis, trial, count + 1, finest)
+            more = error_bounds.representatives(basis, trial, count + 1, finest)
         if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
             break
         basis = enrich(operators, stiffness, modes, basis, more)
     gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
-    return basis, bounds.solve(basis, omega, count), bool(gapless.any())
+    return basis, error_bounds.solve(basis, omega, count), bool(gapless.any())
 
 
 def _collect(
     operators: Operators,
     basis: ReducedBasis,
-    found: bounds.ReducedModes,
+    found: error_bounds.ReducedModes,
     count: int,
     tolerance: float,
     damping_ratio: float,

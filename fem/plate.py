@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.meshes.thickness import Profile
-    from fem.plate.root import ElasticRoot
 
 
 def _positive(name: str, value: float, unit: str) -> None:
@@ -92,8 +91,7 @@ class Plate:
     elastic_root: ElasticRoot | None = None
 
     def __post_init__(self) -> None:
-        from fem.meshes.locate import locate
-        from fem.meshes.planform import check_mesh
+        from fem.meshes.planform import check_mesh, locate
 
         if not isinstance(self.material, Material):
             raise TypeError(f"material must be a fem.Material, got {self.material!r}")
@@ -138,3 +136,21 @@ class Plate:
         from fem.meshes.thickness import spread
 
         return spread(self.thickness, self.mesh)
+
+
+@dataclass(frozen=True)
+class ElasticRoot:
+    """Stiffness per length of the root against displacement (N/m per m) and against rotation (N m/rad per m).
+
+    Raises:
+        ValueError: unless both are positive and finite: without either the plate could move as a rigid body.
+    """
+
+    stiffness: float
+    rotational: float
+
+    def __post_init__(self) -> None:
+        for name, unit in (("stiffness", "N/m²"), ("rotational", "N m/rad per m")):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} must be a positive number of {unit}, got {value!r}")

@@ -1,6 +1,6 @@
 """The Campbell diagram: frequencies over speed, for about the price of one modal analysis.
 
-With a linear prestress every speed is answered by a reduced basis (`fem.sweep.grow`) with a bound on the error
+With a linear prestress every speed is answered by a reduced basis (`fem.sweep.greedy_basis`) with a bound on the error
 of every frequency. With large deflection the modes are solved speed by speed, each from the state before; so they are
 for many modes at few speeds.
 """
@@ -12,22 +12,84 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.lanczos import CONVERGED, rounding
-from fem.modes.critical_speed import critical_speed
-from fem.modes.family import FAMILIES, energy_shares
-from fem.modes.real import Divergence, Modes, check_count, check_damping
+from fem.linalg.eigensolvers import CONVERGED, rounding
+from fem.modes.gyroscopic import critical_speed
+from fem.modes.real import FAMILIES, Divergence, Modes, check_count, check_damping, energy_shares
 from fem.modes.solve import solve_modes
-from fem.statics.large_deflection import NoEquilibrium, tangent
-from fem.sweep.grow import Swept, answer
+from fem.statics.equilibrium import NoEquilibrium, tangent
+from fem.sweep.greedy_basis import Swept, answer
 from fem.sweep.laws import check_diagram
-from fem.sweep.tracking import Veering, follow
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+
+
+CLEAR = 0.7
+"""Likeness from which a pair counts as the same mode; no second one can then exceed 0.3."""
+
+
+COUPLED = 1e-3
+"""Coupling, relative to a mode's stiffness, from which modes that change places count as veering: about the gap that
+they keep, relative to their frequency."""
+
+
+@dataclass(frozen=True)
+class Veering:
+    """An ambiguous pairing between the speeds number step and step + 1.
+
+    Attributes:
+        modes: numbers (from 0, by frequency at the first of the two speeds) of the modes concerned.
+        likeness: the best pair's MAC for each.
+    """
+
+    step: int
+    modes: tuple[int, ...]
+    likeness: tuple[float, ...]
+
+
+def follow(
+    alike: NDArray[np.float64], wanted: int, coupling: Callable[[int], NDArray[np.float64]]
+) -> tuple[NDArray[np.int64], tuple[Veering, ...]]:
+    """Follow modes by their likeness (k - 1, q, q) from each of k speeds to the next.
+
+    coupling: from a step to what its change of speed does between the modes before it (wanted, q), relative to the
+    stiffness of the first of each two.
+    Returns branches (k, wanted): which branch, numbered by frequency at the first speed, each mode is on.
+    """
+    steps, q, _ = alike.shape
+    straight = np.einsum("kii->ki", alike)[:, :wanted].min(axis=1) >= CLEAR
+    branches = np.empty((steps + 1, q), dtype=np.int64)
+    branches[0] = np.arange(q)
+    veerings = []
+    for step in range(steps):
+        if straight[step]:
+            branches[step + 1] = branches[step]
+            continue
+        pair, unclear = _pair(alike[step], wanted)
+        branches[step + 1, pair] = branches[step]
+        passed = np.argwhere(np.triu(pair[:wanted, None] > pair, 1))
+        if passed.size:
+            coupled = passed[coupling(step)[tuple(passed.T)] > COUPLED]
+            unclear = np.union1d(unclear, coupled[coupled < wanted])
+        if unclear.size:
+            likeness = alike[step].max(axis=1)[unclear]
+            veerings.append(Veering(step, tuple(unclear.tolist()), tuple(likeness.tolist())))
+    return branches[:, :wanted], tuple(veerings)
+
+
+def _pair(alike: NDArray[np.float64], wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The partner of each mode at the next speed, and the wanted modes whose partner is not clear."""
+    from scipy.optimize import linear_sum_assignment
+
+    _, pair = linear_sum_assignment(-alike)
+    sure = alike[np.arange(len(pair)), pair] >= CLEAR
+    return pair.astype(np.int64), np.flatnonzero(~sure[:wanted])
 
 
 SHY = 1e-9
@@ -52,7 +114,7 @@ class Campbell:
         bounds: (k, count), on their relative error against the full model.
         damping_ratios: (k, count).
         branches: (k, count), which mode of the first speed each one continues.
-        shares: (k, 5, count), see `fem.modes.family`.
+        shares: (k, 5, count), see `fem.modes.real`.
         veerings: where this is ambiguous.
         diverged: the speeds asked for that lie at or beyond the critical one.
         sizes: vectors in each reduced basis used.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from fem.meshes.thickness import Nodal
 
+
 GRADING = 2
 """Power of the distance from an edge with which cells shrink."""
 

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.sweep.galerkin import LEAST, still, turning
+from fem.sweep.reduced_basis import LEAST, still, turning
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from fem.sweep.reduced_basis import ReducedBasis
 
     Array = NDArray[np.float64]
+
 
 ALONE = 1.5
 """The factor c of a mode that stands alone."""

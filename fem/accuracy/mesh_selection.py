@@ -12,21 +12,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.accuracy.budget import EXACT, FIRST, SURE
-from fem.accuracy.estimates import Estimates
-from fem.accuracy.tried import Tried
-from fem.meshes.ladder import begun_with
-from fem.theory.kind import Kind, kind
+from fem.accuracy.error_estimates import Estimates
+from fem.accuracy.tolerances import EXACT, FIRST, SURE
+from fem.accuracy.trial_meshes import Tried
+from fem.meshes.mesh_sequence import begun_with
+from fem.theory.registry import Kind, kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from fem.meshes.ladder import Planform
+    from fem.meshes.mesh_sequence import Planform
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+
 
 MARGIN = 1.25
 """Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""

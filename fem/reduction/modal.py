@@ -19,8 +19,8 @@ import numpy as np
 from fem.meshes import thickness
 from fem.modes.real import Divergence
 from fem.operators.assembly import point_rows, with_point_mass
-from fem.statics.linearised import linearise
-from fem.sweep.diagram import campbell
+from fem.statics.equilibrium import linearise
+from fem.sweep.campbell import campbell
 from fem.theory.forms import uniform_load
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
     from fem.operators.assembly import Operators
-    from fem.sweep.diagram import Campbell
-    from fem.sweep.grow import Swept
+    from fem.sweep.campbell import Campbell
+    from fem.sweep.greedy_basis import Swept
 
     Array = NDArray[np.float64]
 

@@ -1,4 +1,0 @@
-"""What is given: material, plate, root, rotor.
-
-May import meshes.
-"""
