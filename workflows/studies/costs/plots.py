@@ -23,8 +23,8 @@ _ROUNDING = 1e-12
 _UNSEEN = 1e-2
 """Changes below this part of the accuracy asked for are said to be none, so that the others can be told apart."""
 
-_LONGEST = 40
-"""Characters of a reason that fit beside an effect's name."""
+_LONGEST = 50
+"""Characters of a line of a reason beside an effect's name; the whole of a longer one is its title."""
 
 _SAID: dict[str, Any] = {
     "textcoords": "offset points",
@@ -81,7 +81,9 @@ def effects(found: Switches) -> str:
         )
         left.axvline(found.asked, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
         right.set(title="share of the run's time with it, %")
-        return plot.svg(figure, "effects", "What each effect changes and costs")
+        unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
+        whole = [plot.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
+        return plot.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
 def _least(found: Switches) -> float:
@@ -99,7 +101,7 @@ def _change(axes: Axes, place: int, row: Switched, colour: str, least: float) ->
         axes.plot([least, size], [place, place], color=colour, lw=1.2)
         axes.plot([size], [place], "o", color=colour, ms=4)
         return
-    text = textwrap.shorten(_unseen(row, least), _LONGEST, placeholder=" …")
+    text = textwrap.fill(_unseen(row, least), _LONGEST, max_lines=2, placeholder=" …")
     axes.annotate(text, (0.0, place), (4.0, 0.0), xycoords=("axes fraction", "data"), **_SAID)
 
 
