@@ -31,13 +31,15 @@ class Stages:
     def __enter__(self) -> Self:
         if self._visible:
             from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
             self._progress = Progress(
                 TextColumn("{task.description:<10}"),
-                BarColumn(bar_width=30),
+                BarColumn(bar_width=20),
                 TextColumn("{task.fields[detail]}"),
                 TimeElapsedColumn(),
+                TextColumn("{task.fields[left]}"),
+                TimeRemainingColumn(compact=True),  # says nothing where the work is not counted
                 console=Console(stderr=True),
                 transient=True,
             )
@@ -51,13 +53,16 @@ class Stages:
             self._progress.stop()
 
     @contextmanager
-    def __call__(self, name: str, steps: int | None = None) -> Iterator[Step]:
+    def __call__(self, name: str, steps: int | None = None, done: int = 0) -> Iterator[Step]:
         """Time a stage; times of the same name add up, and a stage within another counts for itself alone.
 
-        `steps` is how many times it will be advanced.
+        `steps` is how many times it will be advanced, with those `done` before: they tell the time that remains.
         """
         began = time.perf_counter()
-        task = self._progress.add_task(name, total=steps, detail="") if self._progress is not None else None
+        task = None
+        if self._progress is not None:
+            left = "" if steps is None else "remaining"
+            task = self._progress.add_task(name, total=steps, completed=done, detail="", left=left)
         self._inner.append(0.0)
         try:
             yield Step(self._progress, task)

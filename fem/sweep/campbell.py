@@ -160,11 +160,13 @@ def campbell(
     tolerance: float = 1e-6,
     damping_ratio: float = 0.0,
     states: tuple[tuple[float, Array], ...] = (),
+    progress: Callable[[int], None] | None = None,
 ) -> Campbell:
     """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
 
     damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
-    speeds, where the deflection is large and they are known. What was achieved is in `bounds`, for the caller to see:
+    speeds, where the deflection is large and they are known. progress: is told how many speeds are done, where each is
+    solved by itself. What was achieved is in `bounds`, for the caller to see:
     they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
 
     Raises:
@@ -181,7 +183,7 @@ def campbell(
     check_count(operators, count)
     check_damping(damping_ratio)
     if operators.effects.large_deflection or hardly_any(asked.size, count):
-        parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states))
+        parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states), progress)
     else:
         found = _below_critical(operators, asked, count, tolerance, damping_ratio)
         parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
@@ -239,7 +241,12 @@ def _mended(operators: Operators, part: Swept, count: int, damping_ratio: float)
 
 
 def _speed_by_speed(
-    operators: Operators, omega: Array, count: int, damping_ratio: float, states: dict[float, Array] | None = None
+    operators: Operators,
+    omega: Array,
+    count: int,
+    damping_ratio: float,
+    states: dict[float, Array] | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> list[Swept]:
     """Solve each speed (k,) in full until one diverges, its static state known or from those before."""
     parts: list[Swept] = []
@@ -256,6 +263,8 @@ def _speed_by_speed(
         if modes.state is not None:
             path = [*path[-1:], (speed**2, modes.state)]
         parts.append(_alone(operators, speed, modes, count))
+        if progress is not None:
+            progress(len(parts))
     return parts
 
 

@@ -11,7 +11,7 @@ from workflows.effects.effect import Effect
 from workflows.effects.left_out import LeftOut
 from workflows.effects.table import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
-from workflows.progress import Stages
+from workflows.progress import Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 from workflows.scene.source import SceneFile
@@ -94,8 +94,8 @@ def points_on(
         BadInput, NoAnswer: see :func:`solve`.
     """
     with answering(source):
-        with stages("modes"):
-            diagram = sweep(source, discrete)
+        with stages("modes", counted(source.scene, discrete.choice.operators)) as step:
+            diagram = sweep(source, discrete, step)
         with stages("reduction"):
             reduced, at_cavity = at_the_cavity.felt(source, decided.effects, discrete.choice.operators, diagram)
     known = {float(omega): number for number, omega in enumerate(diagram.omega)}
@@ -155,9 +155,13 @@ def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
     return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
-def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
+def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
     from fem import campbell
+
+    def progress(number: int) -> None:
+        if step is not None:
+            step.advance(f"{number} of {speeds.size} speeds")
 
     self_check.plates()
     scene, operators = source.scene, discrete.choice.operators
@@ -165,7 +169,20 @@ def sweep(source: SceneFile, discrete: Discrete) -> fem.Campbell:
     if not one_by_one(scene, operators):
         speeds = np.union1d(speeds, steps(speeds.min(), speeds.max(), discrete.choice.rates))
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return campbell(operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states)
+    return campbell(
+        operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states, progress=progress
+    )
+
+
+def counted(scene: Scene, operators: fem.Operators) -> int | None:
+    """How many speeds the sweep solves, each by itself; None where one reduced basis answers all of them."""
+    from fem.sweep.diagram import hardly_any
+
+    speeds = len(set(scene.rotor.speeds))
+    alone = operators.effects.large_deflection or (
+        one_by_one(scene, operators) and hardly_any(speeds, scene.rotor.modes)
+    )
+    return speeds if alone else None
 
 
 def one_by_one(scene: Scene, operators: fem.Operators) -> bool:

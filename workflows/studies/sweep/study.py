@@ -181,9 +181,7 @@ def fill(study: Study, place: Folder, hired: AbstractContextManager[Crew], stage
     """Compute the shards that are missing."""
     there = place.done(study.ranges)
     left = [number for number in range(len(study.ranges)) if number not in there]
-    with stages("sweep", len(study.ranges)) as step:
-        for _ in there:
-            step.advance()
+    with stages("sweep", len(study.ranges), done=len(there)) as step:
         if not left:
             return
         with hired as workers:
