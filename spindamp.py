@@ -28,9 +28,8 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError, lawful
-from workflows.scene.file import DEFAULT, SceneLike, load, opened, parse, shipped
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
 from workflows.scene.scene import Scene
-from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -38,12 +37,12 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from workflows.solve.records import Results
-    from workflows.studies.costs.ladder import Costs
-    from workflows.studies.costs.switching import Switches
-    from workflows.studies.design.designed import Designed
+    from workflows.solve.results import Results
+    from workflows.studies.design.report import Designed
     from workflows.studies.reproduction import Reproduction
-    from workflows.studies.response.records import Response
+    from workflows.studies.response.results import Response
+    from workflows.studies.work_precision.effects import Switches
+    from workflows.studies.work_precision.timing import Costs
 
 __all__ = [
     "BadInput",
@@ -92,17 +91,17 @@ def run(scene: SceneLike = DEFAULT) -> Results:
 @lawful()
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
-    from workflows import parts, running
+    from workflows import pipeline, running
 
-    return running.run(parts.plate_only(opened(scene)))
+    return running.run(pipeline.plate_only(opened(scene)))
 
 
 @lawful()
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
-    from workflows import parts, running
+    from workflows import pipeline, running
 
-    return running.run(parts.at_one_speed(opened(scene), rpm))
+    return running.run(pipeline.at_one_speed(opened(scene), rpm))
 
 
 @lawful()
@@ -127,7 +126,7 @@ def reproduce() -> Reproduction:
 @lawful()
 def accuracy(scene: SceneLike = DEFAULT) -> Costs:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
-    from workflows.studies.costs.study import study
+    from workflows.studies.work_precision.study import study
 
     return study(opened(scene))
 
@@ -135,7 +134,7 @@ def accuracy(scene: SceneLike = DEFAULT) -> Costs:
 @lawful()
 def effects(scene: SceneLike = DEFAULT) -> Switches:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
-    from workflows.studies.costs.switching import switching
+    from workflows.studies.work_precision.effects import switching
 
     return switching(opened(scene))
 
@@ -221,10 +220,10 @@ def dataset(results: Results) -> xarray.Dataset:
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from workflows.studies.response.records import Response
+    from workflows.studies.response.results import Response
 
     if isinstance(results, Response):
-        from workflows.studies.response import page as of_response
+        from workflows.studies.response import report as of_response
 
         return of_response.write(results, folder)
     from workflows.report import page

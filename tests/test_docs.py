@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from workflows.cli.entry import main
-from workflows.looking import screen
+from workflows.looking import window
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -32,7 +32,7 @@ def test_an_example_runs(path, tmp_path, monkeypatch):
 def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     text = (DOCS / "tour.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(screen, "there_is", lambda: False)
+    monkeypatch.setattr(window, "there_is", lambda: False)
     (scene,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")
@@ -77,9 +77,9 @@ ANSWERS = {
     "Where is friction at the wall?": [("damper/impacts.py", "friction"), ("damper/impacts.py", "friction")],
     "Where does a frequency get its error?": [
         ("fem/accuracy/error_estimates.py", "class Estimates"),
-        ("workflows/solve/plate_records.py", "ErrorParts("),
+        ("workflows/solve/results.py", "ErrorParts("),
     ],
-    "Where does a sentence of the report come from?": [("workflows/findings/answer.py", 'f"At its best')],
+    "Where does a sentence of the report come from?": [("workflows/findings/verdict.py", 'f"At its best')],
     "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
     "What do I write for a new effect?": [
         ("workflows/scene/rotor.py", "class Effects"),
@@ -88,7 +88,7 @@ ANSWERS = {
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
     "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
-        ("workflows/solve/damper_records.py", 'Quantity("J", "lost to rolling'),
+        ("workflows/solve/results.py", 'Quantity("J", "lost to rolling'),
     ],
     "Who decides the mesh, and how exact each part has to be?": [
         ("fem/accuracy/mesh_selection.py", "def choose_mesh"),

@@ -9,7 +9,7 @@ ROOMS = {
 }
 """From the top down: a room may import those after it."""
 
-GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "versions", "wording", "progress")}
+GROUND = {"fem": ("linalg",), "workflows": ("output", "errors", "versions", "formatting", "progress")}
 """What imports no room, and any room may import."""
 
 ATTIC = {"fem": ("output",), "workflows": ("pipeline", "running", "parts", "looking")}

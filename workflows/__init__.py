@@ -18,32 +18,31 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
     from workflows.report.page import load_results, save, save_report
-    from workflows.results.document import document
     from workflows.results.files import dataset
+    from workflows.results.serialise import document
     from workflows.running import run
-    from workflows.scene.file import load, parse, shipped
+    from workflows.scene.load import SceneFile, load, parse, shipped
     from workflows.scene.scene import Scene
-    from workflows.scene.source import SceneFile
-    from workflows.solve.records import Results
+    from workflows.solve.results import Results
 
 _HOMES = {
     "BadInput": "workflows.errors",
     "ImpossibleResult": "workflows.errors",
     "NoAnswer": "workflows.errors",
     "NotAvailable": "workflows.errors",
-    "Results": "workflows.solve.records",
+    "Results": "workflows.solve.results",
     "Scene": "workflows.scene.scene",
-    "SceneFile": "workflows.scene.source",
+    "SceneFile": "workflows.scene.load",
     "SpindampError": "workflows.errors",
     "dataset": "workflows.results.files",
-    "document": "workflows.results.document",
-    "load": "workflows.scene.file",
+    "document": "workflows.results.serialise",
+    "load": "workflows.scene.load",
     "load_results": "workflows.report.page",
-    "parse": "workflows.scene.file",
+    "parse": "workflows.scene.load",
     "run": "workflows.running",
     "save": "workflows.report.page",
     "save_report": "workflows.report.page",
-    "shipped": "workflows.scene.file",
+    "shipped": "workflows.scene.load",
 }
 
 __all__ = [

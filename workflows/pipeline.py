@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
-from workflows.effects.effect import Effect
-from workflows.errors import read_from
-from workflows.findings.of_the_damper import remarks
+from workflows.effects.definition import Effect
+from workflows.errors import BadInput, read_from
+from workflows.findings.remarks import remarks
+from workflows.formatting import whole
 from workflows.progress import Stages
-from workflows.scene.file import DEFAULT, SceneLike, opened
-from workflows.scene.source import SceneFile
-from workflows.solve import damper_stage as ringdowns
-from workflows.solve import felt, records, resources
-from workflows.solve import plate_stage as plate
-from workflows.solve.decided import Decided, decide
-from workflows.solve.plate_stage import PlateAnswer
-from workflows.solve.records import Results, SpeedPoint
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.rotor import FASTEST, typed
+from workflows.solve import coupling, resources
+from workflows.solve import damper as ringdowns
+from workflows.solve import results as records
+from workflows.solve import structure as plate
+from workflows.solve.model_choice import Decided, decide
+from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.structure import PlateAnswer
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,14 +42,14 @@ def structure(
 ) -> Solved:
     """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
 
-    `decided`: what :func:`workflows.solve.decided.decide` says of the source, where that is known.
+    `decided`: what :func:`workflows.solve.model_choice.decide` says of the source, where that is known.
 
     Raises:
-        BadInput, NoAnswer: see :func:`workflows.solve.plate_stage.solve`.
+        BadInput, NoAnswer: see :func:`workflows.solve.structure.solve`.
     """
     found = decided or decide(source, stages)
     if found.form is None:
-        points = tuple(felt.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
+        points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
         return Solved(source, found.effects, points, None)
     answer = plate.solve(source, found, stages, shapes=shapes, size=size)
     return Solved(source, found.effects, answer.points, answer, found.mesh_sha256)
@@ -94,3 +97,34 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
     resources.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)
+
+
+def plate_only(source: SceneFile) -> SceneFile:
+    """The scene without its damper.
+
+    Raises:
+        BadInput: it has no plate.
+    """
+    if source.scene.plate is None:
+        raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
+    return source.plate_alone()
+
+
+def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
+    """The scene at one speed [rev/min]; by default its middle one.
+
+    Raises:
+        BadInput: it has no damper, or nothing spins so fast.
+    """
+    if source.scene.damper is None:
+        raise BadInput("the table is missing: ringdown needs a damper", file=source.name, key="[damper]")
+    speeds = sorted(source.scene.rotor.speeds)
+    omega = speeds[(len(speeds) - 1) // 2]
+    if rpm is not None:
+        if isinstance(rpm, bool) or not isinstance(rpm, int | float):
+            raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
+        omega = rpm * math.pi / 30
+        if not 0 <= omega <= FASTEST:
+            most = FASTEST * 30 / math.pi
+            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=typed(rpm))
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

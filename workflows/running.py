@@ -6,7 +6,7 @@ from workflows import pipeline
 from workflows.errors import lawful
 from workflows.progress import Stages
 from workflows.report.text import Shown, shown
-from workflows.scene.file import DEFAULT, SceneLike
+from workflows.scene.load import DEFAULT, SceneLike
 
 
 @lawful()

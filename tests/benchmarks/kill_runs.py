@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tests.limits import HANG
-from workflows.output.store import MANIFEST
-from workflows.scene.file import SHIPPED
+from workflows.output.folder import MANIFEST
+from workflows.scene.load import SHIPPED
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from fem import Divergence, Effects, Material, NoEquilibrium, Plate, Rectangle, Rotor, assemble, solve_modes
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.scene.scene import Scene
 
 COUNT = 6

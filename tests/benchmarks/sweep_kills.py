@@ -27,7 +27,7 @@ from typing import Any
 import psutil
 
 from tests.limits import HANG
-from workflows.studies.sweep.folder import LOCK
+from workflows.studies.sweep.store import LOCK
 
 ROOT = Path(__file__).parents[2]
 

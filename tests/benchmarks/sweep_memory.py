@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from workflows.progress import Stages
-from workflows.studies.sweep import crew, folder, quantities, study
-from workflows.studies.sweep.blocks import Block
+from workflows.studies.sweep import evaluate, executor, store, study
+from workflows.studies.sweep.evaluate import Block
 
 
 def main(sizes: list[int]) -> None:
@@ -45,16 +45,16 @@ def one(points: int) -> None:
     draw = np.random.default_rng(1)
     with tempfile.TemporaryDirectory() as place:
         out = Path(place) / "out"
-        with folder.opened(out, asked.key, asked.identity) as opened:
+        with store.opened(out, asked.key, asked.identity) as opened:
             for number, (begin, end) in enumerate(asked.ranges):
-                rows = quantities.empty(end - begin)
-                for name in quantities.NUMBERS:
+                rows = evaluate.empty(end - begin)
+                for name in evaluate.NUMBERS:
                     rows[name] = draw.random(end - begin)
                 opened.write(number, Block(begin, rows, ()))
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         began = time.perf_counter()
         with ThreadPoolExecutor(1) as idle:
-            study.complete(asked, out, crew.given(idle), Stages(visible=False))
+            study.complete(asked, out, executor.given(idle), Stages(visible=False))
         seconds = time.perf_counter() - began
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     said = f"{before / 1e3:.0f} MB before, peak {peak / 1e3:.0f} MB, {seconds:.1f} s"

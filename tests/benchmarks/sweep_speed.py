@@ -20,8 +20,8 @@ import psutil
 
 import damper.motion
 from workflows.progress import Stages
-from workflows.studies.sweep import blocks, crew, plans, study
-from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep import evaluate, executor, plan, study
+from workflows.studies.sweep.evaluate import Plates
 
 
 def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
@@ -32,14 +32,14 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
         "rotor.speeds": f"3500 rpm:17500 rpm:{speeds}",
     }
     asked = study.asked("paper", vary, quick=True)
-    points = plans.size(asked.plan)
+    points = plan.size(asked.plan)
     each = events_of_a_point(asked)
     print(f"{points} points in {len(asked.ranges)} shards, {each:.0f} events each")
     seconds = []
     for workers in (1, 2):
         with tempfile.TemporaryDirectory() as place:
             began, before = time.perf_counter(), spent()
-            study.complete(asked, Path(place) / "out", crew.local(workers), Stages(visible=False))
+            study.complete(asked, Path(place) / "out", executor.local(workers), Stages(visible=False))
             seconds.append(time.perf_counter() - began)
             cpu = spent() - before
         rate = points / seconds[-1]
@@ -65,7 +65,7 @@ def events_of_a_point(asked: study.Study) -> float:
     with mock.patch("damper.working.prepare", watched), mock.patch("damper.batch.prepare", watched):
         for number in (0, len(asked.ranges) - 1):
             begin, end = asked.ranges[number]
-            blocks.block(asked.source, asked.plan, begin, end, Plates(), quick=asked.quick)
+            evaluate.block(asked.source, asked.plan, begin, end, Plates(), quick=asked.quick)
             count += end - begin
     return sum(int(clocks["events"].sum()) for clocks in seen) / count
 

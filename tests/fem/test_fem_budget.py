@@ -30,7 +30,7 @@ def test_no_cause_alone_takes_all(asked):
 
 
 def test_a_scene_s_budget_is_what_it_asks_for():
-    from workflows.scene.file import load
+    from workflows.scene.load import load
 
     scene = load("paper").scene
     assert scene.budget == Budget(scene.accuracy.frequency, scene.accuracy.damping)

@@ -10,10 +10,10 @@ import numpy as np
 
 from damper import Batch, Outcome, ParticleDamper, ringdown, ringdowns, sample
 from tests.soak.dice import Dice, power, sometimes
-from workflows.effects.rules import resolve
-from workflows.scene.file import parse
-from workflows.solve.damper_stage import particle_damper
-from workflows.solve.felt import known_structure, released_at
+from workflows.effects.selection import resolve
+from workflows.scene.load import parse
+from workflows.solve.coupling import known_structure, released_at
+from workflows.solve.damper import particle_damper
 
 Scene = dict[str, Any]
 

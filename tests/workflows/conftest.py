@@ -17,10 +17,10 @@ from filelock import FileLock
 
 from workflows.cli.entry import main
 from workflows.report import figures, mode_viewer
-from workflows.scene.file import SHIPPED
-from workflows.solve import damper_stage
-from workflows.studies.sweep import crew
-from workflows.studies.sweep.placed import QUICK
+from workflows.scene.load import SHIPPED
+from workflows.solve import damper
+from workflows.studies.sweep import executor as crew
+from workflows.studies.sweep.evaluate import QUICK
 
 Scene = dict[str, Any]
 
@@ -87,13 +87,13 @@ def measured_quickly(system: Any) -> Any:
     """The damper's own figures as `sweep --quick` has them, to about a percent."""
     from damper import working
 
-    return working(damper_stage.leading(system), **QUICK)
+    return working(damper.leading(system), **QUICK)
 
 
 @pytest.fixture
 def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Quick figures of the damper, where words are looked at, or what is not of the damper."""
-    monkeypatch.setattr(damper_stage, "figures", measured_quickly)
+    monkeypatch.setattr(damper, "figures", measured_quickly)
 
 
 @pytest.fixture

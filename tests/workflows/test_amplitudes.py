@@ -9,9 +9,8 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN
-from workflows.findings.amplitudes import known_within
-from workflows.findings.answer import answer
-from workflows.solve.records import Results
+from workflows.findings.verdict import answer, known_within
+from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

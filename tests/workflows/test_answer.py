@@ -15,10 +15,10 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed
-from workflows.findings import possible, worth
-from workflows.findings.answer import answer
+from workflows.findings import limits
+from workflows.findings.verdict import answer
 from workflows.report import text as summary
-from workflows.solve.records import Results, SpeedPoint
+from workflows.solve.results import Results, SpeedPoint
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
@@ -102,7 +102,7 @@ def test_a_step_between_two_loads_is_named() -> None:
     found = results(speeds='"3500 rpm", "17500 rpm"')
     low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
     assert answer(found).verdict == f"Modestly up to {low}, hardly from {high} on"
-    assert [worth.grade(found, p).name for p in found.speeds] == ["MODESTLY", "HARDLY"]
+    assert [limits.grade(found, p).name for p in found.speeds] == ["MODESTLY", "HARDLY"]
 
 
 def test_a_slow_speed_is_not_called_a_standstill(paper: Scene) -> None:
@@ -295,9 +295,9 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     plate = paper.scene.plate.model_copy(update={"length": 0.5, "width": 0.01, "thickness": 0.001})
     ruler = paper.changed(plate=plate, damper=paper.scene.damper.model_copy(update={"at": None}))
     found = SimpleNamespace(scene=ruler.scene, surface=None)
-    assert worth.ENDURED / worth.root_strain(found, 1.0) > 0.5
-    assert worth.endured(found) == pytest.approx(0.125)
-    assert worth.beyond(found).startswith("bend the plate by over 25 % of its length")
+    assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
+    assert limits.endured(found) == pytest.approx(0.125)
+    assert limits.beyond(found).startswith("bend the plate by over 25 % of its length")
 
 
 def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
@@ -307,10 +307,10 @@ def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
     flat |= {"rolling_friction": "0.0001 mm", "cavity": ["2.5 mm", "2.5 mm"]}
     whole = workflows.run(HOLLOW | {"damper": flat})
     (first,) = whole.speeds
-    found = worth.Best(first.working.peak, first.working.peak_amplitude, limited=False)
+    found = limits.Best(first.working.peak, first.working.peak_amplitude, limited=False)
     release = {"displacement": [found.amplitude, 0.0], "cycles": 3}
     again = workflows.run(HOLLOW | {"damper": flat, "release": release}).speeds[0]
-    assert worth.grip(whole, first, found.amplitude) == pytest.approx(again.damping.largest_rolling_demand, rel=0.02)
+    assert limits.grip(whole, first, found.amplitude) == pytest.approx(again.damping.largest_rolling_demand, rel=0.02)
 
 
 def test_nothing_presses_a_ball_at_rest() -> None:
@@ -353,7 +353,7 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert verdict.startswith("Modestly up to 3500 rpm (2687 g), not from 37000 rpm (300255 g) on; no verdict from ")
     assert "no verdict from 38000 rpm on: there the centrifugal pull at the root, 2490 MPa on average" in verdict
     assert "38000" not in " ".join(answer(found).sentences)
-    assert [possible.torn(found, point) for point in found.speeds] == [False, False, True]
+    assert [limits.torn(found, point) for point in found.speeds] == [False, False, True]
     torn = workflows.run(changed(scene, rotor__speeds=["38000 rpm"]))
     assert answer(torn).verdict.startswith("No verdict from 38000 rpm on")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
@@ -368,7 +368,7 @@ def test_the_pull_is_that_of_a_mesh_as_well(paper: Scene, mesh: str) -> None:
     scene = {"plate": plate, "material": paper["material"], "rotor": {"speeds": ["17500 rpm"], "modes": 1}}
     found = workflows.run(scene)
     expected = 7850 * (17500 * math.pi / 30) ** 2 * 0.2**2 / 2
-    assert possible.pull(found, found.speeds[0].omega) == pytest.approx(expected, rel=1e-9)
+    assert limits.pull(found, found.speeds[0].omega) == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_best_says_that_it_is_of_speeds_that_turn() -> None:
@@ -380,11 +380,11 @@ def test_the_best_says_that_it_is_of_speeds_that_turn() -> None:
 def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> None:
     """From 7500 rpm on the paper's ball is best at more than the 9.1 mm that the root endures."""
     found = workflows.load_results(finished)
-    assert [worth.is_beyond(found, point) for point in found.speeds] == [False, False, True, True, True, True, True]
+    assert [limits.is_beyond(found, point) for point in found.speeds] == [False, False, True, True, True, True, True]
     printed = summary.text(found, None)
-    marked = [line for line in printed.splitlines() if worth.MARK in line]
+    marked = [line for line in printed.splitlines() if limits.MARK in line]
     assert len(marked) == 6
-    assert worth.MARKED in " ".join(printed.split())
+    assert limits.MARKED in " ".join(printed.split())
     page = (finished / "report.html").read_text(encoding="utf-8")
-    assert page.count(f"{worth.MARK}</td>") == 5
-    assert worth.MARKED in page
+    assert page.count(f"{limits.MARK}</td>") == 5
+    assert limits.MARKED in page

@@ -12,17 +12,17 @@ import pytest
 from fem.meshes.planform import MeshError, check_mesh
 from tests.workflows.conftest import Scene, changed
 from workflows.errors import BadInput
-from workflows.findings import of_the_plate
-from workflows.scene import units
-from workflows.scene.file import parse
+from workflows.findings import remarks
+from workflows.scene import quantities
+from workflows.scene.load import parse
 
 
 def test_hertz_are_no_speed() -> None:
     """60 turns a second are 3600 rpm."""
     for text, rpm in (("60 Hz", "3600"), ("0.06 kHz", "3600")):
-        with pytest.raises(units.UnitError, match=f"a frequency.*turns a second.*'{rpm} rpm'"):
-            units.to_si(text, units.ROTATION)
-    assert units.to_si("60 Hz", units.FREQUENCY) == 60
+        with pytest.raises(quantities.UnitError, match=f"a frequency.*turns a second.*'{rpm} rpm'"):
+            quantities.to_si(text, quantities.ROTATION)
+    assert quantities.to_si("60 Hz", quantities.FREQUENCY) == 60
 
 
 def test_every_error_is_named(structure: Scene) -> None:
@@ -72,14 +72,14 @@ def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width:
     points = 1e-3 * np.array([[0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]])
     plate = SimpleNamespace(mesh="m.msh")
     found: Any = SimpleNamespace(scene=SimpleNamespace(plate=plate), surface=SimpleNamespace(points=points))
-    note = of_the_plate.wide(found)
+    note = remarks.wide(found)
     assert (note is not None) is said
     if note is not None:
         assert f"{width:g} mm wide" in note
         assert f"{length:g} mm long" in note
         assert "long edge" in note
     plate.mesh = None
-    assert of_the_plate.wide(found) is None
+    assert remarks.wide(found) is None
 
 
 @pytest.mark.parametrize(("change", "said"), [(-1.1e-7, False), (2e-6, True)])
@@ -87,4 +87,4 @@ def test_a_stiffness_that_rounding_changes_is_no_remark(change: float, said: boo
     reduced = SimpleNamespace(K1=1 + change, K2=1.0)
     scene = SimpleNamespace(plate=object(), accuracy=SimpleNamespace(frequency=1e-3))
     found: Any = SimpleNamespace(scene=scene, speeds=[SimpleNamespace(reduced=reduced)])
-    assert (of_the_plate.stiffness_with_ball(found) is not None) is said
+    assert (remarks.stiffness_with_ball(found) is not None) is said

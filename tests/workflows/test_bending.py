@@ -11,10 +11,10 @@ from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.neglected_effects import bent
 from tests.workflows.conftest import Scene, changed
 from workflows.effects import large_deflection as bending
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.scene import plate_mesh
-from workflows.scene.file import SceneFile, load, parse
-from workflows.solve import theorising
+from workflows.scene.load import SceneFile, load, parse
+from workflows.solve import model_choice
 
 ELL = """
 [plate]
@@ -51,7 +51,7 @@ def test_an_unsymmetric_planform_calls_for_it_at_stagger_0(tmp_path: Path, rpm: 
     found = effects.of(source)["large_deflection"]
     assert found.on is on
     assert "rad" in found.why
-    theory = theorising.theory(source.scene, plate_mesh.planform(source), found.on)
+    theory = model_choice.chosen_theory(source.scene, plate_mesh.planform(source), found.on)
     assert theory is not None
     assert theory.name == "mindlin"
 
@@ -65,7 +65,7 @@ def test_a_staggered_plate_that_hardly_bends_does_not(paper: Scene) -> None:
 def test_with_it_thin_plates_are_mindlins(paper: Scene) -> None:
     alone = {"damper": None, "release": None, "rotor__speeds": ["100 rpm"]}
     thin = parse(changed(paper, plate__theory="auto", plate__thickness="0.1 mm", **alone))
-    assert [theorising.theory(thin, None, on).name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
+    assert [model_choice.chosen_theory(thin, None, on).name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])

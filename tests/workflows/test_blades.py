@@ -12,12 +12,12 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.errors import BadInput
-from workflows.results import resolved
-from workflows.scene import plate_mesh, thicknesses
-from workflows.scene.file import SceneFile, load, parse
-from workflows.solve import theorising
+from workflows.results import provenance
+from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile, load, parse
+from workflows.solve import model_choice
 
 TAPER: Scene = {
     "title": "taper",
@@ -81,7 +81,7 @@ def test_a_resolved_scene_is_the_same_scene() -> None:
     for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL)):
         scene = parse(given)
         decided = effects.resolve(scene)
-        again = parse(tomllib.loads(resolved.as_toml(scene, decided, theorising.theory(scene))))
+        again = parse(tomllib.loads(provenance.as_toml(scene, decided, model_choice.chosen_theory(scene))))
         assert again.plate is not None
         assert scene.plate is not None
         assert again.plate.thickness == scene.plate.thickness
@@ -89,8 +89,8 @@ def test_a_resolved_scene_is_the_same_scene() -> None:
 
 def test_check_says_the_thickness(tmp_path: Path) -> None:
     source = SceneFile(parse(changed(TAPER, damper=BALL, release={"ratio": 0.3})), "scene", tmp_path)
-    assert "# Thickness: 2 mm to 4 mm, 2 mm at the damper" in resolved.heading(source)
-    found = resolved.document(source, effects.resolve(source.scene), None)
+    assert "# Thickness: 2 mm to 4 mm, 2 mm at the damper" in provenance.heading(source)
+    found = provenance.document(source, effects.resolve(source.scene), None)
     assert found["thickness"] == pytest.approx({"least": 2e-3, "greatest": 4e-3, "damper": 2e-3})
     json.dumps(found, allow_nan=False)
 
@@ -99,7 +99,7 @@ def test_the_theory_goes_by_the_greatest_thickness() -> None:
     """Thin at the tip, stout at the root."""
     thin = {"x": [0, 0.2], "values": ["0.1 mm", "0.05 mm"]}
     stout = {"x": [0, 0.2], "values": ["30 mm", "0.1 mm"]}
-    found = [theorising.theory(parse(changed(TAPER, plate__thickness=t))) for t in (thin, stout)]
+    found = [model_choice.chosen_theory(parse(changed(TAPER, plate__thickness=t))) for t in (thin, stout)]
     assert [theory.name for theory in found if theory] == ["kirchhoff", "solid"]
 
 
@@ -107,8 +107,8 @@ def test_the_pull_at_the_root(tmp_path: Path) -> None:
     """rho Omega² of the moment of what hangs there over the section: b (h0 L²/2 - s L³/3) and b h0."""
     plate = parse(TAPER).plate
     assert plate is not None
-    assert thicknesses.volume(plate) == pytest.approx((0.08 * 0.2 * 3e-3, 0.08 * (4e-3 * 0.02 - 0.01 * 0.008 / 3)))
-    assert thicknesses.section(plate) == pytest.approx(0.08 * 4e-3)
+    assert plate_mesh.volume(plate) == pytest.approx((0.08 * 0.2 * 3e-3, 0.08 * (4e-3 * 0.02 - 0.01 * 0.008 / 3)))
+    assert plate_mesh.section(plate) == pytest.approx(0.08 * 4e-3)
 
 
 def test_the_cavity_fits_where_it_is(tmp_path: Path) -> None:
@@ -197,7 +197,7 @@ def test_loading_a_file(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     plate = load(tmp_path / "s.toml").scene.plate
     assert plate is not None
-    assert thicknesses.at(plate, (0.1, 0.0)) == pytest.approx(3e-3)
+    assert plate_mesh.plate_thickness(plate, (0.1, 0.0)) == pytest.approx(3e-3)
 
 
 ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
@@ -219,7 +219,7 @@ def test_a_root_on_springs() -> None:
 
 def test_a_resolved_root_is_the_same_root() -> None:
     scene = parse(changed(TAPER, plate__root=ROOT))
-    again = parse(tomllib.loads(resolved.as_toml(scene, effects.resolve(scene), theorising.theory(scene))))
+    again = parse(tomllib.loads(provenance.as_toml(scene, effects.resolve(scene), model_choice.chosen_theory(scene))))
     assert again.plate is not None
     assert again.plate.root is not None
     assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)
@@ -265,7 +265,7 @@ def test_a_cone_is_solved_as_fem_has_it() -> None:
 
 def test_check_says_the_radii_of_a_cone(tmp_path: Path) -> None:
     rotor = {"speeds": ["3000 rpm"], "precone": "60 deg", "hub_radius": "5 cm"}
-    heading = resolved.heading(SceneFile(parse(changed(TAPER, rotor=rotor)), "scene", tmp_path))
+    heading = provenance.heading(SceneFile(parse(changed(TAPER, rotor=rotor)), "scene", tmp_path))
     assert "# Radii from the axis: 50 mm at the clamped root, 150 mm at the tip (x = 200 mm, y = 0 mm)" in heading
 
 

@@ -186,7 +186,7 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("a bug\nof ours")
 
-    monkeypatch.setattr("workflows.scene.file.load", broken)
+    monkeypatch.setattr("workflows.scene.load.load", broken)
     outcome = spindamp("run")
     assert outcome.status == 1
     assert len(outcome.err.splitlines()) == 1

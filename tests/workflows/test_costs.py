@@ -15,19 +15,21 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown, working
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.effects.table import EFFECTS, NAMES, OF_THE_PLATE
+from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.progress import Stages
-from workflows.scene import file as scene_file
+from workflows.scene import load as scene_file
 from workflows.scene.rotor import Accuracy
-from workflows.solve import damper_stage
-from workflows.solve.records import Damping, Energy, Mode, SpeedPoint
-from workflows.studies.costs import dampers, page, pipelines, plates, plots, speeds, timing
-from workflows.studies.costs.by_ivp import by_ivp
-from workflows.studies.costs.changes import changes
-from workflows.studies.costs.ladder import Costs, Ladder, Rung, measure
-from workflows.studies.costs.study import study
-from workflows.studies.costs.switching import Switched, Switches, switching
-from workflows.studies.sweep.placed import QUICK
+from workflows.solve import damper as damper_stage
+from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
+from workflows.studies.sweep.evaluate import QUICK
+from workflows.studies.work_precision import report, timing
+from workflows.studies.work_precision import study as dampers
+from workflows.studies.work_precision import study as pipelines
+from workflows.studies.work_precision import study as plates
+from workflows.studies.work_precision import study as speeds
+from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
+from workflows.studies.work_precision.study import by_ivp, study
+from workflows.studies.work_precision.timing import Costs, Ladder, Rung, measure
 
 RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
@@ -110,7 +112,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     plate = source.scene.plate
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
-    few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.METHODS)
+    few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.PLATE_METHODS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plates, "METHODS", few)
         patch.setattr(plates, "FINEST", {"kirchhoff": 6, "mindlin": 8, "solid": 6})
@@ -132,7 +134,9 @@ def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) 
     source = scene_file.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
-        (ladder,), chosen = pipelines.ladders(source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step)
+        (ladder,), chosen = pipelines.pipeline_ladders(
+            source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step
+        )
     coarse, same = ladder.rows
     assert coarse.error is not None
     assert 0.0 < coarse.error < 0.5
@@ -197,7 +201,7 @@ def test_the_structures_own_damping_hides_nothing() -> None:
         patch.setattr(timing, "TOO_LONG", 0.0)
         patch.setattr(dampers, "METHODS", {})
         patch.setattr(dampers, "STEPS", (40,))
-        ladder, _ = dampers.ladder(damper, RELEASE, shown, step)
+        ladder, _ = dampers.damper_ladder(damper, RELEASE, shown, step)
     assert ladder is not None
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -252,7 +256,7 @@ def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -
 
 
 def spoken(*ladders: Ladder) -> list[str]:
-    return page.verdict(Costs("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
+    return report.verdict(Costs("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
 
 
 def test_the_verdict_knows_theories() -> None:
@@ -293,13 +297,13 @@ def test_the_verdict_says_when_nothing_will_do() -> None:
 def test_what_is_not_drawn_is_listed() -> None:
     late = [Rung("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
     ladder = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Rung("mindlin", "file", failed="no")))
-    assert page.not_drawn(ladder) == ["solid: 8 × 4 (too slow), 10 × 4 (too slow)", "mindlin: file (no)"]
+    assert report.not_drawn(ladder) == ["solid: 8 × 4 (too slow), 10 × 4 (too slow)", "mindlin: file (no)"]
 
 
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(plates, "METHODS", (replace(plates.METHODS[0], finest=1),))
+    monkeypatch.setattr(plates, "METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
     monkeypatch.setattr(speeds, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
     monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
@@ -401,7 +405,7 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> timing.Compared[An
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times and damping ratios that nobody reads: each effect is switched once, the damper measured to a percent."""
-    monkeypatch.setattr("workflows.studies.costs.switching.compared", untimed)
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
     monkeypatch.setattr(damper_stage, "figures", lambda system: working(damper_stage.leading(system), **QUICK))
 
 
@@ -526,15 +530,15 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
     row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise
-    assert ("within noise" in page.effects_text(Switches("", 1e-3, (row,)))) is noise
-    assert ("within noise" in plots.effects(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in report.effects_text(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in report.effects(Switches("", 1e-3, (row,)))) is noise
 
 
 def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
-    assert "impacts, 500000 %" in plots.effects(Switches("", 1e-3, (row,)))
-    monkeypatch.setattr(plots.plot, "svg", lambda figure, *_: figure)
-    figure: Any = plots.effects(Switches("", 1e-3, (row,)))
+    assert "impacts, 500000 %" in report.effects(Switches("", 1e-3, (row,)))
+    monkeypatch.setattr(report.plot, "svg", lambda figure, *_: figure)
+    figure: Any = report.effects(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
 
 
@@ -556,7 +560,7 @@ def test_from_nothing_to_something_is_no_number() -> None:
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
-    monkeypatch.setattr("workflows.studies.costs.switching.compared", untimed)
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
     rows = {row.effect: row for row in switching(scene_file.load("structure"), QUIET).rows}
     on, off = rows["impact_friction"], rows["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
@@ -566,7 +570,7 @@ def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
     remark = "cutoff_g is there only with it, at 10000 rpm"
     row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
-    assert remark in plots.effects(Switches("", 1e-3, (row,)))
+    assert remark in report.effects(Switches("", 1e-3, (row,)))
 
 
 @pytest.mark.usefixtures("hasty")
@@ -575,7 +579,7 @@ def test_effects_study_is_deterministic_but_for_times(monkeypatch: pytest.Monkey
     source = scene_file.load("structure")
     once = switching(source, QUIET).rows
     monkeypatch.setattr(timing, "PAIRS", 1)
-    monkeypatch.setattr("workflows.studies.costs.switching.compared", timing.compared)
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", timing.compared)
     timed = switching(source, QUIET).rows
     assert [row.changes for row in once] == [row.changes for row in timed]
     assert all(row.time_s != 0 for row in timed if row.failed is None)

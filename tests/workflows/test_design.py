@@ -15,23 +15,12 @@ from damper import Working, work_bound, working
 from tests.workflows.browser import findings_if_any
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
-from workflows.scene.file import SHIPPED, load, opened, parse
-from workflows.studies.design import (
-    amplitude,
-    asked,
-    balance,
-    crossed,
-    damping,
-    objective,
-    page,
-    search,
-    study,
-    verdict,
-)
-from workflows.studies.design.scored import Found, Scored
+from workflows.scene.load import SHIPPED, load, opened, parse
+from workflows.studies.design import objectives, report, study
+from workflows.studies.design.space import Found, Scored
 from workflows.studies.response import study as response
-from workflows.studies.sweep import crew
-from workflows.studies.sweep.plates import Plates
+from workflows.studies.sweep import executor
+from workflows.studies.sweep.evaluate import Plates
 
 SHIPPED_DESIGN = (SHIPPED / "design.toml").read_text(encoding="utf-8")
 FREE = {
@@ -57,7 +46,7 @@ def few_speeds(monkeypatch):
 
 
 def space_of(scene, **design):
-    return asked.space(opened(scene | {"design": scene["design"] | design}))
+    return objectives.space(opened(scene | {"design": scene["design"] | design}))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
@@ -117,15 +106,15 @@ def test_the_least_damping_of_a_known_curve():
     amplitude = np.geomspace(1e-3, 1e-2, 200)
     ratio = np.minimum(amplitude, 9e-6 / amplitude)
     found = curve(list(amplitude), list(ratio))
-    assert damping.least(found, 2e-3, 5e-3) == (pytest.approx(9e-6 / 5e-3, rel=1e-3), pytest.approx(5e-3))
-    assert damping.least(found, 1.1e-3, 4e-3) == (pytest.approx(1.1e-3, rel=1e-3), pytest.approx(1.1e-3))
-    assert damping.least(curve(list(amplitude), list(ratio), cutoff=3e-3), 2e-3, 5e-3)[0] == 0.0
-    assert damping.least(found, 5e-3, 2e-2)[0] == pytest.approx(9e-4 / 4, rel=0.02)
+    assert objectives.least(found, 2e-3, 5e-3) == (pytest.approx(9e-6 / 5e-3, rel=1e-3), pytest.approx(5e-3))
+    assert objectives.least(found, 1.1e-3, 4e-3) == (pytest.approx(1.1e-3, rel=1e-3), pytest.approx(1.1e-3))
+    assert objectives.least(curve(list(amplitude), list(ratio), cutoff=3e-3), 2e-3, 5e-3)[0] == 0.0
+    assert objectives.least(found, 5e-3, 2e-2)[0] == pytest.approx(9e-4 / 4, rel=0.02)
 
 
 def score_of(space):
     plates = Plates()
-    return lambda shares, quick=True: objective.scored(space, np.asarray(shares), plates, quick=quick)
+    return lambda shares, quick=True: objectives.scored(space, np.asarray(shares), plates, quick=quick)
 
 
 def test_limits_bound_and_cutoff(slow):
@@ -145,9 +134,9 @@ def test_limits_bound_and_cutoff(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = asked.space(load("design"))
+    space = objectives.space(load("design"))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = objective.scored(space, np.array([shares]), Plates(), quick=True)
+    (found,) = objectives.scored(space, np.array([shares]), Plates(), quick=True)
     assert found.value == 0.0
     assert "cavity" in found.why or "thickness" in found.why
 
@@ -164,8 +153,8 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
-    space = asked.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
-    (found,) = objective.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
+    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
+    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
     assert found.impossible
     assert why in found.why
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
@@ -175,7 +164,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
         (700 * math.pi / 30) ** 2 * 0.2,
     )  # of the plate at rest; 2/7 is rubbed
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = objective.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), Plates(), quick=True)
+    (thick,) = objectives.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), Plates(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
@@ -187,23 +176,23 @@ def test_the_printed_equations_have_no_design(slow):
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
-    space = asked.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
-    (found,) = objective.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
+    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
+    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
-    said = verdict.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
+    said = report.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith("a blade, where the plate endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    from workflows.studies.design import curves
+    from workflows.studies.design import report
 
-    space = asked.space(load("design"))
+    space = objectives.space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Found(shares, objective.scored(space, shares[None], Plates(), quick=True)[0], 1)
-    for each in curves.of(space, found, space.goal):
-        assert damping.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, sweeps=2, stay=8).cutoff
+    found = Found(shares, objectives.scored(space, shares[None], Plates(), quick=True)[0], 1)
+    for each in report.of(space, found, space.goal):
+        assert objectives.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, sweeps=2, stay=8).cutoff
         assert each.damper.floor_tilt[0] > 1.0
-        ratio = damping.bound_of(each.damper, 3e-3)
+        ratio = objectives.bound_of(each.damper, 3e-3)
         assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(each.damper, (3e-3, 0.0)))
 
 
@@ -217,10 +206,10 @@ def test_the_search_finds_a_known_optimum(slow):
         away[:, 0] = np.floor(3 * np.asarray(shares)[:, 0]) - 1
         return [Scored(v, v) for v in np.exp(-(away**2).sum(axis=1))]
 
-    found = search.search(space, score, seed=1, progress=lambda _: None)
+    found = study.search(space, score, seed=1, progress=lambda _: None)
     assert found.scored.value == pytest.approx(1.0, abs=1e-4)
     assert np.allclose(found.shares[1:], top[1:], atol=0.01)
-    again = search.search(space, score, seed=1, progress=lambda _: None)
+    again = study.search(space, score, seed=1, progress=lambda _: None)
     assert np.array_equal(found.shares, again.shares)
 
 
@@ -233,14 +222,14 @@ def test_nothing_better_among_all_designs(slow, here):
     assert found.found.scored.value == best.value > 0
     assert found.document()["value"] == best.value
     assert best.value < found.found.scored.bound
-    again = study.design(slow, hired=crew.given(here, 3))
+    again = study.design(slow, hired=executor.given(here, 3))
     assert again.document() == found.document(), "the number of workers has a part in it"
     scene = parse(tomllib.loads(found.toml))
     assert scene.design is None
     assert scene.damper.radius == found.space.values(found.found.shares)["damper.radius"]
     point = spindamp.run(scene).speeds[0]
-    assert damping.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
-    assert verdict.verdict(found.space, found.found).startswith("At least a damping ratio")
+    assert objectives.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
+    assert report.verdict(found.space, found.found).startswith("At least a damping ratio")
 
 
 def test_why_none_works(slow, here):
@@ -253,7 +242,7 @@ def test_why_none_works(slow, here):
     needed = 1e-4 * 1e-4 / found.found.scored.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = objective.scored(other, found.found.shares[None], Plates(), quick=True)
+        (again,) = objectives.scored(other, found.found.shares[None], Plates(), quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert not found.toml
@@ -325,18 +314,18 @@ def shaken(structure):
 
 def at_the_crossing(scene, share=0.0):
     """A design of one free key at the first crossing, and its space."""
-    space = asked.space(opened(scene))
+    space = objectives.space(opened(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
     met = space.goal.met[0]
-    return crossed.of(each.scene, each.carried.effects, each.point, met, *space.goal.ends), space
+    return objectives.crossing_objective(each.scene, each.carried.effects, each.point, met, *space.goal.ends), space
 
 
 def placed_of(space, shares):
-    from workflows.studies.sweep import blocks, quantities
+    from workflows.studies.sweep import evaluate
 
-    rows = quantities.empty(len(space.goal.speeds))
+    rows = evaluate.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(blocks.all_placed(space.solved_as, plan, 0, Plates(), rows, quantities.Reasons()))
+    return list(evaluate.all_placed(space.solved_as, plan, 0, Plates(), rows, evaluate.Reasons()))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):
@@ -358,7 +347,7 @@ def test_one_of_amplitudes_and_excitation(slow, shaken):
 )
 def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     with pytest.raises(BadInput) as found:
-        asked.space(opened(changed(shaken, **changes)))
+        objectives.space(opened(changed(shaken, **changes)))
     assert says in str(found.value)
 
 
@@ -380,7 +369,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         excitation__force="0.2 N",
         design={"floor_radius": floors},
     )
-    tried, score = {}, objective.scored
+    tried, score = {}, objectives.scored
 
     def kept(space, shares, plates, *, quick):
         found = score(space, shares, plates, quick=quick)
@@ -388,7 +377,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         tried.update({(radius, quick): each for radius, each in zip(radii, found, strict=True)})
         return found
 
-    monkeypatch.setattr(objective, "scored", kept)
+    monkeypatch.setattr(objectives, "scored", kept)
     found = spindamp.design(scene, executor=here)
     best = found.found.scored
     score_of(found.space)(np.array([[5 / 6]]), quick=False)
@@ -414,7 +403,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
 def test_the_bound_of_an_amplitude(shaken):
     """F / (c omega) of the ball at rest, less (4 / pi) m omega² d, the square wave's part, over c omega."""
     found, _ = at_the_crossing(shaken)
-    lines = crossed.linear(found)
+    lines = objectives.linear(found)
     omega, ball = 2 * math.pi * 200, 7850 * 4 / 3 * math.pi * 3e-3**3
     per_force = 1 / (2 * 0.01 * math.sqrt((0.2 + ball) * 0.2) * omega**2)
     assert lines.resting == pytest.approx(8 * per_force, rel=1e-4)
@@ -429,8 +418,8 @@ def test_nothing_falls_below_the_bound(shaken):
     """Free balls that hit the walls all the time, and held ones, under forces of all sizes."""
     for rolling, force in product((0.0, 2e-5, 1e-4), (0.3, 1.0, 3.0)):
         found, _ = at_the_crossing(changed(shaken, damper__rolling_friction=rolling, excitation__force=force), 0.6)
-        lines = crossed.linear(found)
-        assert amplitude.followed(found, lines, quick=True) > lines.least, (rolling, force)
+        lines = objectives.linear(found)
+        assert objectives.followed(found, lines, quick=True) > lines.least, (rolling, force)
 
 
 def test_the_balance_is_that_of_the_motion(shaken):
@@ -441,10 +430,10 @@ def test_the_balance_is_that_of_the_motion(shaken):
     for clearance, force in product((0.5e-3, 1e-3, 2e-3), (4.0, 8.0)):
         scene = changed(shaken, excitation__force=force, design__clearance=[clearance])
         found, _ = at_the_crossing(scene, 0.75)
-        lines = crossed.linear(found)
-        true = amplitude.followed(found, lines, quick=False)
-        assert balance.speaks(found.system)
-        assert balance.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
+        lines = objectives.linear(found)
+        true = objectives.followed(found, lines, quick=False)
+        assert objectives.speaks(found.system)
+        assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
 
 
@@ -462,10 +451,10 @@ def test_nothing_better_at_the_crossings(shaken, here):
     assert document["value"] == best.value
     assert document["confirmed"] == pytest.approx(best.value, rel=0.01)
     assert [entry["force"] for entry in document["crossings"]] == [1.0, 8.0]
-    assert study.design(shaken, hired=crew.given(here, 3)).document() == document, "the same seed, other workers"
+    assert study.design(shaken, hired=executor.given(here, 3)).document() == document, "the same seed, other workers"
     scene = parse(tomllib.loads(found.toml))
     assert (scene.design, scene.excitation.levels) == (None, (1.0, 8.0))
-    text = page.render(found)
+    text = report.render(found)
     assert text.count("<figure>") == 1, "of its one crossing; nothing to map without ranges"
     assert "Order 3 meets the flap mode" in text
 
@@ -481,5 +470,5 @@ def test_why_none_helps(shaken, here):
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / scored.grows)
-        (again,) = score_of(asked.space(opened(other)))(found.found.shares[None])
+        (again,) = score_of(objectives.space(opened(other)))(found.found.shares[None])
         assert (again.grows < 1) is moves

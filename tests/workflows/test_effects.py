@@ -9,12 +9,12 @@ import pytest
 
 import workflows.effects
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import rules
-from workflows.effects.table import EFFECTS
+from workflows.effects import selection
+from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput
-from workflows.findings.assumptions import assumptions
+from workflows.findings.remarks import assumptions
 from workflows.pipeline import run
-from workflows.scene.file import parse
+from workflows.scene.load import parse
 from workflows.scene.rotor import Effects
 
 SHARED = {"beams", "definition", "effect", "left_out", "rules", "table"}
@@ -47,7 +47,7 @@ def test_words_of_an_effect_are_its_own(name: str) -> None:
 def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
     scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
     with pytest.raises(BadInput, match=rf"{name}|friction"):
-        rules.resolve(scene, "scene.toml")
+        selection.resolve(scene, "scene.toml")
 
 
 def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:

@@ -16,9 +16,9 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows.cli import entry as cli
 from workflows.errors import BadInput
-from workflows.output import store
-from workflows.output import swap as folders
-from workflows.scene.file import SHIPPED
+from workflows.output import folder
+from workflows.output import folder as folders
+from workflows.scene.load import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
 
@@ -292,7 +292,7 @@ for turn in range(40):
     assert [writer.wait(HANG) for writer in writers] == [0, 0, 0]
     me = (out / "results.json").read_text()
     names = {path.name for path in out.iterdir()}
-    assert names == {"results.json", store.MANIFEST, f"only_{me}_39.csv"}
+    assert names == {"results.json", folder.MANIFEST, f"only_{me}_39.csv"}
     assert list(out.parent.iterdir()) == [out]
 
 
@@ -301,12 +301,12 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait(HANG)
     out = tmp_path / "out"
-    aside = tmp_path / f"{store._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
+    aside = tmp_path / f"{folder._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
     aside.mkdir()
     (aside / "results.json").write_text("old")
-    (aside / store.MANIFEST).write_text("results.json\n")
-    (tmp_path / f"{store._prefix(out)}{dead.pid}-abc").mkdir()
-    with pytest.raises(RuntimeError, match="broke"), store.replacing(out):
+    (aside / folder.MANIFEST).write_text("results.json\n")
+    (tmp_path / f"{folder._prefix(out)}{dead.pid}-abc").mkdir()
+    with pytest.raises(RuntimeError, match="broke"), folder.replacing(out):
         raise RuntimeError("broke")
     assert (out / "results.json").read_text() == "old"
     assert list(tmp_path.iterdir()) == [out]
@@ -331,14 +331,14 @@ def test_places_that_cannot_be(name: str, tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     (tmp_path / "loop").symlink_to("loop")
     with pytest.raises(BadInput, match="--out"):
-        store.check(Path(name))
+        folder.check(Path(name))
     assert [path.name for path in tmp_path.iterdir()] == ["loop"]
 
 
 @pytest.mark.parametrize("name", ["x" * 250, "ä" * 120])
 def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
     for _ in range(2):
-        with store.replacing(tmp_path / name) as scratch:
+        with folder.replacing(tmp_path / name) as scratch:
             (scratch / "results.json").write_text("new")
     assert [path.name for path in tmp_path.iterdir()] == [name]
 

@@ -17,8 +17,8 @@ from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.progress import Stages
-from workflows.scene import cavity, plate_mesh
-from workflows.scene.file import SHIPPED, load, parse
+from workflows.scene import damper, plate_mesh
+from workflows.scene.load import SHIPPED, load, parse
 
 
 def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0) -> Path:
@@ -90,9 +90,9 @@ def test_check_says_the_radii(spindamp: Callable[..., Outcome], paper: Scene, tm
 
 def test_check_draws_the_axes(spindamp: Callable[..., Outcome]) -> None:
     said = spindamp("check", "paper").out
-    assert all(line in said for line in cavity.PICTURE.splitlines())
-    assert "cavity[0]" in cavity.PICTURE
-    assert cavity.PICTURE.splitlines()[0] not in spindamp("check", "structure").out
+    assert all(line in said for line in damper.PICTURE.splitlines())
+    assert "cavity[0]" in damper.PICTURE
+    assert damper.PICTURE.splitlines()[0] not in spindamp("check", "structure").out
 
 
 THICK = {"plate__thickness": "6 mm", "damper__radius": "10 mm", "damper__cavity": ["25 mm", "25 mm"]}
@@ -205,7 +205,7 @@ def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
 
 def load_of(scene: Scene) -> Any:
     """A scene as if it came from a file."""
-    from workflows.scene.file import SceneFile
+    from workflows.scene.load import SceneFile
 
     return SceneFile(parse(scene), "scene", Path())
 

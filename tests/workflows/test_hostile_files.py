@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.scene.file import SHIPPED, load
+from workflows.scene.load import SHIPPED, load
 
 ROOT = Path(__file__).parents[2]
 PAPER = (SHIPPED / "paper.toml").read_text(encoding="utf-8")

@@ -21,7 +21,7 @@ from tests.workflows.conftest import KNOWN, Outcome, changed, write
 from workflows.cli.entry import main
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
 from workflows.solve import self_check
-from workflows.studies.sweep import crew
+from workflows.studies.sweep import executor
 
 SCENE = changed(KNOWN, rotor__speeds=["9000 rpm"], title="wrong")
 SHAKEN = changed(
@@ -76,7 +76,7 @@ def test_one_line_and_nothing_written(
 @pytest.mark.usefixtures("wrong_energies")
 def test_no_row_of_a_sweep_hides_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither a nan nor a reason in the data set: the study ends."""
-    monkeypatch.setattr("workflows.studies.sweep.kernels.ready", lambda: None)
+    monkeypatch.setattr("workflows.studies.sweep.executor.ready", lambda: None)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="in ring-down 1 of 2, at points 0 to 1"):
         face.sweep(SCENE, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool, out=tmp_path / "out")
     assert not (tmp_path / "out" / "sweep.zarr").exists()
@@ -112,8 +112,8 @@ def test_what_is_no_violation_stays_what_it_is() -> None:
 
 def test_workers_hand_violations_on(tmp_path: Path) -> None:
     """From another process, with the place where it came up."""
-    with crew.local(1) as workers, pytest.raises(damper.LawViolation, match="a law, but") as caught:
-        list(crew.results(workers, violate, [7]))
+    with executor.local(1) as workers, pytest.raises(damper.LawViolation, match="a law, but") as caught:
+        list(executor.results(workers, violate, [7]))
     assert caught.value.__notes__ == ["at point 7"]
 
 

@@ -18,11 +18,11 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, toml
-from workflows.scene.explained import key_name
-from workflows.scene.file import SHIPPED
+from workflows.scene.load import SHIPPED
+from workflows.scene.messages import key_name
+from workflows.scene.quantities import Table
 from workflows.scene.rotor import Effects
 from workflows.scene.scene import Scene
-from workflows.scene.table import Table
 
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""

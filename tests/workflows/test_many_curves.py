@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 import workflows
 from tests.workflows.conftest import KNOWN, changed
 from workflows.report import figures, plots
-from workflows.results.curves import Curve
-from workflows.solve.records import Results
+from workflows.results.files import Curve
+from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 

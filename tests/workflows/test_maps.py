@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from workflows.studies.sweep import map_pictures, pictures, quantities
-from workflows.studies.sweep.summary import HEADLINE
+from workflows.studies.sweep import evaluate, report
+from workflows.studies.sweep.report import HEADLINE
 
 RPM = (3000.0, 5000.0, 7000.0, 9000.0)
 
@@ -23,7 +23,7 @@ def data():
     ratio[:2, 0, :] = 0.0
     omega = np.array(RPM) * math.pi / 30
     dims = ("damper.mass_ratio", "damper.clearance", "rotor.speeds")
-    found = {name: (dims, np.full(ratio.shape, np.nan)) for name in quantities.empty(1).dtype.names if name != "reason"}
+    found = {name: (dims, np.full(ratio.shape, np.nan)) for name in evaluate.empty(1).dtype.names if name != "reason"}
     found |= {HEADLINE: (dims, ratio), "cutoff": (dims, np.broadcast_to(1e-9 * omega**2, ratio.shape))}
     coords = dict(zip(dims, (mass, clearance, omega), strict=True)) | {"rpm": ("rotor.speeds", list(RPM))}
     data = xr.Dataset(found, coords)
@@ -33,8 +33,8 @@ def data():
 
 
 def test_panels_are_of_speeds_at_which_a_ball_works(data):
-    assert map_pictures.panels(data, ("damper.mass_ratio", "damper.clearance")) == ("rotor.speeds", [0, 1])
-    (picture,) = pictures.draw(data)
+    assert report.panels(data, ("damper.mass_ratio", "damper.clearance")) == ("rotor.speeds", [0, 1])
+    (picture,) = report.draw(data)
     assert "3000 rpm" in picture.svg
     assert "5000 rpm" in picture.svg
     assert "7000 rpm" not in picture.svg
@@ -44,13 +44,13 @@ def test_panels_are_of_speeds_at_which_a_ball_works(data):
 
 
 def test_what_takes_nothing_is_hatched_and_named(data):
-    (picture,) = pictures.draw(data)
+    (picture,) = report.draw(data)
     assert "nothing, or no verdict" in picture.svg
     data[HEADLINE] = data[HEADLINE].where(data[HEADLINE] > 0, 1e-5)
-    (full,) = pictures.draw(data)
+    (full,) = report.draw(data)
     assert "nothing, or no verdict" not in full.svg
 
 
 def test_a_cut_off_that_varies_has_a_map(data):
     data["cutoff"] = data["cutoff"] * (1 + 1e3 * data["damper.clearance"])
-    assert len(pictures.draw(data)) == 2
+    assert len(report.draw(data)) == 2

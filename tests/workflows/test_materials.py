@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.errors import BadInput
-from workflows.results import provenance, resolved
-from workflows.scene.file import parse
+from workflows.results import provenance
+from workflows.scene.load import parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
-from workflows.solve import felt
-from workflows.solve.records import Results
+from workflows.solve import coupling
+from workflows.solve.results import Results
 
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 
@@ -98,9 +98,9 @@ def test_balls_weigh_their_volume(name: str, count: int, paper: Scene, structure
         by_name = changed(scene, damper__mass_ratio=None, damper__ball_material=name, damper__count=count)
         parsed = parse(by_name)
         expected = count * 4.18879020478639e-9 * KNOWN[name].density
-        assert felt.ball_mass(parsed, 1.0) == pytest.approx(expected, rel=1e-12)
+        assert coupling.ball_mass(parsed, 1.0) == pytest.approx(expected, rel=1e-12)
         again = parse(changed(by_name, damper__ball_material=None, damper__ball_density=KNOWN[name].density))
-        assert felt.ball_mass(again, 1.0) == felt.ball_mass(parsed, 1.0)
+        assert coupling.ball_mass(again, 1.0) == coupling.ball_mass(parsed, 1.0)
     if name == "steel" and count == 1:
         assert expected == pytest.approx(0.0329e-3, rel=1e-3)
 
@@ -109,7 +109,7 @@ def test_a_given_mass_is_that_of_all_balls(structure: Scene) -> None:
     for changes in ({"damper__mass_ratio": 0.006}, {"damper__mass_ratio": None, "damper__mass": "6 g"}):
         for count in (1, 60):
             scene = parse(changed(structure, **changes, damper__count=count))
-            assert felt.ball_mass(scene, 1.0) == pytest.approx(0.006, rel=1e-14)
+            assert coupling.ball_mass(scene, 1.0) == pytest.approx(0.006, rel=1e-14)
 
 
 def test_sixty_balls_are_one_of_sixty_times_the_mass(
@@ -170,7 +170,7 @@ def test_wrong_materials(changes: dict[str, object], key: str, message: str, pap
 
 def test_the_resolved_scene_has_no_names(paper: Scene) -> None:
     scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material="lead"))
-    plain = resolved.scene(scene, effects.resolve(scene), None)
+    plain = provenance.resolved_scene(scene, effects.resolve(scene), None)
     assert "name" not in plain["material"]
     assert "ball_material" not in plain["damper"]
     assert plain["damper"]["ball_density"] == 11_300.0

@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 import workflows
 from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
-from workflows.findings import missing, trust
+from workflows.findings import limits, remarks
 from workflows.progress import Stages
-from workflows.scene.file import opened
-from workflows.solve.records import Reduced
+from workflows.scene.load import opened
+from workflows.solve.results import Reduced
 
 
 def _frequency(scene: Scene) -> float:
@@ -33,7 +33,7 @@ def test_as_much_mass_more_lowers_what_the_hole_raises(paper: Scene, rpm: int) -
     """
     scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], release__cycles=1)
     run = workflows.run(scene)
-    hole, (point,) = missing.missing(run), run.speeds
+    hole, (point,) = limits.missing(run), run.speeds
     assert hole is not None
     assert point.reduced is not None
     assert hole.mass == pytest.approx(7850 * 58 * 2.5e-3 * 2.4e-3 * 2e-3)
@@ -58,20 +58,20 @@ def test_a_beam_with_less_at_its_tip(mass: float) -> None:
     """The effective mass of a cantilever at its tip is a quarter of its own."""
     exact = (_beam(-mass) / _beam(0.0)) ** 2 - 1
     reduced = Reduced(f1_hz=1.0, M1=0.25 + 1e-3, K1=1.0, f2_hz=1.0, M2=0.25, K2=1.0, floor_tilt=0.0)
-    assert missing._shift(reduced, mass) == pytest.approx(exact, rel=10 * mass)
+    assert limits._shift(reduced, mass) == pytest.approx(exact, rel=10 * mass)
 
 
 @pytest.mark.usefixtures("quickly")
 def test_what_is_said(paper: Scene) -> None:
-    said = trust.sentence(workflows.run(changed(paper, rotor__speeds=[0], release__cycles=1)))
+    said = remarks.sentence(workflows.run(changed(paper, rotor__speeds=[0], release__cycles=1)))
     assert said is not None
     assert "That is of the plate before its 58 cavities are cut: 5.5 g less raise its first bending frequency" in said
     few = changed(paper, rotor__speeds=[0], release__cycles=1, damper__count=1)
-    assert "cut" not in str(trust.sentence(workflows.run(few))), "0.015 %"
+    assert "cut" not in str(remarks.sentence(workflows.run(few))), "0.015 %"
     housed = changed(paper, rotor__speeds=[0], release__cycles=1, damper__housing="5 g")
-    assert missing.missing(workflows.run(housed)) is None, "it stands out of the plate"
+    assert limits.missing(workflows.run(housed)) is None, "it stands out of the plate"
 
 
 def test_none_without_a_plate() -> None:
     scene = SimpleNamespace(damper=SimpleNamespace(housing=None), material=None)
-    assert missing.missing(SimpleNamespace(scene=scene, speeds=np.empty(0))) is None  # type: ignore[arg-type]
+    assert limits.missing(SimpleNamespace(scene=scene, speeds=np.empty(0))) is None  # type: ignore[arg-type]

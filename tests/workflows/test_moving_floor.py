@@ -13,11 +13,11 @@ import pytest
 import workflows
 from tests.workflows.conftest import Scene, changed, write
 from workflows import pipeline
-from workflows.effects import rules
+from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.progress import Stages
-from workflows.scene.file import opened
-from workflows.solve import damper_stage, felt
+from workflows.scene.load import opened
+from workflows.solve import coupling, damper
 
 RPM = math.pi / 30
 QUIET = Stages(visible=False)
@@ -33,7 +33,7 @@ def built(scene: Scene, rpm: float | None = None) -> Any:
     source = opened(scene)
     found = pipeline.structure(source, QUIET, shapes=False)
     point = found.points[0] if rpm is None else next(p for p in found.points if abs(p.rpm - rpm) < 1e-6)
-    return damper_stage.particle_damper(source.scene, found.effects, point), point
+    return damper.particle_damper(source.scene, found.effects, point), point
 
 
 def test_the_papers_report_has_cutoffs_with_the_tilt_beside_it(document: dict[str, Any]) -> None:
@@ -96,23 +96,23 @@ def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scen
 )
 def test_bad_values_of_the_new_keys(key: str, value: object, said: str, structure: Scene) -> None:
     with pytest.raises(BadInput, match=said):
-        rules.of(opened(changed(structure, **{key: value})))
+        selection.of(opened(changed(structure, **{key: value})))
 
 
 @pytest.mark.parametrize("effect", ["floor_tilt", "structural_modes"])
 def test_the_printed_equations_know_neither(effect: str, paper: Scene) -> None:
     printed = changed(paper, damper__formulation="printed")
     with pytest.raises(BadInput, match="printed equations"):
-        rules.of(opened(changed(printed, **{f"effects__{effect}": True})))
+        selection.of(opened(changed(printed, **{f"effects__{effect}": True})))
     with pytest.raises(BadInput, match="flat floor"):
         opened(changed(printed, damper__floor_radius="16 mm"))
-    assert not rules.of(opened(changed(printed, effects=None)))[effect].on
+    assert not selection.of(opened(changed(printed, effects=None)))[effect].on
 
 
 def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scene) -> None:
     """Against tau of the plate as solved; the beam that the rule goes by errs by less than its doubt."""
     auto = changed(paper, effects=None, **ROUGH)
-    assert not rules.of(opened(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
+    assert not selection.of(opened(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
         "floor_tilt"
     ].on
     for rpm in (20, 100, 1000):
@@ -120,18 +120,18 @@ def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scen
         system, _ = built(changed(scene, effects__floor_tilt=True))
         tau = 1 - abs(1 - system.tilt_share[0])
         if tau > 1e-3:
-            assert rules.of(opened(scene))["floor_tilt"].on
-    assert not rules.of(opened(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
+            assert selection.of(opened(scene))["floor_tilt"].on
+    assert not selection.of(opened(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
     slight = changed(structure, structure__floor_tilt=1e-3)
-    assert not rules.of(opened(slight))["floor_tilt"].on
-    assert rules.of(opened(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
+    assert not selection.of(opened(slight))["floor_tilt"].on
+    assert selection.of(opened(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
 
 
 def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     """As the paper's plate at rest: in-plane bending of a beam with shear, about 1400 Hz; and its own slope."""
     scene = changed(paper, effects=None, rotor__speeds=["0 rpm", "10000 rpm"])
     system, point = built(scene)
-    lag = felt.leading(point.cavity_modes, 1)
+    lag = coupling.leading(point.cavity_modes, 1)
     assert lag is not None
     assert math.sqrt(lag.stiffness) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
     shear = 3 * 0.08**2 / 12 * 2.6 / (5 / 6 * 0.2**2)  # of a Timoshenko beam's deflection, over that by bending
@@ -142,15 +142,15 @@ def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     release = opened(scene).scene
     none = replace(point, cavity_modes=tuple(mode for mode in point.cavity_modes if mode.number != lag.number))
     with pytest.raises(BadInput, match="ask for more"):
-        felt.released_at(release, none)
+        coupling.released_at(release, none)
 
 
 def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:
     """The leading ones always; others by the ball's mass over theirs."""
     light = changed(paper, effects=None, rotor__speeds=["5000 rpm"], damper__mass_ratio=1e-5, **ROUGH)
     system, point = built(light)
-    leaders = {felt.leading(point.cavity_modes, axis).number for axis in range(2)}
-    assert {m.number for m in felt.taken(opened(light).scene, point)} == leaders
+    leaders = {coupling.leading(point.cavity_modes, axis).number for axis in range(2)}
+    assert {m.number for m in coupling.taken(opened(light).scene, point)} == leaders
     assert len(system.modes) == 2
     heavy, _ = built(changed(light, damper__mass_ratio=0.01))
     assert len(heavy.modes) > 2
@@ -163,7 +163,7 @@ def test_a_release_sets_the_leading_modes_going(paper: Scene) -> None:
         paper, effects=None, rotor__speeds=["7500 rpm"], rotor__stagger="30 deg", damper__at=["19 cm", "2 cm"], **ROUGH
     )
     system, _ = built(scene)
-    found = felt.amplitudes(system, (3e-3, 1e-3))
+    found = coupling.amplitudes(system, (3e-3, 1e-3))
     moved = np.array(found) @ np.array([mode.shape for mode in system.modes])
     assert moved == pytest.approx([3e-3, 1e-3], rel=1e-9)
     assert np.count_nonzero(found) == 2 < len(system.modes)
@@ -213,7 +213,7 @@ def test_a_stagger_couples_the_axes(paper: Scene) -> None:
     assert (system.rotation, system.stagger) == (point.omega, pytest.approx(math.radians(35)))
     pull = system.pull - np.diag(np.diag(system.pull))
     assert abs(pull[0, 1]) == pytest.approx(point.omega**2 * 0.5 * math.sin(math.radians(70)), rel=1e-9)
-    assert rules.of(opened(changed(scene, effects=None)))["structural_modes"].on
+    assert selection.of(opened(changed(scene, effects=None)))["structural_modes"].on
 
 
 @pytest.mark.usefixtures("quickly")
@@ -281,5 +281,5 @@ def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
 )
 def test_contradictions_of_a_structure(changes: dict[str, object], said: str, structure: Scene) -> None:
     with pytest.raises(BadInput, match=said) as caught:
-        rules.of(opened(changed(structure, **changes)))
+        selection.of(opened(changed(structure, **changes)))
     assert "[damper]" not in str(caught.value)

@@ -18,10 +18,10 @@ import pytest
 import spindamp
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.output import store
+from workflows.output import folder as store
 from workflows.report import page
-from workflows.results import curves
-from workflows.solve.records import Results
+from workflows.results import files
+from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -173,7 +173,7 @@ def test_save(damper: Results, plate: Results, tmp_path: Path, monkeypatch: pyte
     assert workflows.save(plate, Path("out")) == tmp_path / "out"
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names >= store.ALWAYS_OURS
-    assert any(re.fullmatch(curves.FILES, name) for name in names)
+    assert any(re.fullmatch(files.FILES, name) for name in names)
     assert list(tmp_path.iterdir()) == [tmp_path / "out"]
     document = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
     assert {name: value for name, value in document.items() if name != "timings"} == _numbers(plate)

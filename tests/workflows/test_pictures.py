@@ -24,12 +24,12 @@ from workflows.report import figures as figures_of
 from workflows.report import mode_picture, mode_viewer
 from workflows.report import page as report
 from workflows.report import plots as plot
-from workflows.scene.file import SceneLike
-from workflows.solve import damper_stage
-from workflows.solve.records import Results
-from workflows.studies.costs import page, plots
-from workflows.studies.costs.ladder import Costs, Ladder, Picked, Rung
-from workflows.studies.costs.switching import Switched, Switches
+from workflows.scene.load import SceneLike
+from workflows.solve import damper as damper_stage
+from workflows.solve.results import Results
+from workflows.studies.work_precision import report as costs_report
+from workflows.studies.work_precision.effects import Switched, Switches
+from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung
 
 MESHES = Path(__file__).parents[2] / "meshes"
 WORKING = [*np.geomspace(1e-3, 300.0, 8)]
@@ -159,10 +159,10 @@ def costs(captured: list[Any]) -> list[Any]:
     """What accuracy and effects cost."""
 
     def work() -> None:
-        plots.ladder(SHORT, "ladder0", 1e-3)
-        plots.ladder(LADDER, "ladder1", 1e-3)
-        plots.overview([LADDER, LADDER], 1e-3)
-        plots.effects(EFFECTS)
+        costs_report.ladder_plot(SHORT, "ladder0", 1e-3)
+        costs_report.ladder_plot(LADDER, "ladder1", 1e-3)
+        costs_report.overview([LADDER, LADDER], 1e-3)
+        costs_report.effects(EFFECTS)
 
     return drawn_by(captured, work)
 
@@ -302,7 +302,7 @@ def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
 
 def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
     """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: plots.effects(EFFECTS))
+    figures = drawn_by(captured, lambda: costs_report.effects(EFFECTS))
     left = figures[0].axes[0]
     assert left.get_xlim()[0] == pytest.approx(1e-5)
     ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
@@ -438,8 +438,8 @@ def study() -> Costs:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    page.write_accuracy(study(), folder / "accuracy")
-    page.write_effects(EFFECTS, folder / "effects")
+    costs_report.write_accuracy(study(), folder / "accuracy")
+    costs_report.write_effects(EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 

@@ -128,7 +128,7 @@ def test_bad_input_of_a_ring_down_names_its_file(
     def refused(*_: object) -> None:
         raise BadInput("none of them moves: ask for more", key="[rotor] modes", value=6)
 
-    monkeypatch.setattr("workflows.solve.felt.released_at", refused)
+    monkeypatch.setattr("workflows.solve.coupling.released_at", refused)
     outcome = spindamp("run", quick, "--json")
     assert outcome.status == 2
     assert f"{quick.name}: [rotor] modes = 6: none of them moves" in outcome.err

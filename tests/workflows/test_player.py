@@ -18,9 +18,9 @@ from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.workflows.browser import driven, needs_chromium, printed
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import ball_player, figures
-from workflows.results import curves
-from workflows.solve import ball_path
-from workflows.solve.records import BallPath, Results
+from workflows.results import files
+from workflows.solve import damper as ball_path
+from workflows.solve.results import BallPath, Results
 
 START_JS = "const figure = document.querySelector('figure.player'), form = figure.querySelector('form');"
 START_JS += "const box = figure.querySelector('.player-box'), says = figure.querySelector('output');"
@@ -158,7 +158,7 @@ def test_the_curves_drawn_are_files_too(finished: Path, path: BallPath) -> None:
     assert table[:, 1] == pytest.approx(path.ball[:, 0], rel=1e-9)
     assert (finished / "displacement_y_10000rpm.csv").is_file()
     for each in finished.glob("*_10000rpm.csv"):
-        assert re.fullmatch(curves.FILES, each.name)
+        assert re.fullmatch(files.FILES, each.name)
 
 
 def test_the_still_picture_marks_the_walls_that_were_hit(finished: Path, results: Results, path: BallPath) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import workflows
 from workflows.report import plots
-from workflows.results import curves
+from workflows.results import files
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def results() -> workflows.Results:
 def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path) -> None:
     axes = results.plot.campbell()
     drawn = [line.get_xydata() for line in axes.get_lines()]
-    for track in curves.campbell(results):
+    for track in files.campbell(results):
         assert any(np.array_equal(np.column_stack([track.x, track.y]), line) for line in drawn)
     assert axes.get_xlabel() == "rotation speed, rpm"
     path = tmp_path / "campbell.png"
@@ -33,7 +33,7 @@ def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path
 
 def test_damping_has_the_curves(results: workflows.Results) -> None:
     drawn = [line.get_xydata() for line in results.plot.damping().get_lines()]
-    for line in curves.damping_ratio(results):
+    for line in files.damping_ratio(results):
         shown = line.y > 0
         assert any(np.array_equal(np.column_stack([1e3 * line.x, 100 * line.y])[shown], each) for each in drawn)
 

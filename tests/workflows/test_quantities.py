@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 
 import workflows
-from workflows.results import files, schema
-from workflows.scene import units
-from workflows.solve.quantity import Entry, Part, Quantity, entries
-from workflows.solve.records import SpeedPoint
-from workflows.studies.sweep.quantities import QUANTITIES
+from workflows.results import files, serialise
+from workflows.scene import quantities
+from workflows.solve.results import Entry, Part, Quantity, SpeedPoint, entries
+from workflows.studies.sweep.evaluate import QUANTITIES
 
 HOUSE = Path(workflows.__file__).parent
 ROOMS = (HOUSE / "solve", HOUSE / "results")
@@ -37,7 +36,7 @@ def said(record: type, seen: frozenset[type] = frozenset()) -> Iterator[tuple[ty
 
 def test_published_schema_is_that_of_the_records() -> None:
     published = (HOUSE / "results.schema.json").read_text(encoding="utf-8")
-    assert published == schema.text(), "python -m workflows.results.schema"
+    assert published == serialise.text(), "python -m workflows.results.schema"
 
 
 def test_every_quantity_has_a_unit_and_a_meaning() -> None:
@@ -46,7 +45,7 @@ def test_every_quantity_has_a_unit_and_a_meaning() -> None:
             assert entry.kind in (float, int, str, tuple, list), (record, entry)
             unit = {"J": "N*m"}.get(entry.what.unit, entry.what.unit)  # which no scene has
             if unit not in ("", "1", "g", "rpm"):
-                assert units.to_si(f"3 {unit}", units.Kind("", "", unit, 0.0, 9.0)) == 3.0
+                assert quantities.to_si(f"3 {unit}", quantities.Kind("", "", unit, 0.0, 9.0)) == 3.0
             assert entry.what.meaning or entry.name == "energy", (record, entry.name)
 
 
@@ -82,35 +81,35 @@ def test_names_are_listed_in_one_place() -> None:
 
 def _full() -> Any:
     """A speed that has every part, with one mode, cycle and point of a curve."""
-    from workflows.solve import records
-    from workflows.solve.damper_records import Floats
+    from workflows.solve import results
+    from workflows.solve.results import Floats
 
     one: Floats = np.ones(1)
-    parts = records.ErrorParts(*(0.0,) * 6)
+    parts = results.ErrorParts(*(0.0,) * 6)
     figures: dict[str, Any] = dict.fromkeys(("peak", "peak_amplitude", "cutoff"), 1.0)
     figures |= {"range": (1.0, 2.0), "half": (1.0, 2.0), "amplitude": one, "damping_ratio": one}
-    damping = records.Damping(
-        "", 1, 1, 1.0, None, 1.0, (1.0, 0.0), *(1.0,) * 6, one, one, one, records.Energy(*(1.0,) * 7), {1: 1.0}
+    damping = results.Damping(
+        "", 1, 1, 1.0, None, 1.0, (1.0, 0.0), *(1.0,) * 6, one, one, one, results.Energy(*(1.0,) * 7), {1: 1.0}
     )
-    return records.SpeedPoint(
+    return results.SpeedPoint(
         omega=1.0,
         rpm=1.0,
         radius=1.0,
         load_g=1.0,
-        modes=(records.Mode(1.0, "flap", parts, 0.0),),
-        reduced=records.Reduced(*(1.0,) * 7),
-        cavity_modes=(records.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
+        modes=(results.Mode(1.0, "flap", parts, 0.0),),
+        reduced=results.Reduced(*(1.0,) * 7),
+        cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damping=damping,
-        working=records.OwnFigures(**figures, error=0.0),
-        level=records.Figures(**figures),
-        tilted=records.CutOff(1.0, 1.0),
-        pendulum=records.Pendulum((1.0, 1.0), (1.0, 1.0)),
+        working=results.OwnFigures(**figures, error=0.0),
+        level=results.Figures(**figures),
+        tilted=results.CutOff(1.0, 1.0),
+        pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
     )
 
 
 def test_every_number_of_the_document_is_in_the_data_set() -> None:
     """A number that each holds once, so that one missing, or one in the place of another, shows."""
-    from workflows.results.tree import trees
+    from workflows.results.serialise import trees
 
     point = _full()
     document = json.loads(json.dumps(trees(SpeedPoint, [point])[0]))
@@ -118,7 +117,7 @@ def test_every_number_of_the_document_is_in_the_data_set() -> None:
     columns = list(files.columns(SpeedPoint, [point], "rpm"))
     assert sum(column.values.size for column in columns) == numbers + 1  # the duration, which JSON leaves out
     jsonschema = pytest.importorskip("jsonschema")
-    jsonschema.validate(document, schema.of(SpeedPoint))
+    jsonschema.validate(document, serialise.of(SpeedPoint))
 
 
 def leaves(node: Any) -> Iterator[Any]:

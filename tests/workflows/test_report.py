@@ -12,9 +12,10 @@ import pytest
 
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.report import mode_viewer, templating
+from workflows.report import mode_viewer
+from workflows.report import page as templating
 from workflows.results import crossings
-from workflows.scene.file import parse
+from workflows.scene.load import parse
 
 TEMPLATES = Path(templating.__file__).parents[1] / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
-from workflows.studies.reproduction import Claim, Reproduction, Verdict, page, reproduce, sweeps, table_two
-from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
+from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce, sweeps, table_two
+from workflows.studies.reproduction.claims import FORMULATIONS, RELEASE, SHOWN, Simulated
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,
@@ -191,7 +191,7 @@ def test_slips_are_numbers(found: Reproduction) -> None:
 @pytest.fixture(scope="module")
 def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction") / "out"
-    page.write(found, folder)
+    report.write(found, folder)
     return folder
 
 

@@ -17,10 +17,10 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.results import provenance
-from workflows.scene.file import parse
-from workflows.solve.records import Results
+from workflows.scene.load import parse
+from workflows.solve.results import Results
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}
 """What may differ between two runs."""

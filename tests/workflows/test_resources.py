@@ -17,10 +17,10 @@ from tests.limits import HANG
 from tests.workflows.conftest import READY, Outcome, Scene, changed, write
 from workflows.errors import BadInput
 from workflows.progress import Stages
-from workflows.scene.file import load, shipped
-from workflows.solve import plate_stage as plate
+from workflows.scene.load import load, shipped
 from workflows.solve import resources
-from workflows.solve.decided import decide, model
+from workflows.solve import structure as plate
+from workflows.solve.model_choice import decide, model
 
 GB = 1e9
 PLAIN = {"coriolis": False, "large_deflection": False, "structural_modes": False, "floor_tilt": False}

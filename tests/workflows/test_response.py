@@ -16,15 +16,14 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
-from workflows.findings import worth
+from workflows.findings import limits
 from workflows.progress import Stages
 from workflows.results import crossings
-from workflows.scene.excitation import Excitation
-from workflows.scene.file import opened
-from workflows.scene.schema import schema
-from workflows.solve.records import Mode, SpeedPoint
-from workflows.studies.design import amplitude
-from workflows.studies.response import band, files, page, peaks, study, told
+from workflows.scene.load import opened, schema
+from workflows.scene.scene import Excitation
+from workflows.solve.results import Mode, SpeedPoint
+from workflows.studies.design import objectives
+from workflows.studies.response import report, results, study
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -78,7 +77,7 @@ def test_a_known_structure(known):
     hertz = 200 * math.sqrt(1.01)
     assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
-    weak, strong = peaks.rows(known)
+    weak, strong = results.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
     omega = 2 * math.pi * hertz
     assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
@@ -90,12 +89,12 @@ def test_a_known_structure(known):
 
 
 def test_the_short_way_stands_beside(known):
-    for row in peaks.rows(known):
+    for row in results.rows(known):
         assert abs(row.difference) < 0.02
 
 
 def test_document(known):
-    found = json.loads(page.dumps(known))
+    found = json.loads(report.dumps(known))
     for entry in found["crossings"]:
         assert {"order", "mode", "rpm", "frequency_hz", "force", "amplitude_without", "amplitude", "regime"} <= set(
             entry
@@ -132,12 +131,12 @@ def test_files(known, written):
     assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 5
-    page.write(known, written)  # into its own folder again
+    report.write(known, written)  # into its own folder again
 
 
 def test_same_bits(known):
     again = respond(read(STRUCTURE))
-    assert files.dataset(known).identical(files.dataset(again))
+    assert report.dataset(known).identical(report.dataset(again))
 
 
 @pytest.mark.usefixtures("few_speeds")
@@ -145,7 +144,7 @@ def test_a_moving_base():
     """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
     one = respond(read(changed('force = ["20 N", "2 N"]', 'base = "2 m/s^2"')))
     same = respond(read(changed('force = ["20 N", "2 N"]', 'force = "2 N"')))
-    (base,), (force,) = peaks.rows(one), peaks.rows(same)
+    (base,), (force,) = results.rows(one), results.rows(same)
     assert base.without == pytest.approx(force.without, rel=1e-9)
     assert base.mean == pytest.approx(1.01 * force.mean, rel=1e-9)  # on the ball too
 
@@ -186,7 +185,7 @@ def test_what_response_needs(text, says):
 def test_no_crossing():
     """Nothing to follow, and nothing to design for: both say so alike. 201 Hz are 12060 revolutions a minute."""
     source = read(changed("orders = [3]", "orders = [1]"))
-    for asked in (respond, partial(amplitude.of, stages=Stages())):
+    for asked in (respond, partial(objectives.amplitude_objective, stages=Stages())):
         with pytest.raises(BadInput) as caught:
             asked(source)
         assert str(caught.value).endswith(
@@ -213,12 +212,12 @@ def test_crossings_beyond_the_speeds():
 
 def test_words_of_a_response(known):
     """Two speeds, of the crossing without a ball and of the largest amplitude with it, each named; the force's kind."""
-    assert "meets the flap mode at 4020 rpm without a ball" in told.text(known)
-    assert "largest at, rpm" in told.text(known)
-    assert "force, N" in told.text(known)
+    assert "meets the flap mode at 4020 rpm without a ball" in report.text(known)
+    assert "largest at, rpm" in report.text(known)
+    assert "force, N" in report.text(known)
     pressed = dataclasses.replace(known, excitation=Excitation(orders=(3,), pressure=(2.0, 20.0)))
-    assert "pressure, Pa" in told.text(pressed)
-    assert "force" not in told.text(pressed).splitlines()[4]
+    assert "pressure, Pa" in report.text(pressed)
+    assert "force" not in report.text(pressed).splitlines()[4]
 
 
 def test_schema_takes_what_scenes_take():
@@ -243,7 +242,7 @@ def test_crossings_between_few_speeds_are_exact():
 
 
 def test_speeds_through_a_crossing():
-    omega = band.gathered(100.0, 98.0, 101.0, 21)
+    omega = study.gathered(100.0, 98.0, 101.0, 21)
     assert (omega[0], omega[10], omega[-1]) == pytest.approx((98.0, 100.0, 101.0))
     steps = np.diff(omega)
     assert (steps > 0).all()
@@ -322,7 +321,7 @@ orders = [3]
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (21, FEW_SPEEDS)
-    (row,) = peaks.rows(found)
+    (row,) = results.rows(found)
     omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
@@ -345,39 +344,39 @@ def test_a_floor_tuned_to_the_order():
         assert old in text
         text = text.replace(old, new)
     found = respond(read(text))
-    (row,) = peaks.rows(found)
+    (row,) = results.rows(found)
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
-    assert told.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
+    assert report.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
     """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
-    weak, strong = peaks.rows(known)
-    monkeypatch.setattr(told, "HELPS", max(weak.ratio, strong.ratio))
-    assert told.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
-    assert worth.MARK not in told.text(known)
-    monkeypatch.setattr(peaks, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
-    said, crossing = told.sentences(known)
+    weak, strong = results.rows(known)
+    monkeypatch.setattr(report, "HELPS", max(weak.ratio, strong.ratio))
+    assert report.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
+    assert limits.MARK not in report.text(known)
+    monkeypatch.setattr(results, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
+    said, crossing = report.sentences(known)
     assert "Hz: the ball helps at 2 N, taking up to" in crossing
     assert said.startswith("Yes, up to 2 N at order 3: the ball takes up to")
     assert said.endswith("Larger forces are more than the plate endures.")
-    marked = [line for line in told.text(known).splitlines() if worth.MARK in line]
+    marked = [line for line in report.text(known).splitlines() if limits.MARK in line]
     assert [line.split()[4] for line in marked[:-1]] == ["20"]
-    assert marked[-1] == f"{worth.MARKED}."
-    written = page.render(known)
-    assert written.count(worth.MARK) == 2
-    assert worth.MARKED in written
-    monkeypatch.setattr(peaks, "endured", lambda *_: weak.greatest / 2)
-    assert told.sentences(known)[0].startswith("No: at order 3 the ball does not help")
+    assert marked[-1] == f"{limits.MARKED}."
+    written = report.render(known)
+    assert written.count(limits.MARK) == 2
+    assert limits.MARKED in written
+    monkeypatch.setattr(results, "endured", lambda *_: weak.greatest / 2)
+    assert report.sentences(known)[0].startswith("No: at order 3 the ball does not help")
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):
     damper = known.results.scene.damper.model_copy(update={"count": 1})
     scene = known.results.scene.model_copy(update={"damper": damper})
     dense = dataclasses.replace(known, results=dataclasses.replace(known.results, scene=scene))
-    said = told.sentences(dense)
+    said = report.sentences(dense)
     assert said[0].startswith("No verdict: a ball of radius 1 mm and 10 g would be 110 times as dense as osmium")
     assert "such as 305 of steel" in said[1]
 
@@ -387,7 +386,7 @@ def test_without_damping_there_is_no_verdict(monkeypatch):
     """Where it has no bound, an amplitude without the ball is that of the nearest speed followed, and says nothing."""
     monkeypatch.setattr(study, "MOST_CYCLES", 300)  # nothing settles
     found = respond(read(changed("damping_ratio = 0.01", "damping_ratio = 0")))
-    said = told.sentences(found)
+    said = report.sentences(found)
     assert said[0].startswith("No verdict: without damping of its own")
     assert not any("takes up to" in sentence or "helps" in sentence for sentence in said)
 

@@ -13,7 +13,7 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed, write
-from workflows.scene.file import SceneFile, load, parse
+from workflows.scene.load import SceneFile, load, parse
 
 SCHEMA = json.loads(Path(workflows.__file__).with_name("results.schema.json").read_text(encoding="utf-8"))
 STAGES = {"mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"}

@@ -13,7 +13,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.scene.file import SHIPPED
+from workflows.scene.load import SHIPPED
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(path for package in ("fem", "damper", "workflows") for path in (ROOT / package).rglob("*.py"))

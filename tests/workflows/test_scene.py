@@ -16,13 +16,12 @@ import pytest
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
-from workflows.effects import rules as effects
+from workflows.effects import selection as effects
 from workflows.progress import Stages
-from workflows.results import resolved
+from workflows.results import provenance
 from workflows.scene import plate_mesh
-from workflows.scene.file import SHIPPED, load, parse, shipped, slug
-from workflows.scene.schema import schema
-from workflows.solve import theorising
+from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
+from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -136,8 +135,8 @@ def test_mesh_is_beside_the_scene(paper: Scene, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", shipped())
 def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
     scene = load(name).scene
-    decided, theory = effects.resolve(scene), theorising.theory(scene)
-    again = parse(resolved.scene(scene, decided, theory))
+    decided, theory = effects.resolve(scene), model_choice.chosen_theory(scene)
+    again = parse(provenance.resolved_scene(scene, decided, theory))
     assert again.model_copy(update={"effects": scene.effects, "plate": scene.plate}) == scene
 
 

@@ -45,7 +45,7 @@ def test_two_speeds_far_apart_take_no_hundred(paper: Scene, bases: list[int]) ->
 
 def test_steps_between_speeds_grow_with_the_stiffness() -> None:
     """Where modes are stiffened much, their squared frequencies grow by like factors from step to step."""
-    from workflows.solve.plate_stage import steps
+    from workflows.solve.structure import steps
 
     assert len(steps(0.0, 100.0, np.array([[100.0], [300.0]]))) == 100
     assert len(steps(0.0, 100.0, np.full((1, 1), np.nan))) == 100

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import workflows
-from workflows.results import document as results_json
+from workflows.results import serialise as results_json
 
 SCENE = """
 title = "staggered"

@@ -16,9 +16,9 @@ import pytest
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
-from workflows.output import store
-from workflows.output import swap as folders
-from workflows.results import curves
+from workflows.output import folder as folders
+from workflows.output import folder as store
+from workflows.results import files
 
 
 def _fill(folder: Path, text: str, *names: str) -> None:
@@ -223,4 +223,4 @@ def test_a_users_own_file_is_seen_before_the_work(
 def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:
     found = [path.name for path in finished.glob("*.csv")]
     assert len(found) > 8
-    assert all(re.fullmatch(curves.FILES, name) for name in found)
+    assert all(re.fullmatch(files.FILES, name) for name in found)

@@ -13,8 +13,10 @@ from scipy.stats import qmc
 import spindamp
 from tests.workflows.browser import findings_if_any
 from workflows.errors import BadInput
-from workflows.scene.file import SHIPPED, load
-from workflows.studies.sweep import axes, keys, map_pictures, pictures, plans, scenes, study, summary
+from workflows.scene.load import SHIPPED, load
+from workflows.studies.sweep import axes, report, study
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep import plan as scenes
 
 G = 9.80665
 
@@ -96,10 +98,10 @@ def test_what_says_the_same_is_varied_once(pair):
 
 def test_the_key_that_another_takes_the_place_of():
     scene = load("paper").scene
-    replaced = {name: keys.find(name, "--vary").displaced(scene) for name in ("damper.mass", "damper.ball_material")}
+    replaced = {name: axes.find(name, "--vary").displaced(scene) for name in ("damper.mass", "damper.ball_material")}
     assert set(replaced.values()) == {"damper.mass_ratio"}
     for name in ("damper.mass_ratio", "damper.radius", "rotor.speeds", "material.density"):
-        assert keys.find(name, "--vary").displaced(scene) is None
+        assert axes.find(name, "--vary").displaced(scene) is None
 
 
 @pytest.mark.usefixtures("no_workers")
@@ -119,12 +121,12 @@ def test_every_key_of_the_schema_is_known():
     published = json.loads((SHIPPED.parent / "scene.schema.json").read_text(encoding="utf-8"))
     tables = {name: published["$defs"][name.capitalize()] for name in ("plate", "rotor", "damper", "release")}
     for name, table in tables.items():
-        assert {f"{name}.{key}" for key in table["properties"]} <= set(keys.every())
+        assert {f"{name}.{key}" for key in table["properties"]} <= set(axes.every())
 
 
 def scene_with(name, **values):
     source = load(name)
-    found = {keys.find(key.replace("__", "."), "--vary"): value for key, value in values.items()}
+    found = {axes.find(key.replace("__", "."), "--vary"): value for key, value in values.items()}
     data = scenes.with_values(scenes.base(source, list(found)), found)
     return scenes.of_a_point(source, data, source.scene.rotor.speeds).scene
 
@@ -211,10 +213,10 @@ def test_the_best_is_one_that_can_be_had(here):
     assert (heavy.grade == -1).all()
     assert np.isnan(heavy.best_damping_ratio).all()
     assert (light.grade >= 0).all()
-    told = summary.document(found)
+    told = report.document(found)
     assert told["best"]["keys"]["damper.mass"] == grams[0]
     assert (told["without_verdict"], told["without_answer"]) == (1, 0)
-    assert "1 point has no verdict" in summary.text(found)
+    assert "1 point has no verdict" in report.text(found)
 
 
 def test_speeds_without_a_picture_are_named(here):
@@ -222,7 +224,7 @@ def test_speeds_without_a_picture_are_named(here):
     varied = {"damper.restitution": [0.2, 0.4, 0.6, 0.8], "damper.friction": [0.1, 0.2, 0.3, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
     found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
-    said = map_pictures.in_words(found, pictures._best(found), "damper.restitution", "damper.friction")
+    said = report.in_words(found, report._best(found), "damper.restitution", "damper.friction")
     assert "Nothing to draw at 0 rpm to 20 rpm, 60000 rpm: there, no ball has a verdict, or takes anything" in said
 
 

@@ -13,8 +13,9 @@ import pytest
 from workflows.errors import BadInput
 from workflows.output import signals
 from workflows.progress import Stages
-from workflows.studies.sweep import crew, folder, study
-from workflows.studies.sweep.crew import Crew
+from workflows.studies.sweep import executor as crew
+from workflows.studies.sweep import store, study
+from workflows.studies.sweep.executor import Crew
 
 VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], "damper.restitution": [0.3, 0.6]}
 
@@ -61,7 +62,7 @@ def contents(out):
     return {
         path.relative_to(out).as_posix(): path.read_bytes()
         for path in sorted(Path(out).rglob("*"))
-        if path.is_file() and path.name != folder.LOCK
+        if path.is_file() and path.name != store.LOCK
     }
 
 
@@ -82,7 +83,7 @@ def test_stopped_while_the_whole_is_put_together(asked, undisturbed, tmp_path, m
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("workflows.studies.sweep.table.write", stopped)
+        patch.setattr("workflows.studies.sweep.store.write", stopped)
         with pytest.raises(KeyboardInterrupt):
             complete(asked, tmp_path / "out")
     assert signals.again() == "what is finished stays; the same command goes on"
@@ -159,7 +160,7 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
 
 def test_two_writers_are_refused(asked, tmp_path):
     with (
-        folder.opened(tmp_path / "out", asked.key, asked.identity),
+        store.opened(tmp_path / "out", asked.key, asked.identity),
         pytest.raises(BadInput, match="another sweep is writing into it"),
     ):
         complete(asked, tmp_path / "out")
@@ -180,7 +181,7 @@ def test_another_study_is_refused(asked, tmp_path):
 
 def test_other_code_is_refused(asked, tmp_path, monkeypatch):
     complete(asked, tmp_path / "out")
-    monkeypatch.setattr("workflows.studies.sweep.fingerprint.digest", lambda: "other")
+    monkeypatch.setattr("workflows.studies.sweep.executor.digest", lambda: "other")
     with pytest.raises(BadInput, match="differs in its code and versions"):
         complete(study.asked("structure", VARY, quick=True), tmp_path / "out")
     with pytest.raises(BadInput, match="a worker has other code"):
@@ -188,7 +189,7 @@ def test_other_code_is_refused(asked, tmp_path, monkeypatch):
 
 
 def test_the_digest_sees_every_module():
-    from workflows.studies.sweep import fingerprint
+    from workflows.studies.sweep import executor as fingerprint
 
     assert len(fingerprint.digest()) == 64
     assert fingerprint.identity()["sources_sha256"] == fingerprint.digest()

@@ -13,8 +13,8 @@ import pytest
 import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
-from workflows.scene.file import SHIPPED, load
-from workflows.studies.sweep import axes, page, summary, uncertain
+from workflows.scene.load import SHIPPED, load
+from workflows.studies.sweep import axes, report, sensitivity
 
 A, B = 7.0, 0.1
 
@@ -42,28 +42,28 @@ def angles():
 
 
 def test_indices_of_ishigami():
-    plan = uncertain.plan(angles(), (1.0,), 4096, seed=3)
+    plan = sensitivity.plan(angles(), (1.0,), 4096, seed=3)
     columns = plan.columns(0, plan.count)
     values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
-    found = uncertain.indices(values, 3, seed=3)
+    found = sensitivity.indices(values, 3, seed=3)
     first, total = known_indices()
     assert np.allclose(first, [0.3139, 0.4424, 0.0], atol=1e-4)
     assert np.all(np.abs(found["S1"] - first) <= 1.5 * found["S1_conf"])
     assert np.all(np.abs(found["ST"] - total) <= 1.5 * found["ST_conf"])
     assert found["ST_conf"].max() < 0.06
-    known = uncertain.independent(values, 3)
+    known = sensitivity.independent(values, 3)
     assert known.mean() == pytest.approx(A / 2, abs=0.1)
 
 
 def test_points_without_answer_take_their_base_point_along():
-    plan = uncertain.plan(angles(), (1.0,), 512, seed=3)
+    plan = sensitivity.plan(angles(), (1.0,), 512, seed=3)
     columns = plan.columns(0, plan.count)
     values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
     values[::37] = np.nan
-    found = uncertain.indices(values, 3, seed=3)
+    found = sensitivity.indices(values, 3, seed=3)
     assert np.all(np.abs(found["ST"] - known_indices()[1]) <= 2 * found["ST_conf"])
-    assert np.isnan(uncertain.indices(np.full_like(values, np.nan), 3, seed=3)["S1"]).all()
-    assert not uncertain.indices(np.full_like(values, 2.0), 3, seed=3)["S1"].any()
+    assert np.isnan(sensitivity.indices(np.full_like(values, np.nan), 3, seed=3)["S1"]).all()
+    assert not sensitivity.indices(np.full_like(values, 2.0), 3, seed=3)["S1"].any()
 
 
 def test_what_is_uncertain_has_a_verdict(here):
@@ -75,10 +75,10 @@ def test_what_is_uncertain_has_a_verdict(here):
         )
         assert (found.damping_ratio_peak > 0).all()
         assert not (found.percentiles.sel(quantity="best_damping_ratio") > 0).any()
-        assert summary.document(found)["best"] is None
-        assert says in summary.text(found)
-        assert "largest damping ratio" not in summary.text(found)
-        said = page.render(found)
+        assert report.document(found)["best"] is None
+        assert says in report.text(found)
+        assert "largest damping ratio" not in report.text(found)
+        said = report.render(found)
         assert says in said
         assert ">nan" not in said
 
@@ -96,9 +96,9 @@ def test_few_points_with_a_verdict(here):
     shares = found.percentiles.sel(quantity="best_damping_ratio").values
     assert np.isnan(shares[:, 0]).all()
     assert (shares[:, 1:] > 0).all()
-    assert not any(line.strip() == "" for line in summary.text(found).splitlines())
-    assert "nan" not in summary.text(found)
-    assert ">nan" not in page.render(found)
+    assert not any(line.strip() == "" for line in report.text(found).splitlines())
+    assert "nan" not in report.text(found)
+    assert ">nan" not in report.render(found)
 
 
 def at_full_speed():
@@ -108,20 +108,20 @@ def at_full_speed():
 
 
 def test_what_is_uncertain_unless_it_is_said():
-    found = {axis.name: axis.spread for axis in uncertain.defaults(load("paper").scene)}
+    found = {axis.name: axis.spread for axis in sensitivity.defaults(load("paper").scene)}
     assert found["damper.restitution"].low == pytest.approx(0.4)
     assert found["damper.rolling_friction"].high == pytest.approx(2e-4)
     assert found["damper.clearance[0]"].high == pytest.approx(0.55e-3)
     assert "damper.damping_ratio" in found
-    assert "damper.damping_ratio" not in {axis.name for axis in uncertain.defaults(load("structure").scene)}
+    assert "damper.damping_ratio" not in {axis.name for axis in sensitivity.defaults(load("structure").scene)}
 
 
 def test_errors():
     scene = load("structure").scene
     with pytest.raises(BadInput, match="expected a distribution"):
-        uncertain.axes(["damper.friction=0.1,0.2"], scene)
+        sensitivity.axes(["damper.friction=0.1,0.2"], scene)
     with pytest.raises(BadInput, match="power of two"):
-        uncertain.plan(uncertain.defaults(scene), (1.0,), 100, 0)
+        sensitivity.plan(sensitivity.defaults(scene), (1.0,), 100, 0)
 
 
 def test_the_cutoff_depends_on_rolling_friction_alone():

@@ -8,32 +8,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflows.scene import units
-from workflows.scene.units import Kind, UnitError, to_si
+from workflows.scene import quantities
+from workflows.scene.quantities import Kind, UnitError, to_si
 
 RIGHT = [
-    ("20 cm", units.LENGTH, 0.2),
-    ("2.5mm", units.LENGTH, 0.0025),
-    ("1e-3 m", units.LENGTH, 1e-3),
-    ("3 µm", units.LENGTH, 3e-6),
-    ("1 in", units.LENGTH, 0.0254),
-    ("184.35 GPa", units.PRESSURE, 184.35e9),
-    ("210000 N/mm^2", units.PRESSURE, 210e9),
-    ("7850 kg/m^3", units.DENSITY, 7850),
-    ("7.85 g/cm^3", units.DENSITY, 7850),
-    ("7.85 g/cm**3", units.DENSITY, 7850),
-    ("3500 rpm", units.ROTATION, 3500 * math.pi / 30),
-    ("3500 RPM", units.ROTATION, 3500 * math.pi / 30),
-    ("50 rev/s", units.ROTATION, 100 * math.pi),
-    ("100 rad/s", units.ROTATION, 100),
-    ("45 deg", units.ANGLE, math.pi / 4),
-    ("45°", units.ANGLE, math.pi / 4),
-    ("269.5 Hz", units.FREQUENCY, 269.5),
-    ("1.2 kHz", units.FREQUENCY, 1200),
-    ("2 g", units.MASS, 0.002),
-    ("10 m/s^2", units.ACCELERATION, 10),
-    (0.2, units.LENGTH, 0.2),
-    (7850, units.DENSITY, 7850),
+    ("20 cm", quantities.LENGTH, 0.2),
+    ("2.5mm", quantities.LENGTH, 0.0025),
+    ("1e-3 m", quantities.LENGTH, 1e-3),
+    ("3 µm", quantities.LENGTH, 3e-6),
+    ("1 in", quantities.LENGTH, 0.0254),
+    ("184.35 GPa", quantities.PRESSURE, 184.35e9),
+    ("210000 N/mm^2", quantities.PRESSURE, 210e9),
+    ("7850 kg/m^3", quantities.DENSITY, 7850),
+    ("7.85 g/cm^3", quantities.DENSITY, 7850),
+    ("7.85 g/cm**3", quantities.DENSITY, 7850),
+    ("3500 rpm", quantities.ROTATION, 3500 * math.pi / 30),
+    ("3500 RPM", quantities.ROTATION, 3500 * math.pi / 30),
+    ("50 rev/s", quantities.ROTATION, 100 * math.pi),
+    ("100 rad/s", quantities.ROTATION, 100),
+    ("45 deg", quantities.ANGLE, math.pi / 4),
+    ("45°", quantities.ANGLE, math.pi / 4),
+    ("269.5 Hz", quantities.FREQUENCY, 269.5),
+    ("1.2 kHz", quantities.FREQUENCY, 1200),
+    ("2 g", quantities.MASS, 0.002),
+    ("10 m/s^2", quantities.ACCELERATION, 10),
+    (0.2, quantities.LENGTH, 0.2),
+    (7850, quantities.DENSITY, 7850),
 ]
 
 
@@ -43,16 +43,16 @@ def test_reads(value: object, kind: Kind, expected: float) -> None:
 
 
 CUSTOMARY = [
-    ("2 inch", units.LENGTH, 0.0508),
-    ("2 inches", units.LENGTH, 0.0508),
-    ("1.5 ft", units.LENGTH, 0.4572),
-    ("3 feet", units.LENGTH, 0.9144),
-    ("3 lb", units.MASS, 1.36077711),
-    ("1 lb/in^3", units.DENSITY, 27679.904710203),
-    ("1 psi", units.PRESSURE, 6894.7572931684),
-    ("1 ksi", units.PRESSURE, 6894757.2931684),
-    ("1 lbf/in^2", units.PRESSURE, 6894.7572931684),
-    ("1 ft/s^2", units.ACCELERATION, 0.3048),
+    ("2 inch", quantities.LENGTH, 0.0508),
+    ("2 inches", quantities.LENGTH, 0.0508),
+    ("1.5 ft", quantities.LENGTH, 0.4572),
+    ("3 feet", quantities.LENGTH, 0.9144),
+    ("3 lb", quantities.MASS, 1.36077711),
+    ("1 lb/in^3", quantities.DENSITY, 27679.904710203),
+    ("1 psi", quantities.PRESSURE, 6894.7572931684),
+    ("1 ksi", quantities.PRESSURE, 6894757.2931684),
+    ("1 lbf/in^2", quantities.PRESSURE, 6894.7572931684),
+    ("1 ft/s^2", quantities.ACCELERATION, 0.3048),
 ]
 
 
@@ -63,36 +63,36 @@ def test_reads_customary_units(value: str, kind: Kind, expected: float) -> None:
 
 
 def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
-    assert to_si("6000 g", units.LOAD, gravity=10.0) == 60_000
-    assert to_si("6000 g", units.MASS) == 6
+    assert to_si("6000 g", quantities.LOAD, gravity=10.0) == 60_000
+    assert to_si("6000 g", quantities.MASS) == 6
     with pytest.raises(UnitError):
-        to_si("1 g", units.ACCELERATION)
+        to_si("1 g", quantities.ACCELERATION)
 
 
 WRONG = [
-    ("5 kg", units.LENGTH, "expected a length such as '20 cm'"),
-    ("50 Hz", units.ROTATION, "expected a rotation speed such as '3500 rpm'"),
-    ("3500 rpm", units.FREQUENCY, "expected a frequency"),
-    ("3 furlongs", units.LENGTH, "unknown unit 'furlongs'"),
-    ("3 PSI", units.PRESSURE, "did you mean 'psi'?"),
-    ("3 lb", units.LENGTH, "expected a length"),
-    ("3 psi", units.LENGTH, "expected a length"),
-    ("0.2", units.LENGTH, "a string carries its unit"),
-    ("", units.LENGTH, "expected a length"),
-    ("cm", units.LENGTH, "expected a length"),
-    ("1 m; import os", units.LENGTH, "cannot read the unit"),
-    ("9**9**9**9 m", units.LENGTH, "cannot read the unit"),
-    ("1 m^99999999", units.LENGTH, "cannot read the unit"),
-    ("1 __class__", units.LENGTH, "cannot read the unit"),
-    ("1e999 m", units.LENGTH, "finite"),
-    ("1e300 m", units.LENGTH, "out of range: expected a length from 1e-12 to"),
-    (1e-300, units.LENGTH, "out of range"),
-    (math.inf, units.LENGTH, "finite"),
-    (math.nan, units.LENGTH, "finite"),
-    (10**400, units.LENGTH, "finite"),
-    (True, units.LENGTH, "expected a length"),
-    (None, units.LENGTH, "expected a length"),
-    (["1 m"], units.LENGTH, "expected a length"),
+    ("5 kg", quantities.LENGTH, "expected a length such as '20 cm'"),
+    ("50 Hz", quantities.ROTATION, "expected a rotation speed such as '3500 rpm'"),
+    ("3500 rpm", quantities.FREQUENCY, "expected a frequency"),
+    ("3 furlongs", quantities.LENGTH, "unknown unit 'furlongs'"),
+    ("3 PSI", quantities.PRESSURE, "did you mean 'psi'?"),
+    ("3 lb", quantities.LENGTH, "expected a length"),
+    ("3 psi", quantities.LENGTH, "expected a length"),
+    ("0.2", quantities.LENGTH, "a string carries its unit"),
+    ("", quantities.LENGTH, "expected a length"),
+    ("cm", quantities.LENGTH, "expected a length"),
+    ("1 m; import os", quantities.LENGTH, "cannot read the unit"),
+    ("9**9**9**9 m", quantities.LENGTH, "cannot read the unit"),
+    ("1 m^99999999", quantities.LENGTH, "cannot read the unit"),
+    ("1 __class__", quantities.LENGTH, "cannot read the unit"),
+    ("1e999 m", quantities.LENGTH, "finite"),
+    ("1e300 m", quantities.LENGTH, "out of range: expected a length from 1e-12 to"),
+    (1e-300, quantities.LENGTH, "out of range"),
+    (math.inf, quantities.LENGTH, "finite"),
+    (math.nan, quantities.LENGTH, "finite"),
+    (10**400, quantities.LENGTH, "finite"),
+    (True, quantities.LENGTH, "expected a length"),
+    (None, quantities.LENGTH, "expected a length"),
+    (["1 m"], quantities.LENGTH, "expected a length"),
 ]
 
 
@@ -118,23 +118,23 @@ def test_refuses(value: object, kind: Kind, message: str) -> None:
     ],
 )
 def test_half_of_a_quantity_is_written_as_it_was(value: object, half: str | None) -> None:
-    assert units.halved(value, units.LENGTH) == half
+    assert quantities.halved(value, quantities.LENGTH) == half
 
 
 @given(st.floats(1e-6, 1e9) | st.floats(-1e9, -1e-6) | st.just(0.0))
 def test_a_unit_is_a_factor(number: float) -> None:
-    assert to_si(f"{number!r} mm", units.LENGTH) == pytest.approx(1e-3 * number, rel=1e-15)
+    assert to_si(f"{number!r} mm", quantities.LENGTH) == pytest.approx(1e-3 * number, rel=1e-15)
 
 
 @given(st.text(max_size=40))
 def test_any_text_is_read_or_refused(text: str) -> None:
     try:
-        value = to_si(text, units.LENGTH)
+        value = to_si(text, quantities.LENGTH)
     except UnitError:
         return
     assert math.isfinite(value)
 
 
-@pytest.mark.parametrize(("unit", "si"), units._FACTORS)
+@pytest.mark.parametrize(("unit", "si"), quantities._FACTORS)
 def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
-    assert units._FACTORS[unit, si] == units._by_pint(unit, si)
+    assert quantities._FACTORS[unit, si] == quantities._by_pint(unit, si)

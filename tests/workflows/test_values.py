@@ -145,8 +145,8 @@ def test_a_click_shows_that_mode_in_motion(finished: Path) -> None:
 
 
 def test_results_without_modes_have_no_crossings(finished: Path) -> None:
-    from workflows.scene.file import load
-    from workflows.solve.records import Results, SpeedPoint
+    from workflows.scene.load import load
+    from workflows.solve.results import Results, SpeedPoint
 
     scene = load("structure").scene
     results = Results(scene=scene, effects={}, speeds=(SpeedPoint(0.0, 0.0, 0.1, 0.0),))

@@ -20,10 +20,10 @@ from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
 from workflows.cli.entry import main
-from workflows.looking import page, screen, target, window
+from workflows.looking import view_data, window
 from workflows.report import figures, mode_viewer
 from workflows.report.page import load_results
-from workflows.scene.file import SHIPPED
+from workflows.scene.load import SHIPPED
 
 MESHES = Path(__file__).parents[2] / "meshes"
 SIDE = 0.1
@@ -33,7 +33,7 @@ View = Callable[..., Outcome]
 
 @pytest.fixture(autouse=True)
 def _no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(screen, "there_is", lambda: False)
+    monkeypatch.setattr(window, "there_is", lambda: False)
 
 
 @pytest.fixture
@@ -98,8 +98,8 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     speed = document["speeds"][2]
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
-    found = target.of(str(finished))
-    data = json.loads(page.view(found, 2, 2).data)
+    found = view_data.of(str(finished))
+    data = json.loads(window.view(found, 2, 2).data)
     assert data["first"] == [2, 2]
     assert [each["rpm"] for each in data["speeds"]] == [each["rpm"] for each in document["speeds"]]
     shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
@@ -164,10 +164,10 @@ def test_damaged_results_are_named(finished: Path, spindamp: View, tmp_path: Pat
 
 
 def test_a_window_draws_frames_and_closes(finished: Path) -> None:
-    found = target.of(str(finished))
+    found = view_data.of(str(finished))
     done = subprocess.run(
-        [sys.executable, *screen.COMMAND, "3"],
-        input=screen.archive(found, 0, 0, "a plate"),
+        [sys.executable, *window.COMMAND, "3"],
+        input=window.archive(found, 0, 0, "a plate"),
         capture_output=True,
         timeout=HANG,
         check=False,
@@ -179,8 +179,8 @@ def test_a_window_draws_frames_and_closes(finished: Path) -> None:
 
 
 def test_a_window_goes_through_modes_and_speeds(finished: Path, document: dict[str, Any]) -> None:
-    found = target.of(str(finished))
-    with np.load(io.BytesIO(screen.archive(found, 2, 1, "a plate"))) as archive:
+    found = view_data.of(str(finished))
+    with np.load(io.BytesIO(window.archive(found, 2, 1, "a plate"))) as archive:
         shown = window.Shown(dict(archive))
     speeds = document["speeds"]
     assert shown.counts == (len(speeds), len(speeds[0]["modes"]))
@@ -232,14 +232,14 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
-    sight = target.of(str(turning))
+    sight = view_data.of(str(turning))
     kept = load_results(turning).surface
     assert kept is not None
     assert kept.behind is not None
     assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
-    data = json.loads(page.view(sight).data)
+    data = json.loads(window.view(sight).data)
     assert data["behind"]
-    with np.load(io.BytesIO(screen.archive(sight, 0, 0, "a plate"))) as archive:
+    with np.load(io.BytesIO(window.archive(sight, 0, 0, "a plate"))) as archive:
         shown = window.Shown(dict(archive))
     for number in range(3):
         shown.pick(0, number)
@@ -253,10 +253,10 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
 def test_without_the_run_only_what_is_in_phase_is_shown_and_said(turning: Path, tmp_path: Path) -> None:
     for name in ("results.json", "modes.vtu"):
         (tmp_path / name).write_bytes((turning / name).read_bytes())
-    sight = target.of(str(tmp_path))
+    sight = view_data.of(str(tmp_path))
     assert sight.surface.behind is None
     assert dict(sight.facts)["shapes"] == "without run.npz only what swings in phase: the modes are complex"
-    assert "shapes" not in dict(target.of(str(turning)).facts)
+    assert "shapes" not in dict(view_data.of(str(turning)).facts)
 
 
 def test_a_damaged_run_is_named(finished: Path, spindamp: View, tmp_path: Path) -> None:
@@ -270,8 +270,8 @@ def test_a_damaged_run_is_named(finished: Path, spindamp: View, tmp_path: Path) 
 def test_where_the_window_fails_there_is_the_page(
     monkeypatch: pytest.MonkeyPatch, spindamp: View, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(screen, "there_is", lambda: True)
-    monkeypatch.setattr(screen, "COMMAND", ["-c", "import os; os.abort()"])
+    monkeypatch.setattr(window, "there_is", lambda: True)
+    monkeypatch.setattr(window, "COMMAND", ["-c", "import os; os.abort()"])
     outcome = spindamp("view", MESHES / "plate_coarse.msh")
     assert outcome.status == 0
     assert "open spindamp-view-plate-coarse-msh.html" in outcome.out
@@ -281,7 +281,7 @@ def test_where_the_window_fails_there_is_the_page(
 @needs_chromium
 def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     path = tmp_path / "page.html"
-    page.write(target.of(str(MESHES / "plate_with_hole.msh")), path)
+    window.write(view_data.of(str(MESHES / "plate_with_hole.msh")), path)
     script = """
     const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
     const copy = document.createElement('canvas').getContext('2d');
@@ -309,7 +309,7 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
 @needs_chromium
 @needs_axe
 def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
-    for number, sight in enumerate((target.of(str(turning)), target.of(str(MESHES / "plate_with_hole.msh")))):
+    for number, sight in enumerate((view_data.of(str(turning)), view_data.of(str(MESHES / "plate_with_hole.msh")))):
         path = tmp_path / f"{number}.html"
-        page.write(sight, path)
+        window.write(sight, path)
         assert findings(path) == []

@@ -15,8 +15,7 @@ import pytest
 from tests.workflows.browser import NO_GL, driven, needs_chromium, printed
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
-from workflows.solve.plate_records import SMOOTH
-from workflows.solve.records import Mode, SpeedPoint, Surface
+from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
 
 LENGTH, WIDTH, HOLE = 0.2, 0.08, 0.02
 SPEEDS = (0.0, 3000.0, 6000.0)

@@ -27,8 +27,9 @@ import pytest
 
 from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
-from workflows.output import signals, store
-from workflows.output import swap as folders
+from workflows.output import folder as folders
+from workflows.output import folder as store
+from workflows.output import signals
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")

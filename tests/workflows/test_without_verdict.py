@@ -9,13 +9,12 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN
-from workflows.findings import worth
-from workflows.findings.answer import answer
-from workflows.findings.assumptions import assumptions
-from workflows.findings.said import stretch
-from workflows.findings.worth import Grade
+from workflows.findings import limits
+from workflows.findings.limits import Grade
+from workflows.findings.remarks import assumptions, stretch
+from workflows.findings.verdict import answer
 from workflows.report import text as summary
-from workflows.solve.records import Results
+from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
@@ -41,8 +40,8 @@ def needed(results: Results, k: int) -> float:
 def test_a_ball_that_slides_supplies_no_best() -> None:
     """At 80 and 100 rpm, of which both are named, rolling takes more friction than any dry metal has."""
     found = at(80, 100, 3500)
-    assert needed(found, 0) > needed(found, 1) > worth.DRY > needed(found, 2)
-    assert [worth.grade(found, point) for point in found.speeds] == [Grade.UNKNOWN, Grade.UNKNOWN, Grade.YES]
+    assert needed(found, 0) > needed(found, 1) > limits.DRY > needed(found, 2)
+    assert [limits.grade(found, point) for point in found.speeds] == [Grade.UNKNOWN, Grade.UNKNOWN, Grade.YES]
     said = answer(found)
     assert said.verdict == (
         "Yes from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, for to roll"
@@ -70,7 +69,7 @@ def test_a_middle_of_speeds_has_both_its_ends() -> None:
 def test_friction_beyond_the_given_names_every_speed() -> None:
     """Less than dry metals have, more than the scene's 0.3."""
     found = at(200, 300, 3500, 5000)
-    assert worth.DRY > needed(found, 0) > needed(found, 1) > 0.3 > needed(found, 2)
+    assert limits.DRY > needed(found, 0) > needed(found, 1) > 0.3 > needed(found, 2)
     assert answer(found).verdict.endswith(
         "if the ball rolls without slip, which at the amplitude of its best takes a friction of"
         f" {needed(found, 1):.2g} to {needed(found, 0):.2g} up to 300 rpm (20.1 g): 0.3 is given for the walls"
@@ -115,9 +114,9 @@ def test_rows_without_a_verdict_are_marked() -> None:
     found = at(0, 100, 3500)
     heads, *rows = summary.rows(found)
     column = heads.index("ball ζ %")
-    assert [row[column].endswith(worth.UNSAID) for row in rows] == [True, True, False]
-    assert worth.UNSAID_MEANS in summary.text(found, None)
-    assert worth.UNSAID_MEANS not in summary.text(at(3500), None)
+    assert [row[column].endswith(limits.UNSAID) for row in rows] == [True, True, False]
+    assert limits.UNSAID_MEANS in summary.text(found, None)
+    assert limits.UNSAID_MEANS not in summary.text(at(3500), None)
 
 
 def test_a_stretch_of_speeds() -> None:

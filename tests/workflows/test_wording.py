@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workflows import wording
+from workflows import formatting
 
 
 @pytest.mark.parametrize(
@@ -21,9 +21,9 @@ from workflows import wording
 )
 def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> None:
     """One below 0 that is more than what rounding leaves keeps its digits."""
-    assert wording.percent(share, 3) == said
+    assert formatting.percent(share, 3) == said
 
 
 @pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])
 def test_no_whole_number_is_minus_nothing(value: float, said: str) -> None:
-    assert wording.fixed(value) == said
+    assert formatting.fixed(value) == said

@@ -6,8 +6,8 @@ import pytest
 
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
-from workflows.scene import units
-from workflows.scene.file import parse
+from workflows.scene import quantities
+from workflows.scene.load import parse
 from workflows.studies.sweep import study
 
 
@@ -16,13 +16,13 @@ from workflows.studies.sweep import study
     [("6.9 1/m", 6.9), ("6.9 rad/m", 6.9), ("0.4 deg/mm", 6.98131700798), ("400 deg/m", 6.98131700798), (3, 3.0)],
 )
 def test_a_slope_may_be_an_angle_over_a_length(text, value):
-    assert units.to_si(text, units.SLOPE) == pytest.approx(value, rel=1e-9)
+    assert quantities.to_si(text, quantities.SLOPE) == pytest.approx(value, rel=1e-9)
 
 
 @pytest.mark.parametrize("text", ["0.4 deg", "0.4 deg/s", "0.4 deg^2/m"])
 def test_other_angles_are_no_slopes(text):
-    with pytest.raises(units.UnitError, match=r"6\.9 1/m"):
-        units.to_si(text, units.SLOPE)
+    with pytest.raises(quantities.UnitError, match=r"6\.9 1/m"):
+        quantities.to_si(text, quantities.SLOPE)
 
 
 @pytest.mark.parametrize("typed", ["0.1 mm:4 mm", "log:100 um:4e-1 cm"])
@@ -34,11 +34,11 @@ def test_a_range_is_quoted_as_it_was_typed(typed):
 
 def test_the_weight_left_out_is_said(structure):
     from workflows import pipeline
-    from workflows.findings import assumptions
+    from workflows.findings import remarks
 
     for rpm, said in (("0 rpm", True), ("4000 rpm", False)):
         scene = changed(structure, rotor__speeds=[rpm], release__cycles=2)
-        found = assumptions.assumptions(pipeline.run(scene))
+        found = remarks.assumptions(pipeline.run(scene))
         assert any("weight is left out: at 0 rpm" in text for text, _ in found) is said
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from workflows.effects.definition import NO_DAMPER, Assumption, Case, Definition, Refusal
-from workflows.effects.left_out import Called
+from workflows.effects.definition import NO_DAMPER, Assumption, Called, Case, Definition, Refusal
 
 if TYPE_CHECKING:
     from workflows.scene.damper import Damper

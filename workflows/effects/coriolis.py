@@ -6,11 +6,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.effects.definition import AT_REST, GIVEN, Case, Definition
-from workflows.effects.left_out import Called, LeftOut, everywhere
+from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, everywhere
+from workflows.formatting import significant
+from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.scene.source import SceneFile
-from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.accuracy.neglected_effects import Turned

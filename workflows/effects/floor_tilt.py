@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from workflows.effects.beams import SLOPE, STIFFENED, beam_like
-from workflows.effects.definition import NO_DAMPER, PRINTED, Assumption, Case, Definition, not_printed
-from workflows.effects.left_out import Called
+from workflows.effects.definition import NO_DAMPER, PRINTED, Assumption, Called, Case, Definition, not_printed
+from workflows.effects.selection import SLOPE, STIFFENED, beam_like
+from workflows.formatting import significant, whole
 from workflows.scene.scene import Scene
-from workflows.wording import significant, whole
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform

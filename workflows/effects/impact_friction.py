@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from workflows.effects.definition import NO_DAMPER, Case, Definition
-from workflows.effects.left_out import Called
+from workflows.effects.definition import NO_DAMPER, Called, Case, Definition
 
 if TYPE_CHECKING:
     from workflows.scene.damper import Damper

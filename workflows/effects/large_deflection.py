@@ -8,11 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.effects.definition import AT_REST, GIVEN, Assumption, Case, Definition, Refusal
-from workflows.effects.left_out import Called, LeftOut, everywhere
+from workflows.effects.definition import (
+    AT_REST,
+    GIVEN,
+    Assumption,
+    Called,
+    Case,
+    Definition,
+    LeftOut,
+    Refusal,
+    everywhere,
+)
+from workflows.formatting import significant
+from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.scene.source import SceneFile
-from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.accuracy.neglected_effects import Bent

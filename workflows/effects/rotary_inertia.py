@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from workflows.effects.definition import Case, Definition
-from workflows.effects.left_out import Called
+from workflows.effects.definition import Called, Case, Definition
 
 
 def called_for(case: Case) -> Called:

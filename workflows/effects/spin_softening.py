@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from workflows.effects.definition import AT_REST, GIVEN, Case, Definition
-from workflows.effects.left_out import Called
+from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition
 
 
 def called_for(case: Case) -> Called:

@@ -5,11 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from workflows.effects.beams import SHARE, beam_like
-from workflows.effects.definition import GIVEN, NO_DAMPER, PRINTED, Assumption, Case, Definition, Refusal, not_printed
-from workflows.effects.left_out import Called
+from workflows.effects.definition import (
+    GIVEN,
+    NO_DAMPER,
+    PRINTED,
+    Assumption,
+    Called,
+    Case,
+    Definition,
+    Refusal,
+    not_printed,
+)
+from workflows.effects.selection import SHARE, beam_like
+from workflows.formatting import significant
 from workflows.scene.scene import Scene
-from workflows.wording import significant
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform

@@ -9,9 +9,23 @@ argument it draws so many frames, one mode after the other, and ends.
 from __future__ import annotations
 
 import io
+import os
+import subprocess
 import sys
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from workflows import formatting
+from workflows.formatting import amount
+from workflows.looking.view_data import Sight
+from workflows.report import figures, mode_viewer, plots
+from workflows.report import page as templating
+from workflows.solve.results import Mode, Surface
 
 _PERIOD = 1.8
 """Seconds that a period takes on the screen."""
@@ -179,3 +193,118 @@ def _controls(plotter: Any, shown: Shown) -> None:
 
 if __name__ == "__main__":
     main()
+
+
+COMMAND = ["-P", str(Path(__file__).with_name("window.py"))]
+"""What shows the window, as arguments to Python."""
+
+_SCALE = 0.14
+"""Largest displacement drawn, in lengths of the plate."""
+
+
+def there_is() -> bool:
+    """Whether this machine, as far as it tells, has a screen to open a window on."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
+    """Show a mode (from 0) at a speed of the run in a window until it is closed; False where that did not work."""
+    try:
+        done = subprocess.run(
+            [sys.executable, *COMMAND], input=archive(sight, first, mode, title), stderr=subprocess.DEVNULL, check=False
+        )
+    except OSError:
+        return False
+    return done.returncode == 0
+
+
+def archive(sight: Sight, first: int, mode: int, title: str) -> bytes:
+    """What the window's program reads: every mode at every speed kept, one of them first."""
+    surface = sight.surface
+    length = float(np.ptp(surface.points[:, :2], axis=0).max())
+    mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0]]).reshape(-1, 3) / length
+    given: dict[str, Any] = {
+        "points": surface.points / length,
+        "cells": surface.cells[1],
+        "outline": surface.outline,
+        "root": surface.root,
+        "mark": mark,
+        "first": (surface.at.index(first), mode) if surface.at else (0, 0),
+        "largest": _SCALE,
+        "title": np.array(title),
+    }
+    out = io.BytesIO()
+    np.savez(out, **given, **_shapes(surface), said=_said(sight))
+    return out.getvalue()
+
+
+def _shapes(surface: Surface) -> dict[str, Any]:
+    """Displacements to be drawn, (speeds, modes, n, 3), and behind them; none of the latter where all is in phase."""
+    behind = surface.behind if surface.behind is not None else np.zeros((0, *surface.shapes.shape[1:]))
+    squares = (surface.shapes**2).sum(axis=-1)
+    if len(behind):
+        squares += (behind**2).sum(axis=-1)
+    largest = np.sqrt(squares.max(axis=-1, initial=0.0))
+    scale = (_SCALE / np.where(largest > 0, largest, 1.0))[..., None, None]
+    return {
+        "shapes": (surface.shapes * scale).astype(np.float32),
+        "behind": (behind * scale[: len(behind)]).astype(np.float32),
+    }
+
+
+def _said(sight: Sight) -> npt.NDArray[np.str_]:
+    """Each mode in words, (speeds, modes)."""
+    count = sight.surface.shapes.shape[1]
+    rows = [
+        [_mode(number, mode, point.rpm) for number, mode in enumerate(point.modes[:count], 1)]
+        for point in (sight.speeds[at] for at in sight.surface.at)
+    ]
+    return np.array(rows, dtype=np.str_)
+
+
+def _mode(number: int, mode: Mode, rpm: float) -> str:
+    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(rpm)} rpm"
+
+
+_ROOM = mode_viewer.Room(12_000, 600_000)
+"""What a page of its own has room for."""
+
+
+def view(sight: Sight, first: int = 0, mode: int = 0) -> mode_viewer.View:
+    """The viewer's data, that shows a mode (from 0) at a speed of the run first."""
+    return mode_viewer.of_surface(sight.surface, sight.speeds, sight.mark, sight.thickness, (first, mode), _ROOM)
+
+
+def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
+    """The page as text."""
+    from markupsafe import Markup
+
+    seen = view(sight, first, mode)
+    with plots.style():
+        figure = figures.mesh_of(sight.surface, sight.mark, sight.root)
+        still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
+    words: dict[str, Callable[..., str]] = {"curly": formatting.curly, "whole": formatting.whole}
+    return templating.page(
+        "view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=templating.script("viewer.js")
+    )
+
+
+def thinned(seen: mode_viewer.View) -> str:
+    """What to say where points were left out; nothing where none were."""
+    if not seen.thinned:
+        return ""
+    drawn, of = formatting.whole(seen.points), formatting.whole(seen.of)
+    return f"drawn with {drawn} of {of} points, the boundary's corners all kept"
+
+
+def write(sight: Sight, path: Path, first: int = 0, mode: int = 0) -> Path:
+    """Put the page into a file, whole or not at all, and return the file.
+
+    Raises:
+        BadInput: it cannot be written.
+    """
+    from workflows.report.page import put
+
+    return put(path, page(sight, first, mode), "--out")

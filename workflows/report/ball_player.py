@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from workflows.report import figures, mode_viewer
-from workflows.results import curves
-from workflows.solve.records import BallPath, Floats, Results
+from workflows.results import files
+from workflows.solve.results import BallPath, Floats, Results
 
 _WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
 """Kinds of event that are told; the release and the rubbing that belongs to a hit are not."""
@@ -32,7 +32,7 @@ def data(results: Results) -> str:
         "radius": 1e3 * given.radius,
         "ball": _packed(path.ball),
         "structure": _packed(path.structure),
-        "moving": [curves.moving(path.ball), curves.moving(path.structure)],
+        "moving": [files.moving(path.ball), files.moving(path.structure)],
         "regime": "".join(str(3 * a + b) for a, b in path.regime.tolist()),
         "events": events(path),
     }

@@ -9,24 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.findings import worth
+from workflows.findings import limits
+from workflows.formatting import amount, significant
 from workflows.report import plots
 from workflows.report.mode_viewer import Indices
 from workflows.report.plots import Value
-from workflows.results import curves
+from workflows.results import files
 from workflows.results.crossings import crossings, orders
-from workflows.results.curves import Curve
+from workflows.results.files import Curve
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
-from workflows.solve.quantity import Quantity, entries
-from workflows.solve.records import BallPath, Energy, Floats, Results, SpeedPoint, Surface, shown
-from workflows.wording import amount, significant
+from workflows.solve.results import BallPath, Energy, Floats, Quantity, Results, SpeedPoint, Surface, entries, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from workflows.solve.records import OwnFigures
+    from workflows.solve.results import OwnFigures
 
 _LINE = 0.052
 """Height of a line of text, in heights of the Campbell diagram."""
@@ -143,7 +142,7 @@ def _at_which_speed(results: Results) -> str:
 def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
     """Frequencies with their errors, which lead to the mode; then crossings with engine orders."""
     (axes,), kept = figure.axes, () if results.surface is None else results.surface.at
-    for branch in curves.branches(results):
+    for branch in files.branches(results):
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
@@ -156,7 +155,7 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
 
 def _damping_ratios(results: Results, figure: Figure) -> Iterator[Value]:
     """The damping ratio by the ball over the amplitude at each load."""
-    for line in curves.damping_ratio(results):
+    for line in files.damping_ratio(results):
         for x, y in zip(1e3 * line.x, 100 * line.y, strict=True):
             if y > 0:
                 yield Value(figure.axes[0], x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
@@ -178,7 +177,7 @@ def _shares(results: Results, figure: Figure) -> Iterator[Value]:
 
 def campbell(results: Results) -> Figure | None:
     """Frequencies over speed with the engine orders that excite them; None for a plate at rest."""
-    tracks, fastest = curves.campbell(results), max(point.rpm for point in results.speeds)
+    tracks, fastest = files.campbell(results), max(point.rpm for point in results.speeds)
     if not tracks or fastest == 0:
         return None
     figure, (axes,) = plots.canvas(3.5)
@@ -198,12 +197,12 @@ def campbell(results: Results) -> Figure | None:
 
 def velocity(results: Results) -> Figure | None:
     """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2), or None."""
-    point = next((p for p in results.speeds if curves.velocity(p)), None)
+    point = next((p for p in results.speeds if files.velocity(p)), None)
     if point is None or point.damping is None:
         return None
     figure, (axes,) = plots.canvas(2.5)
     axes.axhline(0, color=plots.MUTED, lw=0.5)
-    tracks = curves.velocity(point)
+    tracks = files.velocity(point)
     for track, colour in zip(tracks, plots.CATEGORIES, strict=False):
         _oscillation(axes, track, colour)
     end = max(1e3 * float(track.x[-1]) for track in tracks)
@@ -217,7 +216,7 @@ def velocity(results: Results) -> Figure | None:
 
 def capacity(results: Results) -> Figure | None:
     """Specific damping capacity over amplitude for every load: all of it, and the ball's part (Fig. 3)."""
-    lines = curves.capacity(results)
+    lines = files.capacity(results)
     dampings = [p.damping for p in results.speeds if p.damping is not None and np.isfinite(p.damping.sdc).any()]
     if not lines:
         return None
@@ -362,7 +361,7 @@ def _spread(values: list[float], gap: float) -> list[float]:
 
 def damping_ratio(results: Results) -> Figure | None:
     """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
-    lines = curves.damping_ratio(results)
+    lines = files.damping_ratio(results)
     ranges = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
     if not lines:
         return None
@@ -374,12 +373,12 @@ def damping_ratio(results: Results) -> Figure | None:
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
-    top = max(*peaks, 100 * worth.AIR[1])
+    top = max(*peaks, 100 * limits.AIR[1])
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
-    axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * worth.AIR[0]), 2 * top))
+    axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
     axes.set_xlim(_from_to(lines, ranges))
     axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-    _beside(axes, worth.endured(results))
+    _beside(axes, limits.endured(results))
     plots.legend(figure, axes, title="load")
     return figure
 
@@ -394,7 +393,7 @@ def _from_to(lines: list[Curve], ranges: list[OwnFigures]) -> tuple[float, float
 
 def _beside(axes: Axes, limit: float | None) -> None:
     """What the air does, and the amplitude [m] up to which the plate endures; the words do not meet its line."""
-    low, high = (100 * ratio for ratio in worth.AIR)
+    low, high = (100 * ratio for ratio in limits.AIR)
     axes.axhspan(low, high, color=plots.RULE, lw=0)
     end, (left, right) = 0.99, np.log(axes.get_xlim())
     if limit is not None and np.log(1e3 * limit) < right:
@@ -480,7 +479,7 @@ def cavity_path(results: Results) -> Figure | None:
     figure, (above, ball, structure) = _square_above(2.6, 2)
     _from_above(above, path, given.cavity, given.radius, _LINED / frequency(point))
     _over_time(ball, path, path.ball)
-    for i in curves.moving(path.ball):
+    for i in files.moving(path.ball):
         half = 1e3 * (given.cavity[i] / 2 - given.radius)
         for side in (-half, half):
             ball.axhline(side, color=_AXES[i], lw=0.7, ls=(0, (4, 3)))
@@ -489,7 +488,7 @@ def cavity_path(results: Results) -> Figure | None:
     _over_time(structure, path, path.structure)
     ball.set(title="Ball from the middle of its cavity, mm")
     structure.set(title="Structure at the cavity, mm", xlabel="time, ms")
-    if len(curves.moving(path.structure)) == 2 or len(curves.moving(path.ball)) == 2:
+    if len(files.moving(path.structure)) == 2 or len(files.moving(path.ball)) == 2:
         structure.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     return figure
 
@@ -532,7 +531,7 @@ def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius:
 
 def _over_time(axes: Axes, path: BallPath, motion: Floats) -> None:
     t, reach = (path.t - path.t[0]) / (path.t[-1] - path.t[0]), np.abs(motion).max()
-    for i in curves.moving(motion):
+    for i in files.moving(motion):
         kept = _apart(np.column_stack([_LENGTH * t, motion[:, i] / reach]), _FINE)
         axes.plot(1e3 * path.t[kept], 1e3 * motion[kept, i], color=_AXES[i], lw=0.9, label=f"axis {i + 1}")
     axes.set(xlim=(1e3 * path.t[0], 1e3 * path.t[-1]))

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.scene import plate_mesh
-from workflows.solve.records import Floats, Results, SpeedPoint, Surface, shown
+from workflows.solve.results import Floats, Results, SpeedPoint, Surface, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

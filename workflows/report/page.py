@@ -6,29 +6,61 @@ import base64
 import math
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from workflows import wording
+from workflows import formatting
 from workflows.errors import BadInput
-from workflows.findings import answer, cutoffs, of_the_ball, trust, worth
-from workflows.findings.assumptions import assumptions
-from workflows.output import store
+from workflows.findings import limits, remarks, verdict
+from workflows.findings.remarks import assumptions
+from workflows.output import folder as store
 from workflows.progress import Stages
-from workflows.report import ball_player, figures, mode_viewer, plots, templating
+from workflows.report import ball_player, figures, mode_viewer, plots
 from workflows.report.mode_viewer import Artist, Picture, View
 from workflows.report.text import shown
-from workflows.results import curves, kept, resolved
-from workflows.results import document as results_json
+from workflows.results import files, provenance, serialise
 from workflows.results import files as results_files
+from workflows.results import serialise as results_json
 from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
-from workflows.solve import records
-from workflows.solve.records import Results, SpeedPoint, expect
+from workflows.solve import results as records
+from workflows.solve.results import Results, SpeedPoint, expect
+
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+
+
+def page(template: str, words: Mapping[str, Callable[..., str]], css: str = "", **values: Any) -> str:
+    """A page as text.
+
+    Args:
+        template: its name.
+        words: the filters by which it turns values into words.
+        css: style beside that of every page.
+        values: what it shows.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= words
+    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
+    return environment.get_template(template).render(css=Markup(style), **values)
+
+
+def script(name: str) -> str:
+    """A script that stands in a page."""
+    return (_TEMPLATES / name).read_text(encoding="utf-8")
+
 
 _MODES_AT_MOST = 7
 """Columns of the table of a plate without a damper."""
@@ -53,8 +85,8 @@ def draw(results: Results) -> Drawings:
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    words = (wording.fixed, wording.amount, wording.significant, wording.percent, wording.curly)
-    return templating.page(
+    words = (formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.curly)
+    return page(
         "report.html.j2",
         {word.__name__: word for word in words},
         drawings.css,
@@ -70,13 +102,13 @@ def _said(results: Results) -> dict[str, Any]:
     return {
         "results": results,
         "scene": results.scene,
-        "answer": answer.answer(results),
+        "answer": verdict.answer(results),
         "thick": _thick(results),
         "held": figures.held(results.scene),
         "assumptions": assumptions(results),
         "versions": versions(),
         "hashes": hashes(results),
-        "settings": _settings(resolved.scene(results.scene, results.effects, results.theory)),
+        "settings": _settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
     }
 
 
@@ -84,17 +116,17 @@ def _tabulated(results: Results) -> dict[str, Any]:
     """What tables show, and the yardsticks beside it."""
     return {
         "rows": [_row(results, point) for point in results.speeds],
-        "errors": trust.worst(results),
-        "error_parts": trust.PARTS,
+        "errors": remarks.worst(results),
+        "error_parts": remarks.PARTS,
         "mode_columns": min(len(results.speeds[0].modes), _MODES_AT_MOST),
         "driven": _driven(results),
         "tilts": any(p.tilted for p in results.speeds),
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
-        "air": worth.AIR,
-        "endured": worth.endured(results),
-        "beyond": worth.beyond(results),
-        "marks": worth.legend(results),
-        "at_rest": cutoffs.legend(results),
+        "air": limits.AIR,
+        "endured": limits.endured(results),
+        "beyond": limits.beyond(results),
+        "marks": limits.legend(results),
+        "at_rest": limits.cutoff_legend(results),
     }
 
 
@@ -104,11 +136,11 @@ def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
 
     return {name: Markup(drawn) for name, drawn in drawings.figures.items()} | {
         "cells_drawn": results.surface is not None and figures.cells_are_drawn(results.surface),
-        "fast": any(figures.is_fast(track) for p in results.speeds for track in curves.velocity(p)),
+        "fast": any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
         "bands": any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
         "shown": next((p for p in results.speeds if p.damping and p.damping.history), None),
         "playing": ball_player.data(results) if drawings.figures["path"] else "",
-        "playing_script": templating.script("player.js"),
+        "playing_script": script("player.js"),
         "stretch": _stretch(results),
     }
 
@@ -121,7 +153,7 @@ def _of_the_mode(results: Results, drawings: Drawings) -> dict[str, Any]:
         "shape_remark": "" if shape is None else shape.remark,
         "shape_point": _shape_point(results),
         "view": drawings.view,
-        "script": templating.script("viewer.js"),
+        "script": script("viewer.js"),
     }
 
 
@@ -131,10 +163,10 @@ def _thick(results: Results) -> str:
     if plate is None:
         return ""
     if isinstance(plate.thickness, float):
-        return f"{wording.significant(1e3 * plate.thickness)} mm thick"
+        return f"{formatting.significant(1e3 * plate.thickness)} mm thick"
     if surface is None or surface.thickness is None:
         return "its thickness varies"
-    low, high = (wording.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
+    low, high = (formatting.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
     return f"{low} to {high} mm thick"
 
 
@@ -165,13 +197,13 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
     """A line of the tables."""
     return {
         "point": point,
-        "frequency": answer.first_frequency(point),
+        "frequency": verdict.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "mark": worth.mark(results, point),
-        "cutoff": cutoffs.shown(results, point),
+        "mark": limits.mark(results, point),
+        "cutoff": limits.shown(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
-        "lost": None if point.damping is None else of_the_ball.lost_at_most(point.damping),
+        "lost": None if point.damping is None else remarks.lost_at_most(point.damping),
     }
 
 
@@ -212,7 +244,7 @@ def save(results: Results, folder: str | os.PathLike[str]) -> Path:
     expect(results, "save")
     out = _path("save", "folder", folder)
     try:
-        target = store.check(out, curves.FILES)
+        target = store.check(out, files.FILES)
         with artist(results) as drawing:
             publish(results, out, Stages(visible=False, spent=results.timings), drawing)
     except BadInput as error:
@@ -256,7 +288,7 @@ def load_results(folder: str | os.PathLike[str]) -> Results:
         BadInput: there is no run of ours.
         TypeError: not the name of a folder.
     """
-    return shown(kept.read(folder))
+    return shown(serialise.read(folder))
 
 
 @contextmanager
@@ -327,6 +359,6 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(render(finished, drawings), encoding="utf-8")
-        kept.write(finished, folder / kept.NAME)
+        serialise.write(finished, folder / serialise.NAME)
         (folder / "results.json").write_text(results_json.dumps(finished) + "\n", encoding="utf-8")
     return finished

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows.errors import one_line
-from workflows.findings import answer, cutoffs, of_the_ball, trust, worth
-from workflows.solve.records import Results, SpeedPoint
-from workflows.wording import amount, fixed, percent, revolutions, significant
+from workflows.findings import limits, verdict
+from workflows.findings import remarks as of_the_ball
+from workflows.findings import remarks as trust
+from workflows.formatting import amount, fixed, percent, revolutions, significant
+from workflows.solve.results import Results, SpeedPoint
 
 if TYPE_CHECKING:
     from workflows.report.figures import Plots
@@ -23,12 +25,12 @@ _ROWS_AT_MOST = 12
 
 def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> str:
     """The summary, ready to print; `remarks`, on how the scene is written, come first wherever the notes are."""
-    found = answer.answer(results)
+    found = verdict.answer(results)
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
     parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
-    legend = [*cutoffs.legend(results), *worth.legend(results)] if results.scene.damper is not None else []
+    legend = [*limits.cutoff_legend(results), *limits.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
     if results.notes and out is None:
         parts.append("")
@@ -67,15 +69,15 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
-    cutoff = cutoffs.shown(results, point)
+    cutoff = limits.shown(results, point)
     return (
         amount(point.rpm),
         amount(point.load_g),
-        fixed(answer.first_frequency(point), 2),
+        fixed(verdict.first_frequency(point), 2),
         amount(cutoff.g) + cutoff.mark,
         fixed(cutoff.ratio, 3) + cutoff.mark,
         percent(of_the_ball.lost_at_most(damping), 3),
-        significant(100 * figures.peak if figures else 0.0) + worth.mark(results, point),
+        significant(100 * figures.peak if figures else 0.0) + limits.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
@@ -110,7 +112,7 @@ def shown(results: Results) -> Shown:
 
 def brief(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
-    found = answer.answer(results)
+    found = verdict.answer(results)
     said = trust.errors(results)
     lines = [_head(results), " ".join((f"{found.verdict}.", *found.sentences[:1])), *([] if said is None else [said])]
     return "\n".join(lines)
@@ -118,7 +120,7 @@ def brief(results: Results) -> str:
 
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
-    found, said = answer.answer(results), trust.sentence(results)
+    found, said = verdict.answer(results), trust.sentence(results)
     sentences = " ".join(found.sentences if said is None or said in found.sentences else (*found.sentences, said))
     heads, *lines = rows(results)
     left_out = len(lines) - _ROWS_AT_MOST

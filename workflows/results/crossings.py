@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from workflows.errors import BadInput
-from workflows.results import curves
+from workflows.formatting import whole
+from workflows.results import files
 from workflows.scene.scene import Scene
-from workflows.solve.records import Mode, Results, SpeedPoint
-from workflows.wording import whole
+from workflows.solve.results import Mode, Results, SpeedPoint
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 """Multiples of the rotation's frequency that are looked at in any scene."""
@@ -65,7 +65,7 @@ def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossi
     whose frequency does not depend on the speed.
     """
     by_speed = sorted(points, key=lambda point: point.omega)
-    labels = curves.labels(by_speed) or {0: "flap 1"}
+    labels = files.labels(by_speed) or {0: "flap 1"}
     tracks = {branch: _track(by_speed, branch) for branch in sorted(labels)}
     return [
         met

@@ -4,10 +4,148 @@ from __future__ import annotations
 
 import hashlib
 import json
+from typing import TYPE_CHECKING, Any
 
-from workflows.results import resolved
-from workflows.solve.records import Results
+from workflows.effects.definition import Effect
+from workflows.errors import one_line
+from workflows.formatting import revolutions, significant
+from workflows.scene import plate_mesh
+from workflows.scene.damper import PICTURE
+from workflows.scene.load import SceneFile
+from workflows.scene.materials import KNOWN
+from workflows.scene.scene import Scene
+from workflows.solve.results import Results, Theory
 from workflows.versions import versions as versions
+
+if TYPE_CHECKING:
+    from fem.meshes.mesh_sequence import Planform
+
+
+def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
+    """The resolved scene as plain data; a material is its numbers, whatever its name."""
+    data = given.model_dump(mode="json", exclude_none=True)
+    for table, name in (("material", "name"), ("damper", "ball_material")):
+        data.get(table, {}).pop(name, None)
+    data["effects"] = {name: effect.on for name, effect in effects.items()}
+    if theory is not None:
+        data["plate"]["theory"] = theory.name
+    return data
+
+
+def document(
+    source: SceneFile, effects: dict[str, Effect], theory: Theory | None, form: Planform | None = None
+) -> dict[str, Any]:
+    """What `check --json` prints: the scene, why each effect is on or off, radii [m], remarks on how it is written.
+
+    A thickness [m] that varies is there too: its least, its greatest, that at the damper.
+    """
+    root, place, _ = radii(source, form)
+    found: dict[str, Any] = {
+        "scene": resolved_scene(source.scene, effects, theory),
+        "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
+        "radii": {"root": root, "damper": place},
+        "remarks": list(source.remarks),
+    }
+    if (known := _varying(source, form)) is not None:
+        found["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
+    return found if theory is None else found | {"theory": vars(theory)}
+
+
+def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, float] | None:
+    """Least and greatest thickness [m] and that at the damper, where it varies."""
+    plate = source.scene.plate
+    if plate is None or isinstance(plate.thickness, float):
+        return None
+    from workflows.scene.plate_mesh import root_and_place
+
+    least, _, greatest = plate_mesh.spread(plate, form)
+    return least, greatest, plate_mesh.plate_thickness(plate, root_and_place(source, _mesh(form))[1], form)
+
+
+def _mesh(form: Planform | None) -> Any:
+    return None if form is None else form.mesh(form.sizes[0])
+
+
+def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
+    """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
+    given, (root, place, at) = source.scene, radii(source, form)
+    lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
+    what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
+    held = "root" if given.plate is not None and given.plate.root is not None else "clamped root"
+    inner = "" if root is None else f"{_mm(root)} at the {held}, "
+    lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
+    if (known := _varying(source, form)) is not None:
+        least, greatest, there = map(_mm, known)
+        lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
+    if given.damper is not None and given.plate is not None:
+        lines += ["", *PICTURE.splitlines()]
+    return [f"# {line}".rstrip() for line in lines]
+
+
+def radii(source: SceneFile, form: Planform | None) -> tuple[float | None, float, str]:
+    """Radii [m] of the clamped root, which a [structure] has not, and of the damper; and its place on the plate."""
+    hub = source.scene.rotor.hub_radius
+    if source.scene.plate is None:
+        return None, source.scene.rotor.radius or 0.0, ""
+    from workflows.scene.plate_mesh import root_and_place
+
+    root, (x, y) = root_and_place(source, _mesh(form))
+    rotor = source.scene.rotor
+    from fem import Rotor
+
+    outwards = Rotor(hub, rotor.stagger, rotor.precone).outwards
+    return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
+
+
+def as_toml(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
+    """The resolved scene as TOML, the reasons in comments."""
+    lines: list[str] = []
+    data = resolved_scene(given, effects, theory)
+    data["rotor"]["speeds"] = [f"{speed!r} rad/s" for speed in given.rotor.speeds]
+    reasons = _sources(given) | {("effects", name): effect.why for name, effect in effects.items()}
+    reasons["rotor", "speeds"] = revolutions(given.rotor.speeds)
+    if theory is not None:
+        reasons["plate", "theory"] = theory.why
+    for key, value in data.items():
+        if isinstance(value, dict):
+            lines += _table(key, value, reasons)
+        else:
+            lines.append(_line(key, value, None))
+    return "\n".join(lines)
+
+
+def _table(key: str, table: dict[str, Any], reasons: dict[tuple[str, str], str]) -> list[str]:
+    """A table with its keys, and then those in it."""
+    inner = {name: item for name, item in table.items() if isinstance(item, dict)}
+    lines = ["", f"[{key}]"]
+    lines += [_line(name, item, reasons.get((key, name))) for name, item in table.items() if name not in inner]
+    for name, item in inner.items():
+        lines += _table(f"{key}.{name}", item, reasons)
+    return lines
+
+
+def _sources(given: Scene) -> dict[tuple[str, str], str]:
+    """Where the numbers of materials are from, and what balls of a density weigh."""
+    found: dict[tuple[str, str], str] = {}
+    material, damper = given.material, given.damper
+    if material is not None and material.name is not None:
+        found["material", "youngs_modulus"] = f"{material.name}: {KNOWN[material.name].source}"
+    if damper is not None and damper.ball_density is not None:
+        name = damper.ball_material
+        known = "" if name is None else f"{name}: {KNOWN[name].source}; "
+        balls = "the ball weighs" if damper.count == 1 else f"{damper.count} balls together weigh"
+        found["damper", "ball_density"] = f"{known}{balls} {significant(1e3 * (damper.balls or 0.0))} g"
+    return found
+
+
+def _line(key: str, value: object, reason: str | None) -> str:
+    # TOML and JSON write numbers, strings, booleans and lists alike.
+    text = f"{key} = {json.dumps(value, ensure_ascii=False)}"
+    return f"{text:<28} # {reason}" if reason else text
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.6g} mm"
 
 
 def scene_sha256(results: Results) -> str:
@@ -16,7 +154,7 @@ def scene_sha256(results: Results) -> str:
     The same scene, however it was written, has the same hash. A mesh file counts by its name here; its bytes have a
     hash of their own.
     """
-    scene = resolved.scene(results.scene, results.effects, results.theory)
+    scene = resolved_scene(results.scene, results.effects, results.theory)
     canonical = json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from workflows.scene.faults import ROUNDING, fault
+from workflows.scene.quantities import ROUNDING, fault
 
 LIGHTEST = 10.0
 """Density [kg/m^3] below which a number is more likely one of g/cm^3: foams begin here, metals in g/cm^3 end at 23."""

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
-from workflows.scene import materials, units
-from workflows.scene.faults import ROUNDING, fault
-from workflows.scene.fields import (
+from workflows.scene import materials, quantities
+from workflows.scene.quantities import (
+    ROUNDING,
     Density,
     Length,
     LengthPair,
@@ -22,11 +22,42 @@ from workflows.scene.fields import (
     Positive,
     Pressure,
     RotationalStiffness,
+    Table,
+    fault,
     name_of,
 )
-from workflows.scene.proportions import disproportion, in_millimetres
-from workflows.scene.table import Table
 from workflows.scene.thickness_table import Thickness, extremes
+
+_THINNEST, _SLENDEREST = 1e4, 100.0
+"""Largest ratios of the plate's extent to its thickness, and of its length to its width or the other way round."""
+
+_LARGEST = 10.0
+"""Side [m] from which, on a plate out of proportion, a number is more likely one of mm."""
+
+
+def disproportion(least: float, greatest: float, length: float, width: float) -> tuple[str, str] | None:
+    """The key of what is out of proportion, and the problem."""
+    extent = max(length, width)
+    if extent > _SLENDEREST * min(length, width):
+        return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
+    if greatest >= length:
+        return "thickness", f"expected less than the length, {length:g} m"
+    if greatest > width * (1 + ROUNDING):
+        return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
+    if least < extent / _THINNEST:
+        return "thickness", f"expected at least {extent / _THINNEST:.3g} m on a plate {extent:g} m large"
+    return None
+
+
+def in_millimetres(least: float, greatest: float, length: float, width: float) -> str:
+    """A question where large sides, taken as millimetres, would be those of a plate; else nothing."""
+    large = {name: side for name, side in (("length", length), ("width", width)) if side >= _LARGEST}
+    scaled = (side * 1e-3 if side >= _LARGEST else side for side in (length, width))
+    if not large or disproportion(least, greatest, *scaled) is not None:
+        return ""
+    name, side = next(iter(large.items()))
+    return f"; {name} = {side:g} is in m: was '{side:g} mm' meant?"
+
 
 _SOFTEST = 1e4
 """Modulus [Pa] below which a number is more likely one of GPa: gels end here, diamond has 1200 GPa."""
@@ -113,7 +144,7 @@ class Plate(Table):
     @property
     def mesh_scale(self) -> float:
         """Metres to the unit of the mesh file."""
-        return 1.0 if self.mesh_unit is None else units.to_si(f"1 {self.mesh_unit}", units.LENGTH)
+        return 1.0 if self.mesh_unit is None else quantities.to_si(f"1 {self.mesh_unit}", quantities.LENGTH)
 
 
 _NUMBERS = ("youngs_modulus", "poissons_ratio", "density")

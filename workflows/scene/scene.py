@@ -6,21 +6,286 @@ table must be together. Which tables belong together is checked here. The JSON S
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from fem.accuracy.tolerances import Budget
-from workflows.scene import fitting
-from workflows.scene.damper import Damper, Release
-from workflows.scene.design import Design
-from workflows.scene.excitation import Excitation
-from workflows.scene.faults import fault
-from workflows.scene.fields import Line
+from workflows.errors import did_you_mean
+from workflows.scene import damper as cavity
+from workflows.scene import materials, quantities
+from workflows.scene.damper import HEAVIEST, Damper, Release
+from workflows.scene.materials import LIGHTEST
 from workflows.scene.plate import Material, Plate
+from workflows.scene.quantities import (
+    LENGTH,
+    ROUNDING,
+    Kind,
+    Length,
+    LengthPair,
+    Lengths,
+    Line,
+    Mass,
+    NotNegative,
+    Positive,
+    Table,
+    fault,
+    quantity_schema,
+    si,
+    wrong,
+)
 from workflows.scene.rotor import Accuracy, Effects, Rotor, Structure
-from workflows.scene.table import Table
+from workflows.scene.thickness_table import thickness_at
+
+FLAT = "flat"
+"""A floor without a radius."""
+
+
+def _floors(value: object, info: ValidationInfo) -> tuple[float | str, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise wrong(f"expected a list such as ['{FLAT}', '8 mm', '64 mm']")
+    return tuple(_floor(item, info) for item in value)
+
+
+def _floor(value: object, info: ValidationInfo) -> float | str:
+    if value == FLAT:
+        return FLAT
+    if isinstance(value, str) and (hint := did_you_mean(value, [FLAT])):
+        raise wrong(f"expected '{FLAT}' or a length such as '8 mm'{hint}")
+    return si(value, LENGTH, info)
+
+
+def _materials(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise wrong("expected a list such as ['steel', 'lead']")
+    for item in value:
+        if item not in materials.BALLS:
+            hint = did_you_mean(item, materials.BALLS) if isinstance(item, str) else ""
+            raise wrong(f"expected names out of {', '.join(materials.BALLS)}{hint}")
+    return tuple(value)
+
+
+def _counts(value: object) -> tuple[int, ...]:
+    items = list(value) if isinstance(value, list | tuple) else []
+    if not items or any(isinstance(item, bool) or not isinstance(item, int) or item < 1 for item in items):
+        raise wrong("expected a list of whole numbers from 1 on")
+    return tuple(items)
+
+
+_FLOOR = {"anyOf": [{"const": FLAT}, *quantity_schema(LENGTH)["anyOf"]], "x-si": "m"}
+
+Floors = Annotated[
+    tuple[float | str, ...],
+    BeforeValidator(_floors),
+    WithJsonSchema({"type": "array", "items": _FLOOR, "minItems": 1}),
+]
+Materials = Annotated[
+    tuple[str, ...],
+    BeforeValidator(_materials),
+    WithJsonSchema({"type": "array", "items": {"enum": list(materials.BALLS)}, "minItems": 1}),
+]
+Counts = Annotated[
+    tuple[int, ...],
+    BeforeValidator(_counts),
+    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 1}),
+]
+
+
+class Design(Table):
+    """What `spindamp design` may choose, and what limits it: a pair is a range, any other list a choice."""
+
+    ball_material: Materials | None = Field(None, description="names of materials to choose from")
+    ball_diameter: Lengths | None = Field(None, description="of a ball")
+    clearance: Lengths | None = Field(None, description="of the cavity beyond the ball's diameter, along both axes")
+    floor_radius: Floors | None = Field(None, description="of the cavity's floor; with 'flat' in it a choice")
+    count: Counts | None = Field(None, description="of balls, each in a cavity of its own")
+    place: Lengths | None = Field(None, description="of the damper along the plate: x of damper.at")
+    mass: Annotated[Mass, Positive] | None = Field(None, description="of all balls together, at most")
+    wall: Annotated[Length, NotNegative] = Field(
+        0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
+    )
+    amplitude: LengthPair | None = Field(
+        None,
+        description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"
+        " the greatest amplitude at the crossings counts",
+    )
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        if self.amplitude is not None and not 0 < self.amplitude[0] < self.amplitude[1]:
+            raise fault("amplitude", "expected a range of amplitudes above 0, ascending")
+        free = ("ball_material", "ball_diameter", "clearance", "floor_radius", "count", "place")
+        if not any(getattr(self, name) is not None for name in free):
+            raise fault("ball_diameter", f"nothing is free: expected one of {', '.join(free)}")
+        for name in ("ball_diameter", "clearance", "place"):
+            given = getattr(self, name)
+            if given is not None and (min(given) <= 0 or (len(given) == 2 and not given[0] < given[1])):
+                raise fault(name, "expected lengths above 0, of a range ascending")
+        return self
+
+
+MOST_LEVELS = 20
+"""Heights of a force that are looked at: each is a picture of its own."""
+
+
+def _levels(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    """One height above 0, or a list of different ones."""
+
+    def validate(value: object, info: ValidationInfo) -> tuple[float, ...]:
+        listed = value if isinstance(value, list | tuple) else [value]
+        if not 0 < len(listed) <= MOST_LEVELS:
+            raise wrong(f"expected a value such as '{kind.example}', or a list of at most {MOST_LEVELS}")
+        found = tuple(si(item, kind, info) for item in listed)
+        if min(found) <= 0:
+            raise wrong("expected more than 0")
+        if len(set(found)) < len(found):
+            raise wrong("expected every level once")
+        return found
+
+    listed = {"type": "array", "items": quantity_schema(kind), "minItems": 1, "maxItems": MOST_LEVELS}
+    return BeforeValidator(validate), WithJsonSchema(
+        {"anyOf": [*quantity_schema(kind)["anyOf"], listed], "x-si": kind.si}
+    )
+
+
+def _orders(value: object) -> tuple[int, ...]:
+    listed = value if isinstance(value, list | tuple) else [value]
+    whole = [item for item in listed if isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= 1000]
+    if not whole or len(whole) < len(listed):
+        raise wrong("expected a list of whole numbers from 1 to 1000, such as [2, 3]")
+    if len(set(whole)) < len(whole):
+        raise wrong("expected every order once")
+    return tuple(whole)
+
+
+Forces = Annotated[tuple[float, ...], *_levels(quantities.FORCE)]
+Pressures = Annotated[tuple[float, ...], *_levels(quantities.SURFACE_PRESSURE)]
+Loads = Annotated[tuple[float, ...], *_levels(quantities.LOAD)]
+_ORDER = {"type": "integer", "minimum": 1, "maximum": 1000}
+Orders = Annotated[
+    tuple[int, ...],
+    BeforeValidator(_orders),
+    WithJsonSchema({"anyOf": [_ORDER, {"type": "array", "items": _ORDER, "minItems": 1}]}),
+]
+
+
+class Excitation(Table):
+    """Harmonic forces whose frequency is a multiple of the rotation's, at one level or several."""
+
+    orders: Orders = Field(
+        description="engine orders, frequency over that of the rotation: whole numbers, dimensionless"
+    )
+    force: Forces | None = Field(
+        None,
+        description="height of a force at the damper's place along the damper's axis 1: a level, or a list of them",
+    )
+    pressure: Pressures | None = Field(
+        None, description="height of a pressure all over the plate, along its z: a level, or a list of them"
+    )
+    base: Loads | None = Field(
+        None,
+        description="height of the root's acceleration along the damper's axis 1: a level, or a list of them;"
+        " amplitudes are then relative to the root",
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        """One way of giving the force."""
+        given = [key for key in ("force", "pressure", "base") if getattr(self, key) is not None]
+        if len(given) != 1:
+            found = f"expected one of force, pressure and base{': leave one out' * bool(given)}"
+            raise fault(given[-1] if given else "force", found)
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Which of force, pressure and base it is."""
+        return next(name for name in ("force", "pressure", "base") if getattr(self, name) is not None)
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Heights, ascending [N, Pa or m/s²]."""
+        found: tuple[float, ...] = getattr(self, self.kind)
+        return tuple(sorted(found))
+
+    @property
+    def unit(self) -> str:
+        """Of the levels."""
+        return {"force": "N", "pressure": "Pa", "base": "m/s²"}[self.kind]
+
+
+def on_the_plate(plate: Plate, damper: Damper | None, release: Release | None) -> None:
+    """Damper, tip mass and release are where the plate is. Where a mesh gives the planform, `plate_mesh` looks on."""
+    if damper is not None and plate.tip_mass_at is not None:
+        raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
+    if plate.length is not None and plate.width is not None:
+        _on_a_rectangle(plate, (plate.length, plate.width), damper)
+    elif damper is not None and isinstance(plate.thickness, float):
+        _refused(cavity.through_the_thickness(damper, plate.thickness))
+    if damper is not None:
+        _number(damper, damper.balls)
+    if release is not None and plate.length is not None:
+        _displaced(release, plate.length, "the plate's length")
+
+
+def _on_a_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
+    length, width = sides
+    key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.at)
+    x, y = (length, 0.0) if at is None else at
+    if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
+        raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
+    if damper is not None:
+        _refused(cavity.misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
+
+
+def _refused(odd: tuple[str, str] | None) -> None:
+    """Raise what is odd about a damper, as key and problem."""
+    if odd is not None:
+        raise fault(f"damper.{odd[0]}", odd[1])
+
+
+def _displaced(release: Release, most: float, what: str, slack: float = 0.0) -> None:
+    if max(map(abs, release.displacement or (0.0,))) > most * (1 + slack):
+        raise fault("release.displacement", f"expected at most {what}, {most:g} m")
+
+
+def within(radius: float, damper: Damper, release: Release | None) -> None:
+    """Ball, cavity and release that do not reach beyond the axis about which they turn, `radius` away."""
+    most, distance = radius * (1 + ROUNDING), f"its distance from the axis, {radius:g} m"
+    if damper.radius > most:
+        raise fault("damper.radius", f"the ball is larger than {distance}")
+    if max(damper.cavity) > most:
+        raise fault("damper.cavity", f"the cavity is larger than {distance}")
+    if release is not None:
+        _displaced(release, radius, "the damper's distance from the axis", ROUNDING)
+
+
+def weight(damper: Damper, structure: float) -> None:
+    """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
+    if damper.balls is not None and damper.balls > HEAVIEST * structure:
+        key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
+        raise fault(
+            f"damper.{key}",
+            f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
+            f" {damper.balls:g} kg",
+        )
+    _number(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
+
+
+def _number(damper: Damper, mass: float | None) -> None:
+    """No more balls than share their mass [kg], where it is known, and are each as heavy as foam at least."""
+    if mass is None or damper.count == 1:
+        return
+    most = max(int(mass / (4 / 3 * math.pi * damper.radius**3 * LIGHTEST)), 1)
+    if damper.count > most:
+        raise fault(
+            "damper.count",
+            f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together: more would be"
+            f" lighter than {LIGHTEST:g} kg/m^3, the lightest foam",
+        )
+
 
 _OF_A_PLATE = {
     "rotor.hub_radius": "a [structure] takes radius alone",
@@ -78,9 +343,9 @@ class Scene(Table):
                 "missing: the range over which the least damping counts (or give [excitation] instead)",
             )
         if self.plate is not None:
-            fitting.on_the_plate(self.plate, self.damper, self.release)
+            on_the_plate(self.plate, self.damper, self.release)
         if self.damper is not None and (radius := self._turning_at) is not None:
-            fitting.within(radius, self.damper, None if self.plate is not None else self.release)
+            within(radius, self.damper, None if self.plate is not None else self.release)
         if self.release is not None and self.release.ratio is not None and not any(self.rotor.speeds):
             raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
         return self
@@ -109,7 +374,7 @@ class Scene(Table):
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
         self._tilt(self.damper, structure.floor_tilt)
-        fitting.weight(self.damper, structure.mass)
+        weight(self.damper, structure.mass)
         for key, instead in _OF_A_PLATE.items():
             table, name = key.split(".")
             given = getattr(self, table)

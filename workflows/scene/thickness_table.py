@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from workflows.scene import units
-from workflows.scene.faults import fault
-from workflows.scene.fields import Lengths, Line, quantities, quantity_schema, si, wrong
-from workflows.scene.table import Table
+from workflows.scene import quantities as units
+from workflows.scene.quantities import Lengths, Line, Table, fault, quantities, quantity_schema, si, wrong
 
 if TYPE_CHECKING:
     from fem.meshes.thickness import Profile

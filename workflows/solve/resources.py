@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput
+from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.scene.source import SceneFile
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
-    from workflows.solve.decided import Decided
+    from workflows.solve.model_choice import Decided
 
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
@@ -94,7 +94,7 @@ class Part:
 
 def parts(source: SceneFile) -> list[Part]:
     """What a scene needs at least, part by part; the largest first."""
-    from workflows.solve.records import SHAPES_AT_MOST
+    from workflows.solve.results import SHAPES_AT_MOST
 
     scene = source.scene
     speeds, modes = len(scene.rotor.speeds), scene.rotor.modes

@@ -11,9 +11,9 @@ def accuracy(scene: SceneArgument = "paper", out: Out = None, json: Json = False
     Without --out nothing is written.
     """
     from workflows.cli.commands import costly
-    from workflows.studies.costs import page
-    from workflows.studies.costs.study import study
+    from workflows.studies.work_precision import report
+    from workflows.studies.work_precision.study import study
 
     files = r"accuracy\.(json|csv|svg)"
-    found, text = costly.complete(scene, out, files, study, page.write_accuracy, page.accuracy_text)
+    found, text = costly.complete(scene, out, files, study, report.write_accuracy, report.accuracy_text)
     costly.say(found, text, as_json=json)

@@ -10,8 +10,8 @@ def campbell(scene: SceneArgument = "paper", out: Out = None, json: Json = False
 
     Without --out nothing is written.
     """
-    from workflows import parts
+    from workflows import pipeline
     from workflows.cli.commands.finish import complete
-    from workflows.scene import file as scene_file
+    from workflows.scene import load as scene_file
 
-    complete(parts.plate_only(scene_file.load(scene)), out, json)
+    complete(pipeline.plate_only(scene_file.load(scene)), out, json)

@@ -15,10 +15,10 @@ def check(
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and the sizes of a run."""
     from workflows.progress import Stages
-    from workflows.results import resolved
-    from workflows.scene import file as scene_file
+    from workflows.results import provenance
+    from workflows.scene import load as scene_file
     from workflows.solve import resources
-    from workflows.solve.decided import decide, model
+    from workflows.solve.model_choice import decide, model
 
     source = scene_file.load(scene)
     resources.check(source)
@@ -28,9 +28,9 @@ def check(
     if json:
         from json import dumps
 
-        found = resolved.document(source, decided.effects, decided.theory, given) | {"sizes": vars(sizes)}
+        found = provenance.document(source, decided.effects, decided.theory, given) | {"sizes": vars(sizes)}
         typer.echo(dumps(found, indent=1, allow_nan=False))
         return
-    typer.echo("\n".join(resolved.heading(source, given)))
-    typer.echo(resolved.as_toml(source.scene, decided.effects, decided.theory))
+    typer.echo("\n".join(provenance.heading(source, given)))
+    typer.echo(provenance.as_toml(source.scene, decided.effects, decided.theory))
     typer.echo(f"\n# {sizes}")

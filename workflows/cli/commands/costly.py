@@ -9,10 +9,10 @@ from typing import Any, Protocol, TypeVar
 import typer
 
 from workflows.cli.commands import kernels
-from workflows.output import store
+from workflows.output import folder
 from workflows.progress import Stages
-from workflows.scene import file as scene_file
-from workflows.scene.source import SceneFile
+from workflows.scene import load as scene_file
+from workflows.scene.load import SceneFile
 
 
 class Found(Protocol):
@@ -41,7 +41,7 @@ def complete(
     if source.scene.damper is not None:
         kernels.say()
     if out is not None:
-        store.check(out, files)
+        folder.check(out, files)
     with Stages() as stages:
         found = solve(source, stages)
         if out is not None:
@@ -52,6 +52,6 @@ def complete(
 
 def say(found: Found, text: str, *, as_json: bool) -> None:
     """Print what was found."""
-    from workflows.studies.costs import page
+    from workflows.studies.work_precision import report
 
-    typer.echo(page.dumps(found.document()) if as_json else text)
+    typer.echo(report.dumps(found.document()) if as_json else text)

@@ -25,10 +25,10 @@ def design(
     """
     from workflows.cli.commands import kernels
     from workflows.errors import NoAnswer
-    from workflows.output import store
+    from workflows.output import folder
     from workflows.progress import Stages
-    from workflows.scene import file as scene_file
-    from workflows.studies.design import page, study
+    from workflows.scene import load as scene_file
+    from workflows.studies.design import report, study
     from workflows.studies.sweep.study import crew_of
 
     source = scene_file.load(scene)
@@ -37,15 +37,15 @@ def design(
     if out is None and not json:
         out = Path(f"spindamp-design-{scene_file.slug(source.scene.title)}")
     if out is not None:
-        store.check(out, page.FILES)
+        folder.check(out, report.FILES)
     with Stages() as stages:
         found = study.design(source, seed=seed, hired=crew_of(workers, dask), stages=stages)
         if out is not None:
             with stages("report"):
-                page.write(found, out)
-    typer.echo(page.dumps(found) if json else page.text(found))
+                report.write(found, out)
+    typer.echo(report.dumps(found) if json else report.text(found))
     if out is not None and not json:
         winner = f", or spindamp run {out / 'best.toml'}" if found.toml else ""
         typer.echo(f"\nopen {out / 'report.html'}{winner}")
     if not found.found.scored.works:
-        raise NoAnswer(f"{source.name}: {page.in_short(found)}")
+        raise NoAnswer(f"{source.name}: {report.in_short(found)}")

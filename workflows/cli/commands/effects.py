@@ -11,9 +11,9 @@ def effects(scene: SceneArgument = "paper", out: Out = None, json: Json = False)
     Without --out nothing is written.
     """
     from workflows.cli.commands import costly
-    from workflows.studies.costs import page
-    from workflows.studies.costs.switching import switching
+    from workflows.studies.work_precision import report
+    from workflows.studies.work_precision.effects import switching
 
     files = r"effects\.(json|csv|svg)"
-    found, text = costly.complete(scene, out, files, switching, page.write_effects, page.effects_text)
+    found, text = costly.complete(scene, out, files, switching, report.write_effects, report.effects_text)
     costly.say(found, text, as_json=json)

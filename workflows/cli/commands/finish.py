@@ -9,22 +9,23 @@ import typer
 
 from workflows import pipeline
 from workflows.cli.commands import kernels
-from workflows.output import store
+from workflows.output import folder
 from workflows.progress import Stages
 from workflows.report import text as summary
 from workflows.report.mode_viewer import Artist
-from workflows.results import curves
-from workflows.results import document as results_json
-from workflows.scene.source import SceneFile
-from workflows.solve import records, resources
-from workflows.solve.decided import decide
+from workflows.results import files
+from workflows.results import serialise as results_json
+from workflows.scene.load import SceneFile
+from workflows.solve import resources
+from workflows.solve import results as records
+from workflows.solve.model_choice import decide
 
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     resources.check(source)
     if out is not None:
-        store.check(out, curves.FILES)
+        folder.check(out, files.FILES)
     if source.scene.damper is not None:
         kernels.say()
     with ExitStack() as stack:

@@ -13,21 +13,21 @@ def reproduce(out: Out = None, json: Json = False) -> None:
     Without --out nothing is written.
     """
     from workflows.cli.commands import kernels
-    from workflows.output import store
+    from workflows.output import folder
     from workflows.progress import Stages
     from workflows.studies import reproduction
-    from workflows.studies.reproduction import page
+    from workflows.studies.reproduction import report
 
     if out is not None:
-        store.check(out, r"reproduce\.(json|csv)|closure\.csv")
+        folder.check(out, r"reproduce\.(json|csv)|closure\.csv")
     kernels.say()
     with Stages() as stages:
         found = reproduction.reproduce(stages)
         if out is not None:
             with stages("report"):
-                page.write(found, out)
+                report.write(found, out)
     if json:
-        typer.echo(page.dumps(found))
+        typer.echo(report.dumps(found))
         return
     for claim in found.claims:
         typer.echo(f"{claim.verdict:<15} {claim.id:<16} {claim.claim}")

@@ -13,24 +13,24 @@ def response(scene: SceneArgument = "paper", out: Out = None, json: Json = False
     Takes the forces from the scene's table [excitation]. Without --out nothing is written.
     """
     from workflows.cli.commands import kernels
-    from workflows.output import store
+    from workflows.output import folder
     from workflows.progress import Stages
-    from workflows.scene import file as scene_file
-    from workflows.studies.response import page, told
+    from workflows.scene import load as scene_file
+    from workflows.studies.response import report
     from workflows.studies.response.study import respond
 
     source = scene_file.load(scene)
     if source.scene.damper is not None:
         kernels.say()
     if out is not None:
-        store.check(out, page.FILES)
+        folder.check(out, report.FILES)
     with Stages() as stages:
         found = respond(source, stages)
         if out is not None:
-            page.write(found, out)
+            report.write(found, out)
     if json:
-        typer.echo(page.dumps(found))
+        typer.echo(report.dumps(found))
         return
-    typer.echo(told.text(found))
+    typer.echo(report.text(found))
     if out is not None:
         typer.echo(f"\nopen {out / 'report.html'}")

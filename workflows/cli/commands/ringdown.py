@@ -19,8 +19,8 @@ def ringdown(
 
     Without --out nothing is written.
     """
-    from workflows import parts
+    from workflows import pipeline
     from workflows.cli.commands.finish import complete
-    from workflows.scene import file as scene_file
+    from workflows.scene import load as scene_file
 
-    complete(parts.at_one_speed(scene_file.load(scene), rpm), out, json)
+    complete(pipeline.at_one_speed(scene_file.load(scene), rpm), out, json)

@@ -13,7 +13,7 @@ def run(scene: SceneArgument = "paper", out: Out = None, json: Json = False) -> 
     Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
     """
     from workflows.cli.commands.finish import complete
-    from workflows.scene import file as scene_file
+    from workflows.scene import load as scene_file
 
     source = scene_file.load(scene)
     if out is None and not json:

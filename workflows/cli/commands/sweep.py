@@ -49,15 +49,15 @@ def sweep(
     """
     from workflows.cli.commands import kernels
     from workflows.progress import Stages
-    from workflows.scene import file as scene_file
-    from workflows.studies.sweep import folder, page, study, summary
-    from workflows.studies.sweep import uncertain as doubts
+    from workflows.scene import load as scene_file
+    from workflows.studies.sweep import report, store, study
+    from workflows.studies.sweep import sensitivity as doubts
 
     asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     if out is None and not json:
         out = Path(f"spindamp-sweep-{scene_file.slug(asked.source.scene.title)}")
     if out is not None:
-        folder.checked(out)
+        store.checked(out)
     if not json:
         for axis in asked.plan.axes:
             if instead := axis.key.displaced(asked.source.scene):
@@ -70,7 +70,7 @@ def sweep(
             data = doubts.analysed(data, seed)
         if out is not None:
             with stages("report"):
-                page.write(data, out)
-    typer.echo(page.dumps(data) if json else summary.text(data))
+                report.write(data, out)
+    typer.echo(report.dumps(data) if json else report.text(data))
     if out is not None and not json:
         typer.echo(f"\nopen {out / 'report.html'}")

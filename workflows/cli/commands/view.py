@@ -25,28 +25,28 @@ def view(
 
     In a window where there is a screen, else as a page, whose name is printed.
     """
-    from workflows.looking import page, screen, sight, target
-    from workflows.scene.file import slug
+    from workflows.looking import view_data, window
+    from workflows.scene.load import slug
 
     if out is not None:
         _check(out)
-    found = target.of(what, rpm)
-    first, number = sight.chosen(found, rpm, mode)
+    found = view_data.of(what, rpm)
+    first, number = view_data.chosen(found, rpm, mode)
     if json:
         from json import dumps
 
         if out is not None:
-            page.write(found, out, first, number)
+            window.write(found, out, first, number)
         typer.echo(dumps({"title": found.title, **found.numbers}, indent=1, allow_nan=False))
         return
     for name, words in found.facts:
         typer.echo(f"{name:<14} {words}")
-    if out is None and screen.there_is() and screen.shown(found, first, number, found.title):
+    if out is None and window.there_is() and window.shown(found, first, number, found.title):
         return
-    if said := page.thinned(page.view(found, first, number)):
+    if said := window.thinned(window.view(found, first, number)):
         typer.echo(said)
     path = out or Path(f"spindamp-view-{slug(found.title)}.html")
-    page.write(found, path, first, number)
+    window.write(found, path, first, number)
     typer.echo(f"\nopen {path}")
 
 

@@ -4,22 +4,97 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from workflows.scene import thicknesses
-from workflows.scene.design import FLAT, Design
+from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
-from workflows.scene.scene import Scene
-from workflows.scene.source import SceneFile
-from workflows.studies.design.scored import Goal
-from workflows.studies.sweep import keys, plans
-from workflows.studies.sweep.axes import SPEEDS, Axis
-from workflows.studies.sweep.keys import Value
+from workflows.scene.scene import FLAT, Design, Scene
+from workflows.studies.sweep import axes as keys
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep.axes import SPEEDS, Axis, Value
+from workflows.studies.sweep.evaluate import Placed
 
 if TYPE_CHECKING:
-    from workflows.studies.design.scored import Floats
+    import numpy as np
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float64]
+
+
+BEYOND, NONE = 100.0, 200.0
+"""What a design loses that exceeds a limit, and one that makes no sense."""
+
+
+@dataclass(frozen=True)
+class Scored:
+    """What a design is worth.
+
+    Attributes:
+        value: what the goal is about: the least damping ratio, or the greatest amplitude [m]; 0 where there is none.
+        score: what is searched for the most of.
+        bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
+            where there is no such figure.
+        speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
+        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
+        without: amplitude without any ball that the value stands beside [m]; nan where there is none.
+        grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
+        mass: of all balls [kg].
+        used: shares of the limits.
+        endured: amplitude that the plate endures [m]; inf where it is not known.
+        why: why it is worth nothing; empty where it is worth something.
+    """
+
+    value: float
+    score: float
+    bound: float = math.nan
+    speed: float = math.nan
+    amplitude: float = math.nan
+    cutoff: float = math.nan
+    mass: float = math.nan
+    used: tuple[tuple[str, float], ...] = ()
+    why: str = ""
+    order: int = 0
+    without: float = math.nan
+    grows: float = math.nan
+    endured: float = math.inf
+
+    @property
+    def impossible(self) -> bool:
+        """Whether it exceeds a limit, or makes no sense."""
+        return self.score <= -BEYOND
+
+    @property
+    def works(self) -> bool:
+        """Whether it is worth anything."""
+        return not self.why
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best design: its shares, its worth with full figures, and how many were tried."""
+
+    shares: Floats
+    scored: Scored
+    evaluations: int
+
+
+class Goal(Protocol):
+    """What designs are compared by."""
+
+    @property
+    def said(self) -> str:
+        """What the value is, in words."""
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """At which a design is looked at, ascending [rad/s]."""
+
+    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+        """What a damper is worth that is placed on its structure at these speeds; `quick`: to a few percent."""
+
 
 NAMES = {
     "damper.ball_material": "ball_material",
@@ -82,14 +157,14 @@ def used(design: Design, scene: Scene, ball_mass: float) -> dict[str, float]:
         found["mass"] = ball_mass / design.mass
     damper, plate = scene.damper, scene.plate
     if damper is not None and plate is not None and damper.housing is None and plate.length is not None:
-        thickness = thicknesses.at(plate, (plate.length, 0.0) if damper.at is None else damper.at)
+        thickness = plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.at is None else damper.at)
         found["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
     return found
 
 
 def in_words(name: str, value: Value) -> str:
     """A key of a design as [design] has it: a diameter, a clearance in mm."""
-    from workflows.wording import significant
+    from workflows.formatting import significant
 
     called = NAMES[name].replace("_", " ")
     if isinstance(value, str):

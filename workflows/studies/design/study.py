@@ -2,33 +2,147 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.results import resolved
-from workflows.scene.file import DEFAULT, SceneLike, opened
-from workflows.scene.source import SceneFile
+from workflows.results import provenance
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
-from workflows.solve.decided import decide
-from workflows.studies.design import asked, holds, objective, search
-from workflows.studies.design.amplitude import LeastAmplitude
-from workflows.studies.design.designed import Designed, Grid
-from workflows.studies.design.scored import Found, Scored
-from workflows.studies.design.space import Space
+from workflows.solve.model_choice import decide
+from workflows.studies.design import objectives, report
+from workflows.studies.design.objectives import LeastAmplitude
+from workflows.studies.design.report import Designed, Grid
+from workflows.studies.design.space import Found, Scored, Space
 from workflows.studies.response.study import respond
-from workflows.studies.sweep import crew, fingerprint, kernels, plans, scenes
-from workflows.studies.sweep.crew import Crew
-from workflows.studies.sweep.plates import Plates
-from workflows.wording import significant
+from workflows.studies.sweep import executor, plan
+from workflows.studies.sweep.evaluate import Plates
+from workflows.studies.sweep.executor import Crew
 
 if TYPE_CHECKING:
-    from workflows.studies.design.scored import Floats
+    from workflows.studies.design.space import Floats
+
+
+Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
+"""Scores rows of shares, quickly or with the figures at their full accuracy."""
+
+_POPULATION, _GENERATIONS, _STALE = 32, 40, 8
+"""Designs of a generation at least, generations at most, and those without a better design that end the search."""
+
+_BETTER, _LEAST = 1e-3, 1e9
+"""Relative gain that counts, and what no score is below."""
+
+_LOCAL, _NEAR = 30, 0.08
+"""Designs that the simplex may try for each range, and the size of its first, in shares."""
+
+
+def search(space: Space, score: Score, seed: int, progress: Callable[[str], None]) -> Found:
+    """The best design of a space."""
+    known = _Known(space, score, progress)
+    best, scored = _about(space, known, _everywhere(space, known, seed))
+    return Found(best, scored, known.tried)
+
+
+class _Known:
+    """Scores each design once: of choices, many shares mean the same."""
+
+    def __init__(self, space: Space, score: Score, progress: Callable[[str], None]) -> None:
+        self._space, self._score, self._progress = space, score, progress
+        self._scores: dict[tuple[object, ...], Scored] = {}
+
+    @property
+    def tried(self) -> int:
+        """Designs that were scored."""
+        return len(self._scores)
+
+    def __call__(self, shares: Floats, quick: bool) -> list[Scored]:
+        keys = [(quick, *self._space.values(row).values()) for row in shares]
+        new = {key: row for key, row in zip(keys, shares, strict=True) if key not in self._scores}
+        if new:
+            self._scores |= zip(new, self._score(np.array(list(new.values())), quick), strict=True)
+            self._progress(f"{self.tried} designs")
+        return [self._scores[key] for key in keys]
+
+
+def sobol(dimensions: int, count: int, seed: int) -> Floats:
+    """So many points, a power of two, spread over the unit cube."""
+    from scipy.stats import qmc
+
+    found: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
+    return found
+
+
+def _everywhere(space: Space, score: Score, seed: int) -> Floats:
+    from scipy.optimize import Bounds, differential_evolution
+
+    dimensions = len(space.axes)
+    first = sobol(dimensions, max(_POPULATION, 1 << (8 * dimensions - 1).bit_length()), seed)
+    best, stale = -_LEAST, 0
+    at: Floats = first[0]
+
+    def lost(columns: Any) -> Any:
+        nonlocal best, stale, at
+        found = score(columns.T, True)
+        scores = np.array([each.score for each in found])
+        k = int(np.argmax(scores))
+        if scores[k] > best + _BETTER * abs(best):
+            best, stale, at = float(scores[k]), 0, columns.T[k].copy()
+        else:
+            stale += 1
+        return -scores
+
+    how: dict[str, Any] = {"callback": lambda *_, **__: stale >= _STALE}
+    differential_evolution(
+        lost,
+        Bounds(np.zeros(dimensions), np.ones(dimensions)),
+        init=first,
+        maxiter=_GENERATIONS,
+        tol=0.0,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        rng=seed,
+        **how,
+    )
+    return at
+
+
+def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
+    from scipy.optimize import minimize
+
+    best, scored = start, score(start[None], False)[0]
+    free = space.continuous
+    if not free:
+        return best, scored
+
+    def lost(part: Floats) -> float:
+        nonlocal best, scored
+        shares = start.copy()
+        shares[free] = np.clip(part, 0.0, 1.0)
+        found = score(shares[None], False)[0]
+        if found.score > scored.score:
+            best, scored = shares, found
+        return -found.score
+
+    corner = start[free]
+    away = np.where(corner > 0.5, -_NEAR, _NEAR)
+    simplex = np.vstack([corner, corner + np.diag(away)])
+    minimize(
+        lost,
+        corner,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(free),
+        options={"initial_simplex": simplex, "maxfev": _LOCAL * len(free), "xatol": 2e-3, "fatol": 0.0},
+    )
+    return best, scored
+
 
 _PART = 4
 """Designs that a worker takes at a time."""
@@ -56,13 +170,13 @@ def design(
     source = opened(scene)
     resources.check(source)
     clock = stages or Stages()
-    space = asked.space(source, clock)
-    with hired or crew.local() as workers, clock("design") as step:
-        score = partial(scored, workers, fingerprint.digest())
-        found = search.search(space, partial(score, space), seed, step.advance)
+    space = objectives.space(source, clock)
+    with hired or executor.local() as workers, clock("design") as step:
+        score = partial(scored, workers, executor.digest())
+        found = search(space, partial(score, space), seed, step.advance)
         if found.scored.impossible:
             raise _infeasible(space, found.scored)
-        held = holds.holds(space, found, score)
+        held = report.holds(space, found, score)
         grid = _around(space, found, partial(score, space))
     best = winner(space, found)
     if not found.scored.works:
@@ -90,27 +204,27 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
 def winner(space: Space, found: Found) -> SceneFile:
     """The scene with the best damper, without [design]."""
     values = {axis.key: value for axis, value in zip(space.axes, space.values(found.shares).values(), strict=True)}
-    data = scenes.with_values(scenes.base(space.source, list(values)), values)
-    given = scenes.of_a_point(space.source, data, space.source.scene.rotor.speeds)
+    data = plan.with_values(plan.base(space.source, list(values)), values)
+    given = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
     title = f"{space.source.scene.title}, the best damper"[:200]
     return replace(given, scene=given.scene.model_copy(update={"title": title}))
 
 
 def part(space: Space, shares: Floats, quick: bool, digest: str, number: int) -> list[Scored]:
     """Score a part of some designs; what a worker does."""
-    fingerprint.same(digest)
-    kernels.ready()
-    return objective.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
+    executor.same(digest)
+    executor.ready()
+    return objectives.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
 
 
 def scored(workers: Crew, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
     """Score designs, part by part on all workers."""
     parts = range(-(-len(shares) // _PART))
-    found = dict(crew.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
+    found = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
     return [each for number in parts for each in found[number]]
 
 
-def _around(space: Space, found: Found, score: search.Score) -> Grid | None:
+def _around(space: Space, found: Found, score: Score) -> Grid | None:
     """What designs are worth over two ranges, all else as in the best."""
     free = space.continuous
     if len(free) < 2:
@@ -120,11 +234,11 @@ def _around(space: Space, found: Found, score: search.Score) -> Grid | None:
     rows = np.repeat(found.shares[None], _MAP * _MAP, axis=0)
     rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
     every = score(rows, True)
-    xs, ys = (np.array(plans.drawn(space.axes[k], shares), dtype=float) for k in (x, y))
+    xs, ys = (np.array(plan.drawn(space.axes[k], shares), dtype=float) for k in (x, y))
     table = tuple(tuple(every[n : n + _MAP]) for n in range(0, len(every), _MAP))
     return Grid(space.axes[x].name, xs, space.axes[y].name, ys, table)
 
 
 def _toml(best: SceneFile) -> str:
     decided = decide(best, Stages(visible=False))
-    return resolved.as_toml(best.scene, decided.effects, decided.theory) + "\n"
+    return provenance.as_toml(best.scene, decided.effects, decided.theory) + "\n"

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workflows.studies.reproduction.claim import Claim, Verdict, judge
-from workflows.studies.reproduction.study import FORMULATIONS, RELEASE, SHOWN, Simulated
+from workflows.studies.reproduction.claims import FORMULATIONS, RELEASE, SHOWN, Claim, Simulated, Verdict, judge
 
 _CYCLES = 20
 

@@ -10,12 +10,10 @@ import numpy as np
 
 from workflows.progress import Stages
 from workflows.results.provenance import versions
-from workflows.studies.reproduction import equations, families, sweeps, table_two
-from workflows.studies.reproduction.claim import Claim, Verdict
-from workflows.studies.reproduction.closure import Closure, closure
-from workflows.studies.reproduction.families import Sweeps
-from workflows.studies.reproduction.slips import Slip, slips
-from workflows.studies.reproduction.study import Simulated, study
+from workflows.studies.reproduction import claims as families
+from workflows.studies.reproduction import equations, sweeps, table_two
+from workflows.studies.reproduction.claims import Claim, Simulated, Sweeps, Verdict, study
+from workflows.studies.reproduction.paper_errors import Closure, Slip, closure, slips
 
 ASSUMPTIONS = (
     ("g = 10 m/s², hub radius 0, speeds of 3500 to 17500 rpm", "read back from the loads of Table II, to every digit"),

@@ -7,9 +7,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from workflows.studies.reproduction.claim import Claim, Verdict, judge
-from workflows.studies.reproduction.families import MASS_RATIOS, Family, Sweeps
-from workflows.studies.reproduction.study import FORMULATIONS, SHOWN, DampingCurve, Floats, Simulated, level, moving
+from workflows.studies.reproduction.claims import (
+    FORMULATIONS,
+    MASS_RATIOS,
+    SHOWN,
+    Claim,
+    DampingCurve,
+    Family,
+    Floats,
+    Simulated,
+    Sweeps,
+    Verdict,
+    judge,
+    level,
+    moving,
+)
 
 
 def claims(study: Simulated, found: Sweeps) -> Iterator[Claim]:

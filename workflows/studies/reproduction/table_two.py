@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from workflows.formatting import significant
 from workflows.scene.paper import SDC_RANGE, TABLE_II
-from workflows.solve.records import SpeedPoint
-from workflows.studies.reproduction.claim import Claim, judge
-from workflows.studies.reproduction.study import Simulated
-from workflows.wording import significant
+from workflows.solve.results import SpeedPoint
+from workflows.studies.reproduction.claims import Claim, Simulated, judge
 
 WHERE = "Table II"
 _HIGH = slice(2, 7)

@@ -3,26 +3,185 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.errors import BadInput, during
-from workflows.findings import worth
+from workflows.errors import BadInput, during, read_from
+from workflows.findings import limits
+from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
-from workflows.scene.excitation import Excitation
-from workflows.scene.source import SceneFile
-from workflows.solve import damper_stage, felt, resources
-from workflows.solve.records import Floats, Results, SpeedPoint, rpm
-from workflows.studies.response import band, driven
-from workflows.studies.response.records import Path, Response, Through
-from workflows.studies.response.solved import Solved, shaken
-from workflows.wording import whole
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import Excitation, Scene
+from workflows.solve import coupling, resources
+from workflows.solve import damper as damper_stage
+from workflows.solve import results as plate_records
+from workflows.solve import structure as plate
+from workflows.solve.error_translation import answering
+from workflows.solve.model_choice import Decided, decide
+from workflows.solve.results import CavityMode, Discrete, Floats, Results, SpeedPoint, Surface, rpm
+from workflows.studies.response.results import Path, Response, Through
 
 if TYPE_CHECKING:
     import damper
+
+
+_RINGS = 5.0
+"""Half the width of the band looked through, in damping ratios of the structure: the response falls to a tenth."""
+
+_SHIFTS = 1.5
+"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without."""
+
+_BENT = 3.0
+"""In the middle of the band speeds are three times as close as evenly spaced, so that no peak falls between them."""
+
+_NARROWEST = 2e-3
+"""Least half width of the band."""
+
+
+def band(crossing: Crossing, zeta: float, shift: float, speeds: tuple[float, float]) -> tuple[float, float]:
+    """Speeds between which the resonance is [rad/s], within what the scene asks for."""
+    low, high = speeds
+    relative = max(_RINGS * zeta + _SHIFTS * shift, _NARROWEST)
+    half = crossing.omega * relative * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
+    return max(crossing.omega - half, low), min(crossing.omega + half, high)
+
+
+def gathered(middle: float, low: float, high: float, count: int) -> Floats:
+    """Speeds through a band [rad/s], closer to each other towards its middle."""
+    x = np.linspace(-1.0, 1.0, count)
+    bent = np.sinh(_BENT * x) / math.sinh(_BENT)
+    return np.where(x < 0, middle + (middle - low) * bent, middle + (high - middle) * bent)
+
+
+_STILL = 1e-6
+"""Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
+
+
+def branch_of(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
+    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
+    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
+    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency_hz), default=None)
+    return 0 if near is None else near.branch
+
+
+def modes_of(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
+    """The mode that is crossed first, then the others; None where the structure is given."""
+    if not point.cavity_modes:
+        return None
+    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
+    return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
+
+
+def kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
+    """The mode crossed and those that yield most along either axis, ascending."""
+    leaders = [coupling.leading(point.cavity_modes, axis) for axis in range(2)]
+    numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
+    return [mode for mode in point.cavity_modes if mode.number in numbers]
+
+
+def idle_structure(modes: list[CavityMode], excitation: Excitation) -> str:
+    """Why a crossing has nothing to follow; nothing where it has."""
+    most = max(math.hypot(*mode.shape) for mode in modes)
+    if math.hypot(*modes[0].shape) <= _STILL * most:
+        return "the damper's place does not move in this mode"
+    pushes = [abs(_push(mode, excitation.kind)) for mode in modes]
+    return "" if pushes[0] > _STILL * max(pushes) else "the excitation does not drive this mode"
+
+
+def _push(mode: CavityMode, kind: str) -> float:
+    """Modal force by a unit of the excitation."""
+    return {"force": mode.shape[0], "pressure": mode.pressed, "base": -mode.drawn[0]}[kind]
+
+
+def harmonic_of(
+    system: damper.ParticleDamper, crossing: Crossing, point: SpeedPoint, excitation: Excitation, level: float
+) -> damper.Harmonic:
+    """The excitation at a level, at a speed."""
+    from damper import Harmonic
+
+    frequency = crossing.order * point.omega
+    if excitation.kind == "force":
+        return Harmonic(frequency, force=(level, 0.0))
+    if excitation.kind == "base":
+        return Harmonic(frequency, base=(level, 0.0))
+    pressed = {mode.stiffness: mode.pressed for mode in point.cavity_modes}
+    return Harmonic(frequency, modal=tuple(level * pressed[mode.stiffness] for mode in system.modes or ()))
+
+
+def at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic) -> float:
+    """The force at the cavity along x that drives the leading mode as much, with the ball's part in a base [N]."""
+    if system.modes is None:
+        return abs(harmonic.force[0] - system.stuck_mass * harmonic.base[0])
+    k = system.leading(0)
+    mode = system.modes[k]
+    modal = 0.0 if harmonic.modal is None else harmonic.modal[k]
+    drawn = mode.participation[0] + system.ball_mass * mode.shape[0]
+    return abs(harmonic.force[0] + (modal - drawn * harmonic.base[0]) / mode.shape[0])
+
+
+_ACROSS, _FEW_ACROSS = 61, 13
+"""Speeds over the whole range, by which crossings are found; fewer where each speed is solved by itself."""
+
+
+def shaken(source: SceneFile) -> SceneFile:
+    """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
+
+    The floor of the cavity tilts, and a plate moves in its own modes.
+    """
+    structure = source.scene.structure
+    tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
+    modes: bool | str = True if source.scene.plate is not None else "auto"
+    effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
+    return source.changed(effects=effects)
+
+
+class Solved:
+    """The structure of a scene at whatever speeds, on one mesh."""
+
+    def __init__(self, source: SceneFile, stages: Stages) -> None:
+        self.source, self.stages = source, stages
+        self.decided: Decided = decide(source, stages)
+        self.discrete: Discrete | None = None
+        if self.decided.form is not None:
+            with answering(source), stages("modes"):
+                self.discrete = plate.discretise(source, self.decided, stages)
+        self.surface: Surface | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """What is asked."""
+        return self.source.scene
+
+    @property
+    def dear(self) -> bool:
+        """Whether every speed of the plate is solved by itself."""
+        return self.discrete is not None and plate.one_by_one(self.scene, self.discrete.choice.operators)
+
+    def across(self) -> tuple[SpeedPoint, ...]:
+        """The structure over the whole range of speeds."""
+        speeds = self.scene.rotor.speeds
+        return self.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if self.dear else _ACROSS))
+
+    def at(self, omega: Floats) -> tuple[SpeedPoint, ...]:
+        """Modes and what the damper feels at speeds [rad/s]."""
+        if self.discrete is None:
+            return tuple(coupling.known_structure(self.scene, float(speed)) for speed in omega)
+        speeds = tuple(float(speed) for speed in omega)
+        source = self.source.changed(rotor=self.scene.rotor.model_copy(update={"speeds": speeds}))
+        points, diagram, numbers = plate.points_on(source, self.decided, self.discrete, self.stages)
+        if self.surface is None:
+            self.surface = plate_records.surface(self.discrete.choice.operators, diagram, numbers[:1], 1)
+        return points
+
+    def damper(self, point: SpeedPoint, only: Sequence[CavityMode] | None) -> damper.ParticleDamper:
+        """The damper of the scene at a point, on some of the plate's modes."""
+        with read_from(self.source.name):
+            return damper_stage.particle_damper(self.scene, self.decided.effects, point, only)
+
 
 SPEEDS, FEW_SPEEDS = 60, 20
 """Through a crossing; fewer where each speed of the plate is solved by itself."""
@@ -75,7 +234,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         notes=source.remarks,
         timings=stages.timings(),
     )
-    return Response(results, excitation, tuple(passed), tuple(idle), worth.root_strain(results, 1.0))
+    return Response(results, excitation, tuple(passed), tuple(idle), limits.root_strain(results, 1.0))
 
 
 def checked(source: SceneFile) -> Excitation:
@@ -102,11 +261,11 @@ def checked(source: SceneFile) -> Excitation:
 def _through(solved: Solved, crossing: Crossing, excitation: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     (at,) = solved.at(np.array([crossing.omega]))
-    modes = driven.modes_of(at, driven.branch_of((at,), crossing))
-    if modes is not None and (idle := driven.idle(modes, excitation)):
+    modes = modes_of(at, branch_of((at,), crossing))
+    if modes is not None and (idle := idle_structure(modes, excitation)):
         return idle
     axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    leads = modes is None or felt.leading(at.cavity_modes, 0) is modes[0]
+    leads = modes is None or coupling.leading(at.cavity_modes, 0) is modes[0]
     omega = _speeds(solved, crossing, at)
     dampers, harmonics = _driven(solved, crossing, excitation, omega)
     states = _followed(solved, crossing, dampers, harmonics, axis)
@@ -134,8 +293,8 @@ def _speeds(solved: Solved, crossing: Crossing, at: SpeedPoint) -> Floats:
     reduced, given, speeds = at.reduced, solved.scene.damper, solved.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if given is None else given.damping_ratio
-    ends = band.band(crossing, zeta, shift, (min(speeds), max(speeds)))
-    return band.gathered(crossing.omega, *ends, FEW_SPEEDS if solved.dear else SPEEDS)
+    ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
+    return gathered(crossing.omega, *ends, FEW_SPEEDS if solved.dear else SPEEDS)
 
 
 def _driven(
@@ -143,12 +302,12 @@ def _driven(
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
     dampers, harmonics, points = [], [], solved.at(omega)
-    branch = driven.branch_of(points, crossing)
+    branch = branch_of(points, crossing)
     for point in points:
-        own = driven.modes_of(point, branch)
-        system = solved.damper(point, None if own is None else driven.kept(point, own))
+        own = modes_of(point, branch)
+        system = solved.damper(point, None if own is None else kept(point, own))
         dampers += [system] * len(excitation.levels)
-        harmonics += [driven.harmonic_of(system, crossing, point, excitation, level) for level in excitation.levels]
+        harmonics += [harmonic_of(system, crossing, point, excitation, level) for level in excitation.levels]
     return dampers, harmonics
 
 
@@ -197,7 +356,7 @@ def _short(
         return short
     found = backbone(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = driven.at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
+        force = at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
         amplitudes = np.array([amplitude for amplitude, _ in found.answers(force, nu)])
         if amplitudes.size:

@@ -18,16 +18,19 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.output import signals
 from workflows.progress import Stages
-from workflows.scene.file import DEFAULT, SceneLike, opened
-from workflows.scene.source import SceneFile
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
-from workflows.studies.sweep import axes, blocks, crew, fingerprint, folder, kernels, key_data, plans, scenes, table
-from workflows.studies.sweep import uncertain as doubts
-from workflows.studies.sweep.crew import Crew
-from workflows.studies.sweep.folder import Folder
-from workflows.studies.sweep.plans import Plan
-from workflows.studies.sweep.plates import Plates
-from workflows.studies.sweep.quantities import Block
+from workflows.studies.sweep import axes, evaluate, store
+from workflows.studies.sweep import executor as crew
+from workflows.studies.sweep import executor as fingerprint
+from workflows.studies.sweep import executor as kernels
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep import plan as scenes
+from workflows.studies.sweep import sensitivity as doubts
+from workflows.studies.sweep.evaluate import Block, Plates
+from workflows.studies.sweep.executor import Crew
+from workflows.studies.sweep.plan import Plan
+from workflows.studies.sweep.store import Folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +81,7 @@ class Study:
         """What makes it this study, as plain data."""
         return {
             "title": self.source.scene.title,
-            "scene": key_data.plain(self.source.scene),
+            "scene": axes.plain(self.source.scene),
             "mesh_sha256": self.source.mesh_sha256,
             "plan": self.plan.identity(),
             "quick": self.quick,
@@ -145,7 +148,7 @@ def compute(study: Study, number: int) -> Block:
     fingerprint.same(study.code)
     kernels.ready()
     begin, end = study.ranges[number]
-    return blocks.block(study.source, study.plan, begin, end, _plates, quick=study.quick)
+    return evaluate.block(study.source, study.plan, begin, end, _plates, quick=study.quick)
 
 
 def crew_of(
@@ -163,12 +166,12 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
     Raises:
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
-    with signals.going_on(_GOES_ON), folder.opened(out, study.key, study.identity) as place:
+    with signals.going_on(_GOES_ON), store.opened(out, study.key, study.identity) as place:
         fill(study, place, hired, stages)
-        with stages("write"), folder.writing(out), folder.replaced(place.path / DATA) as aside:
-            said = table.attributes(study.source.scene.title, study.plan, study.identity, study.key)
-            table.write(study.plan, partial(rows, study, place), said, aside)
-        return table.opened(place.path / DATA)
+        with stages("write"), store.writing(out), store.replaced(place.path / DATA) as aside:
+            said = store.attributes(study.source.scene.title, study.plan, study.identity, study.key)
+            store.write(study.plan, partial(rows, study, place), said, aside)
+        return store.opened_table(place.path / DATA)
 
 
 def in_memory(study: Study, hired: AbstractContextManager[Crew], stages: Stages) -> xr.Dataset:

@@ -1,0 +1,113 @@
+"""Which effects a scene has: each as it asks for it, or as the effect's own rule says, with the reason in words."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, NamedTuple
+
+from workflows.effects.definition import Called, Case, Definition, Effect
+from workflows.errors import BadInput
+from workflows.scene import plate_mesh
+from workflows.scene.rotor import Effects
+from workflows.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.meshes.mesh_sequence import Planform
+    from workflows.scene.load import SceneFile
+
+
+SLOPE = 1.3765
+"""Of a uniform cantilever's first mode at the tip, over w/L."""
+
+_ROOT, SHARE = 1.8751, 0.25
+"""Of that mode: first root of cos x cosh x = -1, and effective mass at the tip over the whole."""
+
+STIFFENED = 1.19, 1.57
+"""Growth of a uniform cantilever's first squared frequency with Omega², and with that times hub radius over length
+(Southwell and Gough 1921)."""
+
+
+class Beam(NamedTuple):
+    """A uniform cantilever like the plate: length [m], mass [kg], squared first frequency at rest [1/s²]."""
+
+    length: float
+    mass: float
+    square: float
+
+
+def beam_like(scene: Scene, form: Planform | None) -> Beam:
+    """The cantilever of a scene's plate, with its point mass."""
+    plate, material = scene.plate, scene.material
+    if plate is None or material is None:
+        raise ValueError("the scene has no plate")
+    if form is None and plate.mesh is not None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    length, width = (plate.length, plate.width) if form is None else form.sides
+    thickness = plate_mesh.spread(plate, form)[1]
+    mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
+    square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)
+    return Beam(float(length or 0.0), mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
+
+
+def _defined(name: str) -> Definition:
+    found = import_module(f"workflows.effects.{name}").EFFECT
+    if not isinstance(found, Definition):
+        raise TypeError(f"workflows.effects.{name} has no EFFECT")
+    return found
+
+
+EFFECTS = {name: _defined(name) for name in Effects.model_fields}
+"""In the order of the scene's keys: those of the plate, then those of the ball."""
+
+NAMES = tuple(EFFECTS)
+"""Of all effects."""
+
+OF_THE_PLATE = tuple(name for name, kind in EFFECTS.items() if kind.of == "plate")
+OF_THE_DAMPER = tuple(name for name, kind in EFFECTS.items() if kind.of == "damper")
+
+
+def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...] = NAMES) -> dict[str, Called]:
+    """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
+    found: dict[str, Called] = {}
+    on: dict[str, bool] = {}
+    for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
+        found[name] = EFFECTS[name].called_for(Case(scene, form, on))
+        asked = getattr(scene.effects, name)
+        on[name] = found[name].called if asked == "auto" else asked is True
+    return {name: found[name] for name in names}
+
+
+def of(source: SceneFile) -> dict[str, Effect]:
+    """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
+    from workflows.scene import plate_mesh
+
+    return resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
+
+
+def resolve(scene: Scene, file: str | None = None, form: Planform | None = None) -> dict[str, Effect]:
+    """Every effect of the scene, decided. `form`: its planform, needed where that is a mesh.
+
+    Raises:
+        BadInput: the scene insists on an effect that its own values rule out.
+    """
+    _check_plate(scene, file)
+    for kind in EFFECTS.values():
+        if (refusal := kind.refused(scene)) is not None:
+            raise BadInput(refusal.problem, file=file, key=refusal.key, value=refusal.value)
+    decided = {}
+    for name, (called, why, moves) in called_for(scene, form).items():
+        asked = getattr(scene.effects, name)
+        if asked == "auto":
+            decided[name] = Effect(called, why, None if called else moves)
+        elif asked is True:
+            decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
+        else:
+            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
+    return decided
+
+
+def _check_plate(scene: Scene, file: str | None) -> None:
+    """The effects of a plate need one: a structure's frequency is taken as it is given."""
+    for name in OF_THE_PLATE if scene.plate is None else ():
+        if getattr(scene.effects, name) is True:
+            raise BadInput("the scene has no plate", file=file, key=f"[effects] {name}", value=True)

@@ -1,0 +1,847 @@
+"""What a careful engineer would remark about a run: one function a remark, None where there is nothing to say.
+
+Remarks on the damper are here, those on the plate in :mod:`workflows.findings.remarks`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.accuracy.theory_selection import DEAR
+from fem.theory.registry import kind
+from workflows.effects.selection import EFFECTS
+from workflows.findings import limits
+from workflows.formatting import significant, span, upwards, whole
+from workflows.scene import paper, plate_mesh
+from workflows.scene.damper import beside
+from workflows.scene.materials import KNOWN
+from workflows.scene.scene import Scene
+from workflows.solve import coupling
+from workflows.solve import damper as ringdowns
+from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
+
+_NOTABLE_TILT = 0.01
+"""Share of the drive from which on the tilt of the floor is worth a sentence."""
+
+
+def rung_down(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
+    """The speeds at which the damper was simulated."""
+    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+
+
+def level_floor(results: Results) -> str | None:
+    """A scene that keeps the floor level, and what its tilt does to the cut-off, simulated."""
+    rung = [(p, d) for p, _, d in rung_down(results) if p.tilted is not None and p.load_g > 0]
+    if not rung:
+        return None
+    found = [(p.tilted.ratio, d.cutoff_ratio) for p, d in rung if p.tilted is not None]
+    tilted, level = ([pair[k] for pair in found if pair[k] is not None] for k in (0, 1))
+    text = (
+        "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
+        " figures are those of a floor that tilts as the structure bends"
+    )
+    if results.scene.damper is not None and results.scene.damper.formulation == "printed":
+        text = "The printed equations keep the cavity's floor level"
+    if tilted and level:
+        text += (
+            f": simulated with the tilt, the ball rests below {_span(tilted)} of the load, and not below {_span(level)}"
+        )
+    never = sum(ratio is None for ratio, _ in found)
+    where = f"; at {never} of {len(found)} loads it never moves" if never else ""
+    return f"{text}{where}."
+
+
+def _span(ratios: list[float | None]) -> str:
+    known = sorted(ratio for ratio in ratios if ratio is not None)
+    return span(known[0], known[-1], 3)
+
+
+def turning_floor(results: Results) -> str | None:
+    """The floor's turning, which is left out: (1/5) m (s' - r kappa u')² of the spin makes 2/5 r kappa of the drive."""
+    damper, asked = results.scene.damper, results.scene.accuracy.damping
+    if damper is None or not results.effects["floor_tilt"].on:
+        return None
+    share = max(
+        (0.4 * damper.radius * abs(r.floor_tilt) for p, r, _ in rung_down(results) if p.load_g > 0), default=0.0
+    )
+    if share <= asked:
+        return None
+    return (
+        f"As the floor turns it turns the ball too, which is left out: {significant(100 * share, 2)} % of the ball's"
+        " drive, two fifths of its radius times the floor's slope over the displacement."
+    )
+
+
+_LINEAR = 0.3
+"""Way over the radius of its path up to which a pendulum's frequency is off by 1 %: 1 - (s/rho)²/16 and the load's."""
+
+
+def pendulum(results: Results) -> str | None:
+    """What a hollow floor makes of the ball, and where it is no longer linear."""
+    damper = results.scene.damper
+    known = [p for p, _, _ in rung_down(results) if p.pendulum is not None and p.load_g > 0]
+    if damper is None or damper.floor_radius is None or not known:
+        return None
+    pendulum = known[0].pendulum
+    if pendulum is None:
+        return None
+    orders = [significant(order, 3) for order in pendulum.order]
+    tuned = (
+        f"of engine order {orders[0]}" if orders[0] == orders[1] else f"of engine orders {orders[0]} and {orders[1]}"
+    )
+    text = f"In its hollow floor the ball is a pendulum {tuned}, at all speeds, along the bending direction and across"
+    reach = max(
+        (side / 2 - damper.radius) / (radius - damper.radius)
+        for side, radius in zip(damper.cavity, damper.floor_radius, strict=True)
+    )
+    if reach <= _LINEAR:
+        return f"{text}."
+    return (
+        f"{text}, for small ways: the cavity lets it go {significant(reach, 2)} radii of its path, and beyond"
+        f" {_LINEAR:g} of one its frequency falls by more than a percent, which is left out."
+    )
+
+
+def scattered(results: Results) -> str | None:
+    """Energy that hits leave in modes beyond those that the release sets going."""
+    shares = []
+    for point, _, damping in rung_down(results):
+        leaders = {m.number for axis in range(2) if (m := coupling.leading(point.cavity_modes, axis)) is not None}
+        rest = sum(e for number, e in damping.modal_energies.items() if number not in leaders)
+        if damping.energy.initial > 0 and damping.impacts > 0:
+            shares.append((rest / damping.energy.initial, point.rpm))
+    share, rpm = max(shares, default=(0.0, 0.0))
+    if share <= results.scene.accuracy.damping:
+        return None
+    return (
+        f"Hits scatter energy into modes that do not lead the motion: {significant(100 * share, 2)} % of the initial"
+        f" energy is left there at the end at {whole(rpm)} rpm."
+    )
+
+
+def modes_left_out(results: Results) -> str | None:
+    """Modes that hits feed but for which there is no room, or that were not looked for."""
+    scene = results.scene
+    worst = 0.0
+    for point, reduced, damping in rung_down(results):
+        kept = set(damping.modal_energies)
+        ball = reduced.M1 - reduced.M2
+        left = [ball * math.hypot(*m.shape) ** 2 for m in point.cavity_modes if m.number not in kept]
+        worst = max([worst, *left])
+    if worst <= scene.accuracy.damping or not results.effects["structural_modes"].on:
+        return None
+    return (
+        "Modes that hits feed are left out, for want of room: each changes the damping by about"
+        f" {significant(100 * worst, 2)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for;"
+        f" [accuracy] damping = {upwards(worst)} can be had."
+    )
+
+
+def still_across(results: Results) -> str | None:
+    """No mode that was looked for moves the cavity across."""
+    rung = [p for p, _, _ in rung_down(results) if p.cavity_modes]
+    if not rung or any(coupling.leading(p.cavity_modes, 1) is not None for p in rung):
+        return None
+    return (
+        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, which there is still:"
+        " its lag modes lie higher."
+    )
+
+
+def leaning_load(results: Results) -> str | None:
+    """A load that does not point along the plate at the cavity, whose floor is taken to face it."""
+    scene = results.scene
+    if scene.damper is None or scene.damper.at is None or scene.plate is None or not rung_down(results):
+        return None
+    across = abs(scene.damper.at[1] * math.cos(scene.rotor.stagger))
+    point = max((p for p, _, _ in rung_down(results)), key=lambda p: p.load_g)
+    lean, rolls = across / point.radius, scene.damper.rolling_friction / scene.damper.radius
+    if point.load_g == 0 or lean <= 0.1 * rolls:
+        return None
+    held = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"
+    return (
+        f"At this place the load leans by {significant(math.degrees(math.atan(lean)), 2)}° from the plate's length,"
+        f" away from its centre line: the cavity's floor is taken to face it. On one square to the length the ball"
+        f" {held}, which is not what is simulated."
+    )
+
+
+def level_structure(results: Results) -> str | None:
+    """What a scene without a plate does not tell."""
+    structure = results.scene.structure
+    if structure is None or any(structure.floor_tilt) or not any(p.load_g > 0 for p, _, _ in rung_down(results)):
+        return None
+    return (
+        "This [structure] does not say how the cavity's floor tilts as it bends (floor_tilt), which on a plate raises"
+        " the amplitude from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor"
+        " without limit."
+    )
+
+
+def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
+    """What the tilt of the cavity's floor has to do with the answer."""
+    shares = [p.tilt_share for p in points]
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    if printed or max(map(abs, shares)) < _NOTABLE_TILT:
+        return None
+    sizes = sorted(map(abs, shares))
+    percent, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{as_it_moves(results)}, the cavity's floor tilts"
+    if max(shares) <= 0:
+        return f"{begin} the other way, and the slope adds {percent} to the ball's drive, which these figures count in."
+    if min(shares) > 1:
+        return (
+            f"{begin} so far that it is the slope that drives the ball, with a pull of {percent} of the motion's own."
+        )
+    beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
+    return (
+        f"{begin} and the load pulls the ball back down the slope: these figures count in the {percent} of the ball's"
+        f" drive that this opposes{beyond}."
+    )
+
+
+def as_it_moves(results: Results) -> str:
+    """How a sentence on the tilt begins."""
+    return "As the plate bends" if results.scene.structure is None else "As the structure moves"
+
+
+_MORE = 1.1
+"""A cycle's loss over that of the answer from which it is said why; cycles differ by some percent."""
+
+_LIGHT = 10.0
+"""Load over g down from which the ball's weight is worth a word: a tenth of it."""
+
+_NOTHING = 1e-9
+"""Share of the initial energy that rounding may book as lost."""
+
+
+def weight(results: Results) -> str | None:
+    """The ball's own weight, where it is not small beside the load."""
+    points = [p for p, _, _ in rung_down(results) if 0 < p.load_g < _LIGHT]
+    if not points:
+        return None
+    light = sorted(points, key=lambda point: point.load_g)
+    ruled = [p for p in light if limits.weighs(p)]
+    if len(ruled) == len(light):
+        share = f"more than the load up to {whole(ruled[-1].rpm)} rpm" if ruled[1:] else "more than the load"
+    else:
+        seen = light[len(ruled)]
+        share = f"{significant(100 / seen.load_g, 2)} % of the load at {whole(seen.rpm)} rpm"
+    return (
+        f"The ball's weight is left out: it is {share}. On a horizontal shaft it turns through the cavity once a"
+        " revolution, on a vertical one it pulls the ball to one side."
+    )
+
+
+def at_rest(results: Results) -> str | None:
+    """Where nothing turns there is no load: what works by it does nothing, and the answer leaves that speed out."""
+    damper, loads = results.scene.damper, [p.load_g for p, _, _ in rung_down(results)]
+    if damper is None or 0.0 not in loads:
+        return None
+    idle = [key for key in ("rolling_friction", "floor_radius") if getattr(damper, key)]
+    text = "At 0 rpm no load presses the ball on its floor: it is free between the walls"
+    text += f", and {' and '.join(idle)} {'does' if len(idle) == 1 else 'do'} nothing" if idle else ""
+    return f"{text}. The answer speaks of the speeds at which there is a load." if any(loads) else f"{text}."
+
+
+def lost_at_most(damping: Damping) -> float | None:
+    """Share of its energy that a cycle loses at most: a ball that loses nothing only lends, and the rest is ζ's."""
+    books, most = damping.energy, damping.peak_sdc
+    by_the_ball = books.rolling + books.impact + books.slip
+    return damping.intrinsic_sdc if most is not None and abs(by_the_ball) <= _NOTHING * books.initial else most
+
+
+def lent(results: Results) -> str | None:
+    """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
+    damper = results.scene.damper
+    if damper is None or damper.formulation == "printed":
+        return None
+    borrowed = [(_share(d), p) for p, _, d in rung_down(results) if lost_at_most(d) != d.peak_sdc and d.impacts]
+    if borrowed:
+        share, point = max(borrowed, key=lambda pair: pair[0])
+        return (
+            f"Ball and structure exchange energy, and the ball loses none: at {whole(point.rpm)} rpm it takes up to"
+            f" {significant(100 * share, 2)} % in a cycle and gives it back later. The table leaves that out; the curve"
+            " over amplitude has it, as the paper's definition does."
+        )
+    found = [(_share(d), steady, p) for p, _, d in rung_down(results) if p.load_g > 0 and (steady := _steady(p)) > 0]
+    most = max(found, key=lambda each: each[0] / each[1], default=None)
+    if most is None or most[0] <= _MORE * most[1]:
+        return None
+    share, steady, point = most
+    ball, mean = (significant(100 * each, 2) for each in (share, steady))
+    return (
+        f"At {whole(point.rpm)} rpm a cycle of the ring-down loses up to {ball} % to the ball, more than the {mean} %"
+        " of a steady vibration at its best: a cycle's capacity counts all that the ball took from the structure in it,"
+        " also what it gives back later; the answer counts what is lost for good."
+    )
+
+
+def _share(damping: Damping) -> float:
+    """The most that the ball takes in a cycle, without what the structure's own damping loses."""
+    return 0.0 if damping.peak_sdc is None else 1 - (1 - damping.peak_sdc) / (1 - damping.intrinsic_sdc)
+
+
+def _steady(point: SpeedPoint) -> float:
+    """What the ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
+    own = point.level or point.working
+    return 0.0 if own is None or not own.peak > 0 else -math.expm1(-4 * math.pi * own.peak)
+
+
+def at_load(point: SpeedPoint) -> str:
+    """Where in the range of speeds, within a sentence."""
+    return f"at {whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
+
+
+def at_speed(point: SpeedPoint) -> str:
+    """A speed with its load."""
+    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
+
+
+def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
+    """Where some of the points lie among all, in few words: up to, from, from ... to; both with rising load."""
+    places = sorted(points, key=lambda point: point.load_g)
+    at = sorted(places.index(point) for point in chosen)
+    first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
+    if len(at) == 1:
+        return f"at {first}"
+    if at[-1] - at[0] >= len(at):
+        among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"
+        return f"at {first} and {last}" if len(at) == 2 else among
+    if len(at) == len(places) or (at[0] > 0 and at[-1] < len(places) - 1):
+        return f"from {first} to {last}"
+    return f"up to {last}" if at[0] == 0 else f"from {first} on"
+
+
+def capital(text: str) -> str:
+    """The text as the begin of a sentence."""
+    return text[0].upper() + text[1:]
+
+
+def millimetres(length: float) -> str:
+    """A length [m] in mm."""
+    return significant(1e3 * length, 2)
+
+
+def percent(share: float) -> str:
+    """A share in percent."""
+    return significant(100 * share, 2)
+
+
+def _holds_for(scene: Scene) -> str:
+    if scene.plate is None or scene.plate.root is None:
+        return "perfectly clamped"
+    return "held by linear springs"
+
+
+def assumptions(results: Results) -> list[tuple[str, str]]:
+    """Pairs of an assumption and where it comes from."""
+    scene = results.scene
+    found: list[tuple[str, str]] = []
+    if scene.plate is not None:
+        found += [
+            (f"The plate is linear elastic and {_holds_for(scene)} at the root.", "ours"),
+            *_known(scene),
+            *_of_effects(results, "plate"),
+        ]
+    if scene.damper is not None:
+        if scene.damper.ball_material is not None:
+            found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
+        found += [
+            *_of_effects(results, "damper"),
+            ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
+            ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
+            ("Several balls move in step, each in a cavity of its own.", "ours"),
+            *_weight(results),
+            ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
+        ]
+        if scene.damper.formulation == "consistent":
+            found.append(
+                (
+                    "The moment of inertia is taken about the contact (7/5 m r²), and the structure feels the whole"
+                    " reaction of the ball.",
+                    "ours: Newton's laws, where the printed equations do not keep them",
+                )
+            )
+        else:
+            found.append(("Equations 2 to 4 as printed, which do not conserve energy.", "paper, eqs. 2 to 4"))
+    if any(paper.row(scene, point.load_g) for point in results.speeds):
+        found += [
+            ("Rotation speeds, hub radius 0 and g = 10 m/s².", "read back from the loads of Table II, to every digit"),
+            ("E/ρ of the plate, for ν = 0.3.", "ours: one number fitted to the seven frequencies of Table II"),
+            *_thin(results),
+        ]
+        if scene.damper is not None and scene.damper.damping_ratio:
+            found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
+    return found
+
+
+def _weight(results: Results) -> list[tuple[str, str]]:
+    """What is left out that a structure shows at rest, or where it turns slowly."""
+    if all(point.load_g > 0 for point in results.speeds):
+        said = weight(results)
+        return [] if said is None else [(said, "ours")]
+    return [
+        ("The ball's weight is left out: at 0 rpm nothing presses it to its floor, and nothing resists it.", "ours")
+    ]
+
+
+def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
+    """What effects of the plate, or of the damper, take for granted, on or off."""
+    theory = "" if results.theory is None else kind(results.theory.name).value
+    found = [
+        effect.assumed(results.scene, results.effects[name].on, theory)
+        for name, effect in EFFECTS.items()
+        if effect.of == of
+    ]
+    return [(each.text, each.source) for each in found if each is not None]
+
+
+def _known(scene: Scene) -> list[tuple[str, str]]:
+    """A material that the scene names."""
+    name = None if scene.material is None else scene.material.name
+    return [] if name is None else [(f"E, ν and ρ of {name}.", KNOWN[name].source)]
+
+
+def _thin(results: Results) -> list[tuple[str, str]]:
+    if results.theory is None or results.theory.name != "kirchhoff":
+        return []
+    return [
+        ("The plate is thin: no transverse shear.", "ours: Table II fits it to 0.04 %, and Mindlin's theory to 0.11 %")
+    ]
+
+
+PARTS = {
+    "mesh": "mesh",
+    "layers": "layers of the solid",
+    "basis": "reduced basis",
+    "theory": "theory",
+    **{name: f"{kind.word} left out" for name, kind in EFFECTS.items() if name in ErrorParts.__annotations__},
+}
+"""Parts of an error, as people call them."""
+
+
+class Worst(NamedTuple):
+    """The largest error of a mode (its number, from 1) over the speeds, with its parts."""
+
+    number: int
+    whole: float
+    parts: ErrorParts
+
+
+def worst(results: Results) -> list[Worst]:
+    """Mode by mode, those whose error is known."""
+    found: dict[int, Worst] = {}
+    for point in results.speeds:
+        for number, mode in enumerate(point.modes, 1):
+            whole, parts = mode.error_estimate, mode.error_parts
+            if whole is not None and parts is not None and (number not in found or whole > found[number].whole):
+                found[number] = Worst(number, whole, parts)
+    return [found[number] for number in sorted(found)]
+
+
+def met(results: Results) -> bool:
+    """Whether no error, as far as it is known, is beyond the accuracy asked for."""
+    return all(mode.whole <= results.scene.accuracy.frequency for mode in worst(results))
+
+
+def sentence(results: Results) -> str | None:
+    """How far the frequencies can be trusted, and what no error counts in; None if the errors are not known."""
+    said = errors(results)
+    return None if said is None else " ".join(part for part in (said, limits.sentence(results)) if part)
+
+
+def errors(results: Results) -> str | None:
+    """The whole error of the first frequency and of the worst, what most of that is, and what would mend it."""
+    modes = worst(results)
+    if not modes:
+        return None
+    last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
+    verdict = "within" if met(results) else "more than"
+    first = f"The first frequency is good to {_percent(modes[0].whole)} %"
+    others = (
+        "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
+    )
+    remedy = "" if met(results) else f"; {cure(results)}"
+    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+
+
+def cure(results: Results) -> str:
+    """Which keys would bring every error within the accuracy asked for; or, where none would, what can be had.
+
+    The mesh is only as fine as what the rest leaves of the accuracy makes worth while, and else would be finer.
+    """
+    modes, asked = worst(results), results.scene.accuracy.frequency
+    left = {mode.number: mode.whole for mode in modes}
+    sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
+    keys = []
+    for name in sorted(PARTS, key=lambda name: -max(sizes[name])):
+        if max(left.values()) > asked and (key := _remedy(results, name)) is not None:
+            keys.append(key)
+            left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
+    rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
+    thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
+    if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
+        return f"{' and '.join(keys)} would do"
+    return f"no key would mend that: [accuracy] frequency = {upwards(max(mode.whole for mode in modes))} can be had"
+
+
+_DEFLECTED = "[effects] large_deflection = true"
+"""What thin-plate theory does not know."""
+
+
+def _remedy(results: Results, part: str) -> str | None:
+    """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    if part in EFFECTS:
+        return None if results.effects[part].on else f"[effects] {part} = true"
+    plate, deflected = results.scene.plate, results.effects["large_deflection"].on
+    if part != "theory" or _is(results, "solid") or plate is None or plate.mesh is not None or deflected:
+        return None
+    return f'[plate] theory = "{"auto" if results.scene.accuracy.frequency >= DEAR else "solid"}"'
+
+
+def _is(results: Results, theory: str) -> bool:
+    return results.theory is not None and results.theory.name == theory
+
+
+def _largest(mode: Worst) -> str:
+    """The parts that make up most of an error."""
+    sizes = {said: getattr(mode.parts, name) or 0.0 for name, said in PARTS.items()}
+    shown = [said for said, size in sizes.items() if size >= 0.1 * mode.whole]
+    return ", ".join(f"{said} {_percent(sizes[said])} %" for said in shown)
+
+
+def _percent(part: float) -> str:
+    return significant(100 * part, 2)
+
+
+_NO_REMARKS = 1e-3
+"""Part of the accuracy asked for below which a change is rounding's, or nobody's concern."""
+
+_WIDE = 2.0
+"""Width over length of a mesh from which on it is asked whether it is meant."""
+
+
+def root_stress(results: Results) -> str | None:
+    """The centrifugal pull at the root, where the answer does not speak of it."""
+    fastest = max(results.scene.rotor.speeds)
+    stress = limits.pull(results, fastest)
+    if stress is None or not 1e7 <= stress <= limits.STRONGEST:
+        return None
+    return (
+        f"At {whole(fastest * 30 / math.pi)} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
+        " average over the section: compare it with the yield of the material."
+    )
+
+
+def wide(results: Results) -> str | None:
+    """A mesh that is clamped along its long edge, which may be one laid the wrong way round."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None or plate.mesh is None or surface is None:
+        return None
+    length, width = (float(1e3 * side) for side in np.ptp(surface.points[:, :2], axis=0))
+    if width <= _WIDE * length:
+        return None
+    return (
+        f"The mesh is {significant(width)} mm wide and {significant(length)} mm long: the root, at the smallest x, is a"
+        " long edge. If a short one is meant, turn the mesh until its length lies along x."
+    )
+
+
+def stiffness_with_ball(results: Results) -> str | None:
+    """By how much K1 differs from K2."""
+    reduced = [point.reduced for point in results.speeds if point.reduced is not None]
+    if results.scene.plate is None or not reduced:
+        return None
+    change = max((r.K1 / r.K2 - 1 for r in reduced), key=abs)
+    if abs(change) < _NO_REMARKS * results.scene.accuracy.frequency:
+        return None
+    return (
+        f"With the ball stuck to it, the plate's effective stiffness changes by up to {significant(100 * change, 2)} %"
+        " (K1 against K2), mostly by the ball's own centrifugal pull; the damper uses K1."
+    )
+
+
+def frequency_error(results: Results) -> str | None:
+    """How far the frequencies can be trusted, and by what they are off."""
+    if results.diagram is None or results.theory is None:
+        return None
+    own = _AGAINST_SOLID[results.theory.name]
+    plate = results.scene.plate
+    if plate is not None and plate.mesh is not None and results.theory.name == "solid":
+        own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
+    if results.scene.point_mass > 0:
+        own = (
+            "Under a point mass the frequencies fall with every refinement: the estimate holds what cells down to a"
+            f" tenth of the thickness would still take off. {own}"
+        )
+    mesh, said = results.diagram.mesh, sentence(results)
+    if said is None:
+        unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
+        return " ".join(part for part in (unknown, limits.sentence(results), own) if part)
+    return f"{said} The mesh: {mesh}. {own}"
+
+
+def real_modes(results: Results) -> str | None:
+    """What Coriolis forces do to the mode that the damper feels, where that is more than the accuracy asked for."""
+    if not results.effects["coriolis"].on:
+        return None
+    moved = [
+        mode.frequency_hz / point.reduced.f2_hz - 1
+        for point in results.speeds
+        if point.reduced is not None
+        for mode in [next((mode for mode in point.modes if mode.family == "flap"), None)]
+        if mode is not None
+    ]
+    most = max(moved, key=abs, default=0.0)
+    if abs(most) <= results.scene.accuracy.frequency:
+        return None
+    return (
+        f"Coriolis forces move the first bending mode by {significant(100 * most, 2)} %. What the damper feels (M1, K1,"
+        " M2, K2) is of a real mode, and without them."
+    )
+
+
+def divergence(results: Results) -> str | None:
+    """Speeds that have no answer."""
+    if results.diagram is None or not results.diagram.lost:
+        return None
+    lost, critical = results.diagram.lost, results.diagram.critical
+    which = (
+        f"{whole(lost[0])} rpm"
+        if len(lost) == 1
+        else f"{len(lost)} of the speeds asked for, from {whole(lost[0])} rpm on"
+    )
+    where = "" if critical is None else f" Its critical speed is {critical:.6g} rpm."
+    return f"The plate diverges at {which}: it leaves its equilibrium without oscillating, and has no frequency.{where}"
+
+
+def veering(results: Results) -> str | None:
+    """Where modes could not be followed for certain."""
+    if results.diagram is None or not results.diagram.veerings:
+        return None
+    places = [
+        f"{whole(low)} and {whole(high)} rpm ({', '.join(names)})" for low, high, names in results.diagram.veerings
+    ]
+    more = f", and {len(places) - 4} times more" if len(places) > 4 else ""
+    return (
+        f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed for certain: they exchange"
+        " their characters there, or cross at a sharper angle than the steps resolve. A curve of the Campbell diagram"
+        " may go on as another mode."
+    )
+
+
+_AGAINST_SOLID = {
+    "mindlin": "Theories are held against a solid; Mindlin's is clamped where a solid seems to be, a little outside its"
+    " root.",
+    "kirchhoff": "Theories are held against a solid; thin-plate theory leaves out shear, which matters most in twist.",
+    "solid": "The solid is the reference that other theories are held against.",
+}
+
+
+EXPLAINED = 1e-9
+"""Share of the initial energy that the books may leave unexplained without a word."""
+
+
+def remarks(results: Results) -> tuple[str, ...]:
+    """The remarks that the run calls for, those that bear most on the answer first."""
+    found = (remark(results) for remark in REMARKS)
+    return tuple(text for text in found if text)
+
+
+def _capped(results: Results) -> str | None:
+    """All speeds whose ring-down ended before its ball did."""
+    rung = [(p, d) for p, _, d in rung_down(results)]
+    ended = dict.fromkeys(d.outcome for _, d in rung if "cap" in d.outcome)
+    parts = []
+    for outcome in ended:
+        there = [p for p, d in rung if d.outcome == outcome]
+        marked = any(limits.shown(results, p).mark for p in there)
+        known = f": the cut-offs marked {limits.AT_REST} are those of a ball at rest" if marked else ""
+        parts.append(f"{capital(stretch(there, [p for p, _ in rung]))} {outcome}{known}.")
+    return " ".join(parts) or None
+
+
+def _nothing_released(results: Results) -> str | None:
+    release = results.scene.release
+    still = [p.rpm for p, _, _ in rung_down(results) if p.load_g == 0]
+    if release is None or release.ratio is None or not still:
+        return None
+    return f"At {whole(still[0])} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
+
+
+def _held(results: Results) -> str | None:
+    """Ring-downs in which the release is too small to set the ball rolling."""
+    rung = [(p, d, p.level or p.working) for p, _, d in rung_down(results) if p.load_g > 0 and d.events == 0]
+    held = [(p, d, own) for p, d, own in rung if own is not None and own.peak > 0]
+    if not held:
+        return None
+    point, damping, own = min(held, key=lambda entry: entry[0].load_g)
+    lift = significant(1e3 * math.hypot(*damping.release))
+    needed = significant(1e3 * own.cutoff, 2)
+    return (
+        f"From {whole(point.rpm)} rpm on, this scene's release of {lift} mm does not set the ball rolling, which takes"
+        f" {needed} mm there: those ring-downs show the structure alone."
+    )
+
+
+def _books(results: Results) -> str | None:
+    shares = [d.energy.residual / d.energy.initial for _, _, d in rung_down(results) if d.energy.initial > 0]
+    worst = max(shares, key=abs, default=0.0)
+    if abs(worst) <= EXPLAINED:
+        return None
+    what = "appears from nowhere" if worst < 0 else "is lost without a cause"
+    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
+    why = ": the printed equations do not conserve energy" if printed else ""
+    return f"Up to {significant(100 * abs(worst), 2)} % of the initial energy {what}{why}."
+
+
+def _work_bound(results: Results) -> str | None:
+    from damper import work_bound
+
+    damper = results.scene.damper
+    if damper is None or damper.formulation == "printed":
+        return None  # the bound rests on conservation of energy
+    bounds = []
+    for point, _, damping in rung_down(results):
+        if damping.cutoff_g:
+            system = ringdowns.particle_damper(results.scene, results.effects, point)
+            amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
+            bound = work_bound(system, amplitude)
+            bounds.append((bound, point.rpm))
+    if all(bound > 1 for bound, _ in bounds):
+        return None  # nothing takes more than all there is
+    limits = [
+        f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm"
+        for bound, rpm in bounds
+    ]
+    ends = limits if len(limits) == 1 else [limits[0], limits[-1]]
+    return (
+        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
+        " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"
+        f" {', '.join(ends)}. Any damping beyond that is the structure's own."
+    )
+
+
+def _assumed_damping(results: Results) -> str | None:
+    damper, rung = results.scene.damper, rung_down(results)
+    if damper is None or damper.damping_ratio == 0 or not rung:
+        return None
+    share = significant(100 * rung[0][2].intrinsic_sdc)
+    return (
+        f"The structure's own damping, ζ = {damper.damping_ratio:g}, is an input and alone loses {share} % in a cycle;"
+        " the specific damping capacity includes it, as the paper's definition does."
+    )
+
+
+def _effective_ball(results: Results) -> str | None:
+    """The paper speaks of one ball, of an effective mass; its plate here carries as many as there can be."""
+    damper = results.scene.damper
+    if damper is None or damper.count == 1 or not any(paper.row(results.scene, p.load_g) for p in results.speeds):
+        return None
+    alone = replace(results, scene=results.scene.model_copy(update={"damper": damper.model_copy(update={"count": 1})}))
+    dense = limits.too_dense(alone)
+    return None if dense is None else f"Of {damper.count} balls, where the paper has one: {dense[0]}."
+
+
+def _rows(results: Results) -> str | None:
+    """Cavities that do not lie side by side: the innermost ones feel less load and less motion."""
+    plate, damper = results.scene.plate, results.scene.damper
+    if plate is None or plate.width is None or damper is None or damper.housing:
+        return None
+    place = damper.at or (plate.length or 0.0, 0.0)
+    most = beside(damper, plate_mesh.plate_thickness(plate, place), plate.width)
+    if damper.count <= most:
+        return None
+    rows = math.ceil(damper.count / most)
+    return (
+        f"At most {most} of the {damper.count} cavities lie side by side in a section of the plate: they take {rows}"
+        f" rows along the radius, {significant(2e3 * damper.radius * rows)} mm deep. The model has all of them at one"
+        " place; further in there is less load and less motion."
+    )
+
+
+def _rolling(results: Results) -> str | None:
+    damper = results.scene.damper
+    rolled = [(p, math.hypot(*d.release), demand) for p, _, d in rung_down(results) if (demand := _demand(d)) > 0]
+    if damper is None:
+        return None
+    beyond = [each for each in rolled if each[2] > damper.friction]
+    if not beyond:
+        return None
+    points, lifts, demands = zip(*beyond, strict=True)
+    lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
+    return (
+        f"In the ring-downs from a release of {lift} mm rolling without slip needs"
+        f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
+        f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
+    )
+
+
+def _demand(damping: Damping) -> float:
+    """The friction that pure rolling needs in a ring-down, 0 where the ball does not roll on its floor."""
+    return damping.largest_rolling_demand or 0.0
+
+
+def _release_stress(results: Results) -> str | None:
+    material, rung = results.scene.material, rung_down(results)
+    if material is None or not rung:
+        return None
+    lift = max(abs(damping.release[0]) for _, _, damping in rung)
+    strain = limits.root_strain(results, lift)
+    if strain is None or material.youngs_modulus * strain < 1e8:
+        return None
+    stress = material.youngs_modulus * strain
+    large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
+    return (
+        f"A release of {significant(1e3 * lift)} mm at the cavity bends the root to about"
+        f" {significant(stress / 1e6, 2)} MPa{large}."
+    )
+
+
+def _two_axes(results: Results) -> str | None:
+    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in rung_down(results)):
+        return None
+    if results.effects["structural_modes"].on:
+        return None
+    lags = [mode.frequency_hz for point in results.speeds for mode in point.modes if mode.family == "lag"]
+    known = f"; this plate's first lag mode is at about {significant(min(lags))} Hz" if lags else ""
+    return f"As in the paper, both axes have the frequency of the first bending mode{known}."
+
+
+REMARKS: tuple[Callable[[Results], str | None], ...] = (
+    divergence,
+    wide,
+    _capped,
+    at_rest,
+    weight,
+    _nothing_released,
+    _held,
+    leaning_load,
+    level_floor,
+    turning_floor,
+    pendulum,
+    scattered,
+    modes_left_out,
+    still_across,
+    level_structure,
+    _books,
+    _work_bound,
+    _assumed_damping,
+    lent,
+    _effective_ball,
+    _rows,
+    _rolling,
+    _release_stress,
+    root_stress,
+    _two_axes,
+    stiffness_with_ball,
+    real_modes,
+    veering,
+    frequency_error,
+)
+"""In the order in which they are reported."""

@@ -1,0 +1,284 @@
+"""From a TOML file, or the name of a shipped scene, to a validated scene, with errors a person can act on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import stat
+import tomllib
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from pydantic import ValidationError
+
+from workflows.errors import BadInput, did_you_mean
+from workflows.formatting import revolutions
+from workflows.scene import quantities
+from workflows.scene.messages import explained
+from workflows.scene.quantities import Table
+from workflows.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A scene and where it came from: `name` for messages, `folder` for the files it names.
+
+    `remarks` are on how it is written, and lost where it becomes a `Scene`; `written`: its tables as they were written.
+    """
+
+    scene: Scene
+    name: str
+    folder: Path
+    remarks: tuple[str, ...] = ()
+    written: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def mesh(self) -> Path | None:
+        """The mesh file the plate names, relative to the scene's folder."""
+        plate = self.scene.plate
+        return None if plate is None or plate.mesh is None else self.folder / plate.mesh
+
+    @cached_property
+    def mesh_sha256(self) -> str | None:
+        """SHA-256 of the mesh file's bytes, where the plate names one; read once."""
+        if self.mesh is None:
+            return None
+        with self.mesh.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+
+    def plate_alone(self) -> SceneFile:
+        """The same without the damper; a housing stays, a part of the point mass at the damper's place."""
+        plate, damper, mass = self.scene.plate, self.scene.damper, self.scene.point_mass
+        if plate is not None and damper is not None and mass:
+            plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.at})
+        return self.changed(plate=plate, damper=None, release=None)
+
+    def changed(self, **tables: Table | None) -> SceneFile:
+        """The same scene with some of its tables replaced."""
+        return replace(self, scene=self.scene.model_copy(update=tables))
+
+
+SHIPPED = Path(__file__).parents[1] / "scenes"
+DEFAULT = "paper"
+_LARGEST = 1_000_000
+"""Bytes; no scene written by hand comes near."""
+
+
+SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene | SceneFile
+"""A scene as Python calls take it: the name of a shipped one, a file's path, a dict, or one that is already read."""
+
+
+def shipped() -> list[str]:
+    """Names of the scenes that come with the package."""
+    return sorted(path.stem for path in SHIPPED.glob("*.toml"))
+
+
+def opened(given: SceneLike) -> SceneFile:
+    """A scene however it is given; the mesh of one that comes from no file is looked for from the current folder.
+
+    Raises:
+        BadInput: see :func:`load`.
+        TypeError: it is no scene.
+    """
+    if isinstance(given, SceneFile):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return load(given)
+    if isinstance(given, Scene | Mapping):
+        if isinstance(given, Scene):
+            return _with_its_mesh(SceneFile(given, "scene", Path.cwd()))
+        return _with_its_mesh(SceneFile(parse(given), "scene", Path.cwd(), _remarks(given), given))
+    raise TypeError(
+        f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(given).__name__}"
+    )
+
+
+def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
+    """Read and validate a scene.
+
+    Args:
+        where: a TOML file, or the name of a shipped scene.
+
+    Raises:
+        BadInput: no such file, not TOML, or a scene that is wrong; names file, key and value.
+        TypeError: neither a name nor a path.
+    """
+    if not isinstance(where, str | os.PathLike):
+        raise TypeError(f"load takes a scene's name or path, got {type(where).__name__}")
+    if not os.fspath(where).strip():
+        raise BadInput(f"expected the path of a scene, or the name of a shipped one: {', '.join(shipped())}")
+    path = Path(where)
+    if str(where) in shipped() and not path.is_file():
+        path, name = SHIPPED / f"{where}.toml", f"{where}.toml"
+    else:
+        name = str(where)
+    text = _read(path, name)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"not valid TOML: {error}", file=name) from error
+    except ValueError as error:  # a whole number longer than Python converts
+        raise BadInput("not a scene: a number has too many digits", file=name) from error
+    except RecursionError as error:
+        raise BadInput("not a scene: nested too deeply", file=name) from error
+    return _with_its_mesh(SceneFile(parse(data, name), name, path.resolve().parent, _remarks(data), data))
+
+
+def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
+    """Validate a scene that is already a mapping, such as one from a notebook; values of NumPy and paths will do.
+
+    Raises:
+        BadInput: the scene is wrong; the message names `name`, the key and the value.
+        TypeError: not a mapping.
+    """
+    if not isinstance(data, Mapping):
+        raise TypeError(f"parse takes a dict of the scene's tables, got {type(data).__name__}")
+    plain = _plain(data)
+    try:
+        return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
+    except ValidationError as error:
+        raise explained(error, plain, name) from None
+
+
+def _plain(value: Any, depth: int = 5) -> Any:
+    """Values as TOML has them, as deep as a scene goes: a table, one in it, a key, a list of lists, a value."""
+    if depth and isinstance(value, Mapping):
+        return {key: _plain(item, depth - 1) for key, item in value.items()}
+    if depth and isinstance(value, list | tuple):
+        return [_plain(item, depth - 1) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return value.tolist() if hasattr(value, "tolist") else value  # of NumPy
+
+
+def _read(path: Path, name: str) -> str:
+    try:
+        problem = unfit(path)
+        if problem:
+            raise BadInput(f"expected a scene file, found {problem}", file=name)
+        with path.open("rb") as file:
+            raw = file.read(_LARGEST + 1)
+    except FileNotFoundError:
+        names = [*shipped(), *(p.name for p in path.parent.glob("*.toml"))] if path.parent.is_dir() else shipped()
+        if path.is_symlink():
+            raise BadInput(f"a link to {os.readlink(path)}, which is not there", file=name) from None
+        raise BadInput(f"no such scene{did_you_mean(path.name, names)}", file=name) from None
+    except (OSError, ValueError) as error:
+        raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
+    if len(raw) > _LARGEST:
+        raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
+    if not raw.strip():
+        raise BadInput("the file is empty: expected a scene, such as `spindamp check paper` prints", file=name)
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BadInput("not a scene: not UTF-8 text", file=name) from None
+
+
+def unfit(path: Path) -> str:
+    """What is at `path` instead of a file, in words; empty for a file. A pipe or a device could be read for ever.
+
+    Raises:
+        OSError: there is nothing, or it may not be looked at.
+    """
+    mode = path.stat().st_mode
+    if stat.S_ISREG(mode):
+        return ""
+    if stat.S_ISDIR(mode):
+        return "a folder"
+    return "a pipe" if stat.S_ISFIFO(mode) else "a device" if stat.S_ISCHR(mode) or stat.S_ISBLK(mode) else "a socket"
+
+
+def _gravity(data: Mapping[str, Any]) -> float:
+    """[rotor] gravity, needed to read accelerations in g; a wrong one is reported by its own field."""
+    rotor = data.get("rotor")
+    try:
+        return (
+            quantities.to_si(rotor["gravity"], quantities.ACCELERATION)
+            if isinstance(rotor, dict)
+            else quantities.STANDARD_GRAVITY
+        )
+    except (KeyError, quantities.UnitError):
+        return quantities.STANDARD_GRAVITY
+
+
+def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
+    """Remarks on how a scene, which is valid, is written: speeds without a unit, which are seldom meant in rad/s."""
+    speeds = data["rotor"]["speeds"]
+    given = [speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds
+    bare = [speed for speed in given if speed and not isinstance(speed, str)]
+    if not bare:
+        return ()
+    fastest = max(bare)
+    return (
+        f"Speeds without a unit are in rad/s: {fastest:g} is {revolutions([fastest])}. Was '{fastest:g} rpm' meant?",
+    )
+
+
+def _with_its_mesh(found: SceneFile) -> SceneFile:
+    """The same, once the mesh file that it may name is seen to be there."""
+    problem = "" if found.mesh is None else _mesh_problem(found.mesh)
+    if problem:
+        value = found.scene.plate.mesh if found.scene.plate else None
+        raise BadInput(problem, file=found.name, key="[plate] mesh", value=value)
+    return found
+
+
+def _mesh_problem(mesh: Path) -> str:
+    """What keeps a mesh file from being read, before anything is read; empty if nothing does."""
+    try:
+        found = unfit(mesh)
+        if found:
+            return f"expected a mesh file, found {found}"
+        with mesh.open("rb") as file:
+            return "" if file.read(1) else "the mesh file is empty"
+    except FileNotFoundError:
+        return "a link to a file that is not there" if mesh.is_symlink() else "no such file beside the scene"
+    except (OSError, ValueError) as error:
+        return f"cannot be read: {getattr(error, 'strerror', None) or error}"
+
+
+def slug(title: str) -> str:
+    """A title as part of a folder's name."""
+    plain = unicodedata.normalize("NFKD", title).replace("'", "").encode("ascii", "ignore").decode().lower()
+    return "-".join(re.findall(r"[a-z0-9]+", plain))[:60].rstrip("-") or "run"
+
+
+def schema() -> dict[str, Any]:
+    """The schema, from the same model that validates scenes."""
+    found = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    for table in (found, *found["$defs"].values()):
+        for key in table["properties"].values():
+            if si := unit(key):
+                key["description"] += f"; a number without a unit is in {si}"
+    return dict(_tidied(found)) | {"title": "spindamp scene"}
+
+
+def unit(node: Any) -> str | None:
+    """The SI unit of a quantity, however deep in the schema of its key it stands."""
+    if isinstance(node, dict) and "x-si" in node:
+        return str(node["x-si"])
+    inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    return next((found for part in inner if (found := unit(part))), None)
+
+
+_BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+
+
+def _tidied(node: Any) -> Any:
+    """Bounds under their standard names, and no titles: pydantic titles every key after itself."""
+    if isinstance(node, dict):
+        kept = {key: value for key, value in node.items() if key != "title" or isinstance(value, dict)}
+        return {_BOUNDS.get(key, key): _tidied(value) for key, value in kept.items()}
+    return [_tidied(item) for item in node] if isinstance(node, list) else node
+
+
+if __name__ == "__main__":
+    text = json.dumps(schema(), indent=1, ensure_ascii=False)
+    Path(__file__).parents[1].joinpath("scene.schema.json").write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,423 @@
+"""Units at the boundary: text with a unit comes in, SI numbers go on; nothing else here uses pint."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from workflows.errors import did_you_mean
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import pint
+
+
+STANDARD_GRAVITY = 9.80665
+"""m/s², CGPM 1901; what the unit "g" means unless a scene says otherwise."""
+
+_SPACE = "[ \\t\u00a0\u2009\u202f]"
+"""What may stand between number and unit: text from a web page brings narrow spaces along; a line break is none."""
+
+_TEXT = re.compile(rf"{_SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?){_SPACE}*(\S.{{0,30}})?")
+# Only products, quotients and one-digit powers of names: nothing in a scene is ever evaluated.
+_NAME = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?[0-9])?"
+_UNIT = re.compile(rf"(?:1 */ *)?{_NAME}(?: *[*/· ] *{_NAME})*")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity.
+
+    Attributes:
+        name: with its article, for messages.
+        example: for messages and the JSON Schema.
+        si: the unit it is stored in.
+        least, most: bounds on the magnitude of what is not zero; far beyond any use, short of overflow.
+        also: the same unit as others write it, with an angle in it.
+    """
+
+    name: str
+    example: str
+    si: str
+    least: float
+    most: float
+    also: str = ""
+
+    @property
+    def expectation(self) -> str:
+        """What an error message asks for."""
+        return f"expected {self.name} such as '{self.example}'"
+
+
+LENGTH = Kind("a length", "20 cm", "m", 1e-12, 1e6)
+MASS = Kind("a mass", "1 kg", "kg", 1e-15, 1e12)
+ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
+ROTATION = Kind("a rotation speed", "3500 rpm", "rad/s", 1e-9, 1e8)
+FREQUENCY = Kind("a frequency", "269.5 Hz", "Hz", 1e-9, 1e12)
+PRESSURE = Kind("a modulus", "200 GPa", "Pa", 1e-3, 1e18)
+FORCE = Kind("a force", "10 N", "N", 1e-15, 1e15)
+SURFACE_PRESSURE = Kind("a pressure", "100 Pa", "Pa", 1e-15, 1e15)
+LINE_STIFFNESS = Kind("a stiffness per length", "5e9 N/m/m", "N/m/m", 1e-9, 1e30)
+ROTATIONAL_STIFFNESS = Kind("a rotational stiffness per length", "2e5 N*m/rad/m", "N*m/rad/m", 1e-9, 1e30)
+DENSITY = Kind("a density", "7850 kg/m^3", "kg/m^3", 1e-6, 1e9)
+ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
+
+
+def length_power(power: int) -> Kind:
+    """Lengths to a power, as a polynomial's coefficients are."""
+    if power == 1:
+        return LENGTH
+    name = "a number" if power == 0 else f"a coefficient in m^{power}"
+    return Kind(
+        name, "0.02 mm/mm" if power == 0 else f"0.5 m^{power}", "m/m" if power == 0 else f"m^{power}", 1e-30, 1e30
+    )
+
+
+SLOPE = Kind("a slope over a displacement", "6.9 1/m", "1/m", 1e-30, 1e6, also="rad/m")
+LOAD = Kind("an acceleration", "6000 g", "m/s^2", 1e-12, 1e15)
+
+
+_COMMON = (
+    *("mm", "cm", "m", "µm", "km", "in", "inch", "ft", "kg", "g", "t", "mg", "lb", "s", "ms", "min"),
+    *("Hz", "kHz", "MHz", "GPa", "MPa", "kPa", "Pa", "bar", "psi", "ksi", "N", "kN", "rpm", "rad", "deg", "rev"),
+)
+"""Units to suggest for a misspelt one."""
+
+
+_FACTORS = {
+    ("mm", "m"): 1e-3,
+    ("cm", "m"): 1e-2,
+    ("m", "m"): 1.0,
+    ("g", "kg"): 1e-3,
+    ("kg", "kg"): 1.0,
+    ("deg", "rad"): 0.017453292519943295,
+    ("rpm", "rad/s"): 0.10471975511965977,
+    ("rad/s", "rad/s"): 1.0,
+    ("Hz", "Hz"): 1.0,
+    ("Pa", "Pa"): 1.0,
+    ("MPa", "Pa"): 1e6,
+    ("GPa", "Pa"): 1e9,
+    ("N", "N"): 1.0,
+    ("kg/m^3", "kg/m^3"): 1.0,
+    ("m/s^2", "m/s^2"): 1.0,
+}
+"""What pint says of the commonest units: to load it takes longer than all else that reads a scene."""
+
+
+class UnitError(ValueError):
+    """A value that is not a quantity of the kind expected; the message says what would be right."""
+
+
+@contextmanager
+def _without(package: str) -> Iterator[None]:
+    """Keep pint from loading a large package that it takes where it is installed, and that no unit here needs."""
+    if package in sys.modules:
+        yield
+        return
+    sys.modules[package] = cast("ModuleType", None)
+    try:
+        yield
+    finally:
+        del sys.modules[package]
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    with _without("dask"):
+        from pint import UnitRegistry
+
+    return UnitRegistry(str(Path(__file__).parents[1] / "units.txt"), on_redefinition="raise")
+
+
+@cache
+def _factor(unit: str, si: str) -> float | None:
+    """The number that takes `unit` to `si`; None where the dimensions differ."""
+    known = _FACTORS.get((unit, si))
+    return _by_pint(unit, si) if known is None else known
+
+
+def _by_pint(unit: str, si: str) -> float | None:
+    registry = _registry()
+    target = registry.parse_units(si)
+    try:
+        quantity = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*")))
+    except Exception as error:  # pint raises AttributeError, ValueError and its parser's own kinds
+        raise UnitError(f"unknown unit '{unit}'{_nearest(unit, si)}") from error
+    if quantity.dimensionality != target.dimensionality:
+        return None
+    factor = float(quantity.to(target).magnitude)
+    rounded = float(f"{factor:.12g}")  # g/cm^3 is 1000, not 999.9999999999999
+    return rounded if abs(rounded - factor) <= 4 * math.ulp(factor) else factor
+
+
+def _nearest(unit: str, si: str) -> str:
+    """The unit probably meant by one that the registry lacks: a slip of case before a slip of letters."""
+    registry = _registry()
+    unknown = next((name for name in re.findall(r"[A-Za-zµμ°]+", unit) if name not in registry), None)
+    if unknown is None:
+        return ""
+    same = [known for known in _COMMON if known.lower() == unknown.lower()]
+    for known in same + difflib.get_close_matches(unknown, _COMMON, n=5, cutoff=0.5):
+        meant = unit.replace(unknown, known)
+        if _factor(meant, si) is not None:
+            return f", did you mean '{meant}'?"
+    return ""
+
+
+def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
+    """A number, taken as SI, or text with a unit, as a finite SI number.
+
+    Args:
+        value: what the scene holds.
+        kind: what it should be.
+        gravity: m/s²; what the lone unit "g" means here. None reads it as gram.
+
+    Raises:
+        UnitError: not a number, not finite, an unknown unit, or a unit of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise UnitError(kind.expectation)
+    if isinstance(value, str):
+        return _from_text(value, kind, gravity)
+    return _in_range(value, kind)
+
+
+def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        raise UnitError(kind.expectation)
+    number, unit = match[1], (match[2] or "").rstrip()
+    if not unit:
+        raise UnitError(f"a string carries its unit, and a bare number is SI: {kind.expectation}")
+    if unit == "g" and gravity is not None:
+        return _in_range(float(number) * gravity, kind)
+    if _UNIT.fullmatch(unit) is None:
+        raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
+    try:
+        factor = _factor(unit, kind.si)
+        if factor is None and kind.also:
+            factor = _factor(unit, kind.also)
+    except UnitError as error:
+        text = str(error)
+        raise UnitError(text if text.endswith("?") else f"{text}: {kind.expectation}") from error
+    if factor is None:
+        raise UnitError(_of_turns(float(number), unit) if kind is ROTATION else kind.expectation)
+    return _in_range(float(number) * factor, kind)
+
+
+def _of_turns(number: float, unit: str) -> str:
+    """What is said of a rotation speed in a unit of something else; hertz are taken by some for turns a second."""
+    hertz = _factor(unit, FREQUENCY.si)
+    if hertz is None:
+        return ROTATION.expectation
+    return (
+        f"{ROTATION.expectation}; '{unit}' is the unit of a frequency, which is not taken for a speed: if turns a"
+        f" second are meant, write '{60 * hertz * number:.9g} rpm'"
+    )
+
+
+def halved(value: object, kind: Kind) -> str | None:
+    """Half of a quantity of a kind, as a scene would have it, in its own unit; None for what is none."""
+    try:
+        si = to_si(value, kind)
+    except UnitError:
+        return None
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    return f"{si / 2:g}" if match is None else f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
+
+
+def _in_range(value: float, kind: Kind) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(f"must be finite: {kind.expectation}")
+    if number and not kind.least <= abs(number) <= kind.most:
+        raise UnitError(f"out of range: expected {kind.name} from {kind.least:g} to {kind.most:g} {kind.si}")
+    return number
+
+
+ROUNDING = 1e-9
+"""Relative slack of comparisons between values, which come from decimal text."""
+
+
+def fault(key: str, problem: str) -> PydanticCustomError:
+    """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
+    return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+def wrong(expectation: str) -> PydanticCustomError:
+    """The error of a value that is not what it should be; the text says what would be right."""
+    return PydanticCustomError("wrong", "{expectation}", {"expectation": expectation})
+
+
+def si(value: object, kind: Kind, info: ValidationInfo) -> float:
+    """A quantity in SI, as the keys of a scene read it."""
+    gravity = (info.context or {}).get("gravity", STANDARD_GRAVITY) if kind is LOAD else None
+    try:
+        return to_si(value, kind, gravity)
+    except UnitError as error:
+        raise wrong(str(error)) from error
+
+
+def quantity_schema(kind: Kind) -> dict[str, Any]:
+    """The JSON Schema of a quantity."""
+    return {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": [kind.example], "x-si": kind.si}
+
+
+def _quantity(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    def validate(value: object, info: ValidationInfo) -> float:
+        return si(value, kind, info)
+
+    return BeforeValidator(validate), WithJsonSchema(quantity_schema(kind))
+
+
+def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise wrong(f"expected a list of two, such as ['{kind.example}', '{kind.example}']")
+        return si(value[0], kind, info), si(value[1], kind, info)
+
+    schema = {"type": "array", "items": quantity_schema(kind), "minItems": 2, "maxItems": 2}
+    return BeforeValidator(validate), WithJsonSchema(schema)
+
+
+def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSchema]:
+    """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
+
+    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
+        both = value if isinstance(value, list | tuple) else [value, value]
+        if len(both) != 2:
+            raise wrong(f"expected a value such as '{kind.example}', or a list of two, one for each axis")
+        x, y = (si(item, kind, info) for item in both)
+        if not zero and min(x, y) <= 0:
+            raise wrong("expected more than 0")
+        return x, y
+
+    pair = {"type": "array", "items": quantity_schema(kind), "minItems": 2, "maxItems": 2}
+    return BeforeValidator(validate), WithJsonSchema(
+        {"anyOf": [*quantity_schema(kind)["anyOf"], pair], "x-si": kind.si}
+    )
+
+
+def quantities(value: object, kind: Kind, info: ValidationInfo) -> tuple[float, ...]:
+    """A list of quantities in SI."""
+    if not isinstance(value, list | tuple) or not value:
+        raise wrong(f"expected a list such as ['{kind.example}', '{kind.example}']")
+    return tuple(si(item, kind, info) for item in value)
+
+
+def _lengths(value: object, info: ValidationInfo) -> tuple[float, ...]:
+    return quantities(value, LENGTH, info)
+
+
+def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates text that is one of these names."""
+
+    def validate(value: object) -> str:
+        if isinstance(value, str) and value in names:
+            return value
+        hint = did_you_mean(value, names) if isinstance(value, str) else ""
+        raise wrong(f"expected one of {', '.join(names)}{hint}")
+
+    return BeforeValidator(validate), WithJsonSchema({"enum": list(names)})
+
+
+def _length_unit(value: object) -> str:
+    text, hint = value if isinstance(value, str) else "", ""
+    try:
+        if text.strip():
+            to_si(f"1 {text}", LENGTH)
+            return text
+    except UnitError as error:
+        found = str(error)
+        hint = found[found.rindex(", did") :] if "did you mean" in found else ""
+    raise wrong(f"expected a unit of length such as 'mm'{hint}")
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise wrong("expected a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise wrong("expected a finite number")
+    return number
+
+
+def _cycles(value: object) -> float | str:
+    if value == "auto":
+        return "auto"
+    if isinstance(value, str):
+        raise wrong(f"expected 'auto' or a number of vibration cycles{did_you_mean(value, ['auto'])}")
+    number = _number(value)
+    if not 0 < number <= 1e9:
+        raise wrong("expected 'auto' or a number of vibration cycles above 0 and at most 1e9")
+    return number
+
+
+def _line(value: str) -> str:
+    """Text that stays on its line wherever it is printed, and that every file format takes."""
+    if not value.isprintable():
+        raise wrong("expected one line of text, without control characters")
+    return value
+
+
+def _switch(value: object) -> bool | str:
+    if isinstance(value, bool) or value == "auto":
+        return value
+    hint = did_you_mean(value, ["auto"]) if isinstance(value, str) else ""
+    raise wrong(f"expected 'auto', true or false{hint}")
+
+
+_CYCLES_SCHEMA = {"anyOf": [{"const": "auto"}, {"type": "number", "exclusiveMinimum": 0}]}
+
+Number = Annotated[float, BeforeValidator(_number)]
+Length = Annotated[float, *_quantity(LENGTH)]
+Mass = Annotated[float, *_quantity(MASS)]
+Angle = Annotated[float, *_quantity(ANGLE)]
+Frequency = Annotated[float, *_quantity(FREQUENCY)]
+Pressure = Annotated[float, *_quantity(PRESSURE)]
+LineStiffness = Annotated[float, *_quantity(LINE_STIFFNESS)]
+RotationalStiffness = Annotated[float, *_quantity(ROTATIONAL_STIFFNESS)]
+Density = Annotated[float, *_quantity(DENSITY)]
+LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
+Acceleration = Annotated[float, *_quantity(ACCELERATION)]
+Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
+Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
+Slopes = Annotated[tuple[float, float], *_one_or_two(SLOPE, zero=True)]
+LengthPair = Annotated[tuple[float, float], *_pair(LENGTH)]
+Lengths = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_lengths),
+    WithJsonSchema({"type": "array", "items": quantity_schema(LENGTH), "minItems": 1}),
+]
+LoadPair = Annotated[tuple[float, float], *_pair(LOAD)]
+Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]
+Switch = Annotated[
+    bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})
+]
+Line = Annotated[str, AfterValidator(_line)]
+Positive = Field(gt=0)
+NotNegative = Field(ge=0)
+
+
+class Table(BaseModel):
+    """A table of the scene: frozen, strict, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", validate_default=False)

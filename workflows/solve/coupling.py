@@ -1,0 +1,299 @@
+"""The structure as a ball in its cavity feels it: from a speed point to the arguments of a `damper.ParticleDamper`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.effects.definition import Effect
+from workflows.errors import BadInput
+from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import Scene
+from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rpm
+
+if TYPE_CHECKING:
+    import damper
+    import fem
+
+
+def known_structure(scene: Scene, omega: float) -> SpeedPoint:
+    """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
+    structure, rotor = scene.structure, scene.rotor
+    if structure is None or rotor.radius is None:
+        raise ValueError("the scene has no [structure]")
+    m2, f1 = structure.mass, structure.frequency[0]
+    m1 = m2 + ball_mass(scene, m2)
+    stiffness = m1 * (2 * math.pi * f1) ** 2
+    f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
+    reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
+    load = omega**2 * rotor.radius / rotor.gravity
+    return SpeedPoint(omega, rpm(omega), rotor.radius, load, reduced=reduced)
+
+
+def ball_mass(scene: Scene, m2: float) -> float:
+    """Mass of all balls together [kg] at an effective mass M2."""
+    given = scene.damper
+    if given is None:
+        return 0.0
+    return given.balls if given.balls is not None else (given.mass_ratio or 0.0) * m2
+
+
+def structure(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
+) -> dict[str, Any]:
+    """Mass, springs, tilt and modes of the structure, and the spin that draws the ball outwards in its plane.
+
+    `only`: the plate's modes to take; None: as many as the accuracy needs.
+
+    Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
+    the plate.
+    """
+    reduced, tilts = point.reduced, effects["floor_tilt"].on
+    if reduced is None:
+        raise ValueError("the structure is not known at the damper's place")
+    hollow = scene.damper is not None and scene.damper.floor_radius is not None
+    turning: dict[str, Any] = {}
+    if scene.plate is not None and (tilts or hollow):
+        turning = {"rotation": point.omega, "stagger": scene.rotor.stagger}
+    if effects["structural_modes"].on and point.cavity_modes:
+        modes = taken(scene, point) if only is None else tuple(map(_on_axis, only))
+        return _of_modes(scene, point, modes, tilts=tilts) | turning
+    both = (1.0, 1.0)
+    tilt = (reduced.floor_tilt,) * 2
+    if scene.structure is not None:
+        both = (1.0, (scene.structure.frequency[1] / scene.structure.frequency[0]) ** 2)
+        tilt = scene.structure.floor_tilt
+    return {
+        "modal_mass": reduced.M2,
+        "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
+        "floor_tilt": tilt if tilts else (0.0, 0.0),
+        **turning,
+    }
+
+
+def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:
+    """The structure of several modes; mass and stiffness are those of the mode that yields most along each axis."""
+    from damper import Mode
+
+    first, across = leading(modes, 0), leading(modes, 1)
+    if first is None:
+        raise ValueError("none of the modes moves the cavity along the bending direction")
+    mass = first.shape[0] ** -2
+    ball = ball_mass(scene, mass if point.reduced is None else point.reduced.M2)
+    square = across.stiffness / (1 + ball * across.shape[1] ** 2) if across is not None else math.inf
+    own = first.stiffness * mass
+    return {
+        "modal_mass": mass,
+        "stiffness": (own, (mass + ball) * square if math.isfinite(square) else own),
+        "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0), drawn=m.drawn) for m in modes),
+    }
+
+
+def leading(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
+    """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
+    found = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
+    if found is None or abs(found.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
+        return None
+    return found
+
+
+_STILL = 1e-6
+"""Relative displacement of a cavity that counts as none: a mesh's rounding, by symmetry zero."""
+
+
+def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
+    """As few of the plate's modes as `accuracy.damping` needs, ascending.
+
+    Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
+    first as far as there is room.
+    """
+    from damper.state import MODES
+
+    modes = point.cavity_modes
+    if point.reduced is None or not modes:
+        return ()
+    leaders = {found.number for axis in range(2) if (found := leading(modes, axis)) is not None}
+    ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
+    others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
+    needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
+    kept = leaders | {m.number for m in needed[: MODES - len(leaders)]}
+    return tuple(_on_axis(m) for m in modes if m.number in kept)
+
+
+def _on_axis(mode: CavityMode) -> CavityMode:
+    """The mode without the displacements and slopes that symmetry forbids and rounding leaves."""
+    still = [abs(part) <= _STILL * math.hypot(*mode.shape) for part in mode.shape]
+    x, y = (0.0 if none else part for none, part in zip(still, mode.shape, strict=True))
+    a, b = (0.0 if none else part for none, part in zip(still, mode.slope, strict=True))
+    return replace(mode, shape=(x, y), slope=(a, b))
+
+
+def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
+    """Frequencies of a ball that swings in a hollow floor, at small amplitudes; None on a flat one.
+
+    omega_s² = beta (G / rho - Omega² P), P the axis' share in the plane of rotation.
+    """
+    if damper.floor_radius is None or (damper.rotation == 0.0 and damper.centrifugal_acceleration == 0.0):
+        return None
+    sides = (math.sin(damper.stagger) ** 2, math.cos(damper.stagger) ** 2)
+    found = []
+    for radius, side in zip(damper.floor_radius, sides, strict=True):
+        pull = damper.centrifugal_acceleration / (radius - damper.ball_radius) - damper.rotation**2 * side
+        found.append(math.sqrt(max(damper.inertia_ratio * pull, 0.0)) / (2 * math.pi))
+    x, y = found
+    turns = omega / (2 * math.pi)
+    return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
+
+
+def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+    """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
+
+    Raises:
+        BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
+    """
+    release, reduced = scene.release, point.reduced
+    if release is None or reduced is None:
+        raise ValueError("the scene has no [release]")
+    squares = _squares(scene, point)
+    if release.displacement is not None:
+        found = release.displacement
+    elif release.acceleration is not None:
+        found = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
+    else:
+        found = (release.ratio or 0.0) * point.omega**2 * point.radius / squares[0], 0.0
+    if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
+        problem = "none of these modes moves the cavity across, as the release does: ask for more"
+        raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
+    return found
+
+
+def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
+    """Amplitudes of the modes at a release: the leading ones displace the cavity so, the others rest. None without any.
+
+    A ball is judged by what it takes from the vibration let go, not by what a pull at its cavity sets ringing besides.
+    """
+    if system.modes is None:
+        return None
+    first, across = (system.leading(axis) for axis in range(2))
+    found = [0.0] * len(system.modes)
+    a, b = system.modes[first].shape, system.modes[across].shape
+    determinant = a[0] * b[1] - a[1] * b[0]
+    if first == across or determinant == 0.0:
+        found[first] = release[0] / a[0]
+    else:
+        found[first] = (release[0] * b[1] - release[1] * b[0]) / determinant
+        found[across] = (release[1] * a[0] - release[0] * a[1]) / determinant
+    return tuple(found)
+
+
+def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+    """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
+    reduced = point.reduced
+    if reduced is None:
+        raise ValueError("the structure is not known at the damper's place")
+    first = (2 * math.pi * reduced.f1_hz) ** 2
+    if scene.structure is not None:
+        return first, (2 * math.pi * scene.structure.frequency[1]) ** 2
+    across = leading(point.cavity_modes, 1)
+    if across is None:
+        return first, first
+    return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
+
+
+def felt(
+    source: SceneFile, effects: dict[str, Effect], operators: fem.Operators, diagram: fem.Campbell
+) -> tuple[list[Reduced | None], list[tuple[CavityMode, ...]]]:
+    """What the damper feels at each speed of the diagram: the plate reduced, and its modes.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    reduced = reduce(source, operators, diagram)
+    return reduced, cavity_modes(source, effects, operators, diagram, reduced)
+
+
+def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
+    """What the damper feels at each speed of the diagram; nothing without a damper.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    if source.scene.damper is None:
+        return [None] * diagram.omega.size
+    return with_ball(source, reduction(source, operators, diagram))
+
+
+def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
+    """What the damper of a scene feels on a plate that may carry others."""
+    damper = source.scene.damper
+    if damper is None:
+        raise ValueError("the scene has no [damper]")
+    with _placed(source):
+        found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+
+
+def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
+    """The plate at the damper's place, for balls of any mass.
+
+    Raises:
+        BadInput: the damper's place, or too few modes to find the bending mode among.
+    """
+    from fem import Reduction
+
+    with _placed(source):
+        return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
+
+
+@contextmanager
+def _placed(source: SceneFile) -> Iterator[None]:
+    """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
+    from fem import NoFlapMode, PlaceError
+
+    try:
+        yield
+    except PlaceError as error:
+        raise plate_mesh.off_the_plate(source, error) from error
+    except NoFlapMode as error:
+        modes = source.scene.rotor.modes
+        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
+
+
+def cavity_modes(
+    source: SceneFile,
+    effects: dict[str, Effect],
+    operators: fem.Operators,
+    diagram: fem.Campbell,
+    reduced: list[Reduced | None],
+) -> list[tuple[CavityMode, ...]]:
+    """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
+    from fem import modes_at
+
+    balls = [0.0 if found is None else found.M1 - found.M2 for found in reduced]
+    if source.scene.damper is None or not effects["structural_modes"].on:
+        return [()] * len(balls)
+    found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
+    return [
+        tuple(
+            CavityMode(
+                number=k + 1,
+                stiffness=float(found.stiffness[n, k]),
+                shape=_both(found.shape[n, :, k]),
+                slope=_both(found.slope[n, :, k]),
+                drawn=_both(found.drawn[n, :, k]),
+                pressed=float(found.pressed[n, k]),
+            )
+            for k in range(found.stiffness.shape[1])
+        )
+        for n in range(found.stiffness.shape[0])
+    ]
+
+
+def _both(pair: np.ndarray) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])

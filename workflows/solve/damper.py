@@ -1,0 +1,268 @@
+"""The damper's stage: reduced structure and scene in, one ring-down per speed out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.effects.definition import Effect
+from workflows.effects.selection import EFFECTS
+from workflows.errors import BadInput, during
+from workflows.formatting import whole
+from workflows.progress import Stages
+from workflows.scene.damper import Damper
+from workflows.scene.scene import Scene
+from workflows.solve import coupling
+from workflows.solve.results import (
+    BallPath,
+    CavityMode,
+    CutOff,
+    Damping,
+    Energy,
+    Figures,
+    Floats,
+    History,
+    OwnFigures,
+    SpeedPoint,
+    taken_over,
+)
+
+if TYPE_CHECKING:
+    import damper
+
+
+CYCLES = 8
+"""Vibration cycles from the ball's first motion on."""
+
+_A_CYCLE = 60
+"""Times a cycle: a straight line between two departs from a swing by 0.14 % of its amplitude at most."""
+
+EVENTS_AT_MOST = 1000
+"""Events after which the stretch ends, where a ball chatters."""
+
+KINDS = ("release", "start", "reversal", "hit", "rub", "grip")
+"""Names of the kinds of event by their numbers in `damper.state`."""
+
+
+def ball_path(motion: damper.RingDown) -> BallPath | None:
+    """The ball's way in the first cycles in which it moves, from a ring-down with its events; None if it never does."""
+    from damper import sample
+
+    rows = motion.rows
+    if rows is None or motion.last_motion is None:
+        return None
+    period = 2 * math.pi / motion.damper.stuck_frequency
+    moving = np.flatnonzero(rows["regime"] != 0)
+    begin = max(0.0, float(rows["time"][moving[0]]) - period / 4) if moving.size else 0.0
+    end = min(motion.duration, begin + CYCLES * period)
+    inside = np.flatnonzero((rows["time"] >= begin) & (rows["time"] <= end))
+    if len(inside) > EVENTS_AT_MOST:
+        inside = inside[:EVENTS_AT_MOST]
+        end = float(rows["time"][inside[-1]])
+    count = max(2, math.ceil((end - begin) / period * _A_CYCLE) + 1)
+    events: Floats = rows["time"][inside]
+    times = np.union1d(np.linspace(begin, end, count), events)
+    found = sample(motion, times)
+    return BallPath(
+        t=times,
+        ball=found.relative_position,
+        structure=found.displacement,
+        regime=found.regime,
+        at=np.searchsorted(times, events),
+        kind=tuple(KINDS[kind] for kind in rows["kind"][inside].tolist()),
+        axis=rows["axis"][inside].astype(np.int64),
+    )
+
+
+_RESOLVING = 1e-3
+"""Damping ratio at which a cycle resolves a cut-off to 0.6 %."""
+
+_OUT_OF_REACH = 1e3
+"""Amplitude [m] from which on a ball that would move there counts as one that never does."""
+
+_MOST_CYCLES, _MOST_LINEAR_CYCLES = 100_000, 10_000
+"""Caps on cycles where a ball does not come to rest: on level floors, and on others, which are dearer."""
+
+_SAMPLES_PER_CYCLE = 40
+_SAMPLES_AT_MOST = 4000
+
+
+def simulate(
+    scene: Scene,
+    effects: dict[str, Effect],
+    points: tuple[SpeedPoint, ...],
+    stages: Stages,
+    shown: int | None = None,
+) -> tuple[SpeedPoint, ...]:
+    """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
+    with stages("damper", len(points)) as step:
+        done = []
+        for number, point in enumerate(points):
+            speed = f"{whole(point.rpm)} rpm"
+            with during(f"at {speed}"):
+                done.append(_simulated(scene, effects, point, keep=number == shown))
+            step.advance(speed)
+    return tuple(done)
+
+
+def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, keep: bool) -> SpeedPoint:
+    """The ring-down of the scene, and the figures of the damper on a floor that tilts whether the scene's does or not.
+
+    A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
+    """
+    system = particle_damper(scene, effects, point)
+    damping = _one(scene, system, point, keep=keep)
+    tilting = _tilting(scene, effects, point)
+    found = replace(point, damping=damping, pendulum=coupling.pendulum(system, point.omega))
+    judged = system if tilting is None or system.formulation == "printed" else tilting
+    found = replace(found, working=taken_over(OwnFigures, figures(judged)))
+    if tilting is None:
+        return found
+    level = None if judged is system else taken_over(Figures, figures(system))
+    return replace(found, level=level, tilted=_cutoff(tilting, point))
+
+
+def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
+    """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
+    system = particle_damper(scene, effects, point)
+    tilting = None if system.formulation == "printed" else _tilting(scene, effects, point)
+    return leading(tilting or system)
+
+
+def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
+    """The damper in the modes that yield most along either axis.
+
+    Others, which hits feed, change its figures by less than their error as long as they are damped by 0.1 % or more of
+    their own; without any damping they would shake the ball for ever.
+    """
+    if system.modes is None:
+        return system
+    kept = sorted({system.leading(axis) for axis in range(2)})
+    return replace(system, modes=tuple(system.modes[k] for k in kept))
+
+
+def figures(system: damper.ParticleDamper) -> damper.Working:
+    """The damper's own figures in the modes that yield most along either axis."""
+    from damper import working
+
+    return working(leading(system))
+
+
+def most_cycles(system: damper.ParticleDamper) -> int:
+    """Cap on the cycles of a ring-down whose ball does not come to rest."""
+    return _MOST_CYCLES if system.level and system.modes is None else _MOST_LINEAR_CYCLES
+
+
+def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
+    """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
+    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
+        return None
+    consistent = scene.model_copy(update={"damper": scene.damper.model_copy(update={"formulation": "consistent"})})
+    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
+
+
+def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
+    """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
+    from damper import capacity, ringdown
+
+    left = abs(1 - system.tilt_share[0])
+    begin = math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
+    if not begin < _OUT_OF_REACH:
+        return CutOff(None, None)
+    motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
+    found, load = capacity(motion).cutoff, point.omega**2 * point.radius
+    return CutOff(None, None) if found is None else CutOff(found * point.load_g / load, found / load)
+
+
+def particle_damper(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
+) -> damper.ParticleDamper:
+    """The damper of a scene on the structure of a speed point; `only`: see `felt.structure`."""
+    from damper import Formulation, ParticleDamper
+
+    given, reduced = scene.damper, point.reduced
+    if given is None or reduced is None:
+        raise ValueError("the scene has no [damper]")
+    try:
+        return ParticleDamper(
+            **coupling.structure(scene, effects, point, only),
+            ball_mass=coupling.ball_mass(scene, reduced.M2),
+            ball_radius=given.radius,
+            cavity=given.cavity,
+            floor_radius=given.floor_radius,
+            centrifugal_acceleration=point.omega**2 * point.radius,
+            restitution=given.restitution,
+            damping_ratio=given.damping_ratio,
+            sticking_ratio=given.sticking_ratio,
+            formulation=Formulation(given.formulation),
+            **_terms(given, effects, point.omega),
+        )
+    except ValueError as error:
+        raise BadInput(str(error), key="[damper]") from error
+
+
+def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
+    """What effects on the ball have to say of a damper, at a speed in rad/s."""
+    said = (kind.arguments(given, omega, effects[name].on) for name, kind in EFFECTS.items())
+    return {argument: value for each in said for argument, value in each.items()}
+
+
+def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
+    from damper import capacity, ringdown
+
+    release = coupling.released_at(scene, point)
+    cycles = scene.release.cycles if scene.release is not None else "auto"
+    asked = None if isinstance(cycles, str) else cycles
+    how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
+    motion = ringdown(system, release, asked, **how, keep_events=keep, progress=_look_up)
+    found, gravity = capacity(motion), scene.rotor.gravity
+    best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
+    cutoff = None if found.cutoff is None else found.cutoff / gravity
+    return Damping(
+        outcome=str(motion.outcome),
+        impacts=motion.impacts,
+        events=motion.events,
+        duration=motion.duration,
+        stopped=motion.last_motion if motion.rested else None,
+        ball_mass=system.ball_mass,
+        release=release,
+        intrinsic_sdc=found.intrinsic_sdc,
+        peak_sdc=None if best is None else float(found.sdc[best]),
+        peak_sdc_at_g=None if best is None else float(found.amplitude[best]) / gravity,
+        cutoff_g=cutoff,
+        cutoff_ratio=cutoff / point.load_g if cutoff is not None and point.load_g > 0 else None,
+        largest_rolling_demand=motion.largest_rolling_demand,
+        amplitude_g=found.amplitude / gravity,
+        sdc=found.sdc,
+        peak_velocity=found.peak_velocity,
+        energy=taken_over(Energy, motion.energy),
+        modal_energies=_modal_energies(scene, system, point, motion),
+        history=_history(motion) if keep else None,
+        path=ball_path(motion) if keep else None,
+    )
+
+
+def _modal_energies(
+    scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, motion: damper.RingDown
+) -> dict[int, float]:
+    if system.modes is None or motion.modal_energies is None:
+        return {}
+    return {mode.number: float(e) for mode, e in zip(coupling.taken(scene, point), motion.modal_energies, strict=True)}
+
+
+def _history(motion: damper.RingDown) -> History:
+    from damper import sample
+
+    period = 2 * math.pi / motion.damper.stuck_frequency
+    end = min(motion.duration, _SAMPLES_AT_MOST / _SAMPLES_PER_CYCLE * period)
+    count = max(2, math.ceil(end / period * _SAMPLES_PER_CYCLE) + 1)
+    found = sample(motion, np.linspace(0.0, end, count))
+    return History(found.time, found.velocity)
+
+
+def _look_up(_: float) -> None:
+    """Called now and then from inside a ring-down, so that Ctrl-C is heard."""

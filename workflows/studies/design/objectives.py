@@ -1,0 +1,620 @@
+"""The goal of a scene with a range of amplitudes: the least damping ratio over them, at the speed where it is least.
+
+Where the load holds the ball at rest within these amplitudes, it is worth nothing; what is compared then is how far
+the cut-off lies above the least amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from workflows.effects.definition import Effect
+from workflows.errors import BadInput
+from workflows.findings import limits, verdict
+from workflows.formatting import significant, whole
+from workflows.progress import Stages
+from workflows.results import crossings
+from workflows.results.crossings import Crossing
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import FLAT, Excitation, Scene
+from workflows.solve import coupling
+from workflows.solve import damper as damper_stage
+from workflows.solve.results import SpeedPoint
+from workflows.studies.design import space as spaces
+from workflows.studies.design.space import BEYOND, NAMES, NONE, Scored, Space
+from workflows.studies.response import study
+from workflows.studies.response.results import HELPS
+from workflows.studies.response.study import Solved, checked, shaken
+from workflows.studies.sweep import axes as keys
+from workflows.studies.sweep import evaluate
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep.axes import Axis, Spread
+from workflows.studies.sweep.evaluate import QUICK, Placed, Plates, Reasons, measured
+
+if TYPE_CHECKING:
+    from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
+    from damper.starts import Motions
+    from workflows.studies.design.space import Floats
+
+
+_POINTS = 65
+"""Amplitudes, evenly in their logarithm, at which the damping is looked at."""
+
+_NEVER = 50.0
+"""What a design loses whose ball nothing drives."""
+
+
+@dataclass(frozen=True)
+class LeastDamping:
+    """The most of the least damping ratio from a `low` amplitude at the cavity to a `high` one [m]."""
+
+    low: float
+    high: float
+    speeds: tuple[float, ...]
+    said: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
+
+    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+        """What a damper is worth that is placed on its structure at every speed."""
+        low, high = self.low, self.high
+        dampers = [(each, each.judged) for each in placed]
+        cutoff, worst = max((cutoff_of(damper), each.point.omega) for each, damper in dampers)
+        bound = min(bound_of(damper, high) for _, damper in dampers)
+        if cutoff >= low:
+            lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
+            return Scored(0.0, -lost, bound, worst, low, cutoff, why="the load holds the ball at rest")
+        values = []
+        for each, damper in dampers:
+            figures = measured(damper, {}, reach=high, **(QUICK if quick else {}))
+            values.append((*least(figures, low, high), each.point.omega))
+        value, amplitude, speed = min(values)
+        why = "" if value > 0 else "the ball takes nothing"
+        return Scored(value, value, bound, speed, amplitude, cutoff, why=why)
+
+
+def least(figures: Working, low: float, high: float) -> tuple[float, float]:
+    """The least damping ratio between two amplitudes, and where.
+
+    Beyond the curve's upper end it goes on as of a ball that loses the same energy in each cycle, which is less than
+    the ball does.
+    """
+    grid = np.geomspace(low, high, _POINTS)
+    if not figures.amplitude.size:
+        return 0.0, low
+    at, ratio = np.log(figures.amplitude), figures.damping_ratio
+    found = np.interp(np.log(grid), at, ratio)
+    beyond = grid > figures.amplitude[-1]
+    found[beyond] = ratio[-1] * (figures.amplitude[-1] / grid[beyond]) ** 2
+    found[grid <= figures.cutoff] = 0.0
+    k = int(np.argmin(found))
+    return max(float(found[k]), 0.0), float(grid[k])
+
+
+def cutoff_of(damper: ParticleDamper) -> float:
+    """Amplitude up to which the ball stays at rest in the middle of a flat floor [m]; inf where nothing drives it."""
+    left = abs(1 - damper.tilt_share[0])
+    if left < 1e-3:
+        return math.inf
+    return damper.rolling_threshold / damper.stuck_frequency**2 / left
+
+
+def bound_of(damper: ParticleDamper, amplitude: float) -> float:
+    """The most that any ball of this mass in this room can do at an amplitude, as a damping ratio."""
+    from damper import work_bound
+
+    share = work_bound(damper, (amplitude, 0.0))
+    return math.inf if share >= 1 else -math.log1p(-share) / (4 * math.pi)
+
+
+_ACCURACY = 1e-2
+"""To which the mean amplitude is known of motion that does not repeat itself."""
+
+_ABOUT, _WIDTHS = 41, 3.0
+"""Speeds by which a linear resonance is looked for, and how far around where it should be, in damping ratios."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crossed:
+    """A damper at a crossing, under the greatest of the levels.
+
+    Attributes:
+        crossing: of the order with the structure without a ball.
+        system: the damper there; axis: along which of its axes the amplitude is; harmonic: what drives it there.
+        leads: whether the mode is the one that yields most along x, of which free vibration tells.
+        speeds: between which the order is looked at [rad/s].
+    """
+
+    crossing: Crossing
+    system: ParticleDamper
+    axis: int
+    harmonic: Harmonic
+    leads: bool
+    speeds: tuple[float, float]
+
+    def at(self, omega: float) -> tuple[ParticleDamper, Harmonic]:
+        """The damper and what drives it at a speed [rad/s]."""
+        square = (omega / self.crossing.omega) ** 2
+        stiffer = 1 + self._turns * (square - 1)
+        system = self.system
+        modes = system.modes
+        if modes is not None:
+            modes = tuple(replace(mode, stiffness=mode.stiffness * stiffer) for mode in modes)
+        x, y = system.stiffness
+        turned = replace(
+            system,
+            stiffness=(x * stiffer, y * stiffer),
+            modes=modes,
+            centrifugal_acceleration=system.centrifugal_acceleration * square,
+            rotation=system.rotation * math.sqrt(square),
+        )
+        return turned, replace(self.harmonic, frequency=self.crossing.order * omega)
+
+    def speed_of(self, frequency: float) -> float:
+        """The speed at which the order meets what has a frequency at the crossing's speed, both in rad/s."""
+        square = (frequency / (self.crossing.order * self.crossing.omega)) ** 2
+        met = square * (1 - self._turns) / max(1 - square * self._turns, 1e-6)
+        return min(max(self.crossing.omega * math.sqrt(max(met, 0.0)), self.speeds[0]), self.speeds[1])
+
+    @property
+    def _turns(self) -> float:
+        """Growth of the squared frequency over that of the squared speed, both relative."""
+        return min(self.crossing.turns / self.crossing.order, 0.999)
+
+    @property
+    def force(self) -> float:
+        """At the cavity along x, of the same effect on the leading mode [N]."""
+        return study.at_cavity(self.system, self.harmonic)
+
+    @property
+    def backbone(self) -> Backbone:
+        """Free vibration at the crossing."""
+        return _free(self.system)
+
+    @property
+    def stuck(self) -> float:
+        """Frequency of the mode with the ball at rest in it [rad/s]."""
+        shape = self._shape
+        return self.crossing.order * self.crossing.omega / math.sqrt(1 + self.system.ball_mass * shape**2)
+
+    @property
+    def _shape(self) -> float:
+        """Displacement of the cavity in the mode of modal mass 1 kg [1/kg^0.5]."""
+        modes = self.system.modes
+        if modes is None:
+            return 1 / math.sqrt(self.system.modal_mass)
+        own = (self.crossing.order * self.crossing.omega) ** 2
+        near = min(modes, key=lambda mode: abs(mode.stiffness / mode.mass - own))
+        return float(abs(near.shape[self.axis])) / math.sqrt(near.mass)
+
+    def swinging(self) -> list[float]:
+        """Speeds at which the structure and a ball that swings in a hollow floor are in resonance [rad/s].
+
+        (K - nu² (M + m)) (w² - nu²) = beta nu⁴ m (1 - tau)², of the mode at the cavity along its axis, w the ball's own
+        frequency; all but nu goes with the speed.
+        """
+        system, order = self.system, self.crossing.order
+        if system.floor_radius is None:
+            return []
+        scan = np.linspace(*self.speeds, 2000)
+        square = (scan / self.crossing.omega) ** 2
+        nu = order * scan
+        mass = self._shape**-2
+        stiffness = mass * (order * self.crossing.omega) ** 2 * (1 + self._turns * (square - 1))
+        pendulum = coupling.pendulum(system, self.crossing.omega)
+        own = 0.0 if pendulum is None else 2 * math.pi * pendulum.frequency_hz[self.axis]
+        share = system.inertia_ratio * system.ball_mass * (1 - system.tilt_share[self.axis]) ** 2
+        both = (stiffness - nu**2 * (mass + system.ball_mass)) * (own**2 * square - nu**2) - share * nu**4
+        crossed = np.flatnonzero((both[:-1] < 0) != (both[1:] < 0))
+        part = both[crossed] / (both[crossed] - both[crossed + 1])
+        return [float(omega) for omega in scan[crossed] + part * (scan[crossed + 1] - scan[crossed])]
+
+    def follow(self, speeds: Sequence[float], starts: Sequence[Start], most: int) -> Forced:
+        """Steady states at some speeds, of at most so many cycles."""
+        from damper import forced
+
+        pairs = [self.at(omega) for omega in speeds]
+        dampers, harmonics = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+        return forced(dampers, harmonics, starts, probe=self.axis, accuracy=_ACCURACY, max_cycles=most, threads=1)
+
+
+def crossing_objective(
+    scene: Scene, effects: dict[str, Effect], point: SpeedPoint, crossing: Crossing, low: float, high: float
+) -> Crossed | None:
+    """The damper of a scene at a crossing, on the structure there.
+
+    None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
+    """
+    excitation = scene.excitation
+    modes = study.modes_of(point, study.branch_of((point,), crossing))
+    if excitation is None or (modes is not None and study.idle_structure(modes, excitation)):
+        return None
+    axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
+    leads = axis == 0 and (modes is None or coupling.leading(point.cavity_modes, 0) is modes[0])
+    kept = None if modes is None else study.kept(point, modes)
+    system = damper_stage.particle_damper(scene, effects, point, kept)
+    harmonic = study.harmonic_of(system, crossing, point, excitation, max(excitation.levels))
+    return Crossed(crossing, system, axis, harmonic, leads, (low, high))
+
+
+@dataclass(frozen=True)
+class Linear:
+    """The linear answers about a crossing, each at the speed where it is greatest.
+
+    Attributes:
+        without: amplitude without the ball [m]; resting: with the ball at rest [m]; grows: by how much the force may
+            grow until the ball cannot stay at rest.
+        least: amplitude below which no ball of this mass in this room can bring it [m].
+    """
+
+    without: float
+    resting: float
+    grows: float
+    least: float
+
+
+def linear(crossed: Crossed) -> Linear:
+    """Linear answers, and the least amplitude that is conceivable.
+
+    Whatever the ball does, the structure's answer at the frequency nu of the force is that with the ball at rest, and
+    that to the ball's own way in the cavity, m nu² (1 - tau) s. No way of at most half a clearance d has a larger part
+    at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
+    (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
+    """
+    from damper import Harmonic
+
+    met = crossed.crossing.order * crossed.crossing.omega
+    alone = _answers(crossed, *_about(crossed, met)).without
+    omega, harmonics = _about(crossed, crossed.stuck)
+    found = _answers(crossed, omega, harmonics)
+    k = int(np.argmax(np.abs(found.linear)))
+    resting, nu, axis = float(np.abs(found.linear[k])), harmonics[k].frequency, crossed.axis
+    unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
+    receptance = float(np.abs(_answers(crossed, omega, [unit]).linear[0]))
+    system = crossed.system
+    held = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
+    return Linear(
+        float(np.abs(alone).max()), resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0)
+    )
+
+
+@lru_cache(maxsize=16)
+def _free(system: ParticleDamper) -> Backbone:
+    """Free vibration, measured once for a design that is followed again, or under other forces."""
+    from damper import backbone
+
+    return backbone(system, threads=1)
+
+
+def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
+    """The speed of the structure [rad/s] and what drives it, at frequencies about a resonance.
+
+    Where no speed looked at meets it, the one that comes nearest does.
+    """
+    low, high = crossed.speeds
+    met = crossed.speed_of(resonance)
+    if not low < met < high:
+        return met, [crossed.at(met)[1]]
+    wide = _WIDTHS * max(crossed.system.damping_ratio, 1e-4)
+    frequencies = resonance * (1 + wide * np.linspace(-1.0, 1.0, _ABOUT))
+    return crossed.crossing.omega, [replace(crossed.harmonic, frequency=float(nu)) for nu in frequencies]
+
+
+def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motions:
+    from damper.starts import Start, motions_of
+
+    return motions_of(crossed.at(omega)[0], harmonics, (Start.UP,), crossed.axis, 0, 256)
+
+
+_HELD, _HELD_IN_A_BOWL = 0.3, 1.0
+"""Cut-off over half the clearance from which on the balance speaks for a ball on a flat floor, and in a hollow one."""
+
+_SCAN = 2000
+"""Amplitudes looked through."""
+
+
+def speaks(system: ParticleDamper) -> bool:
+    """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
+    gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
+    held = system.rolling_threshold / system.stuck_frequency**2
+    return gap > 0 and held >= (_HELD if system.floor_radius is None else _HELD_IN_A_BOWL) * gap * left
+
+
+def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
+    """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
+    own = here.force / (2 * resting * here.system.stiffness[0])
+    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    return max(hitting(figures, own, resting), rolling(here.system, own, resting))
+
+
+def hitting(figures: Working, own: float, resting: float) -> float:
+    """The greatest amplitude with a ball that hits the walls [m]; `own`: damping ratio with the ball at rest."""
+    if not figures.amplitude.size or resting <= figures.cutoff:
+        return resting
+    scan = np.geomspace(resting * own / (own + figures.peak), resting, _SCAN)
+    ratio = np.interp(np.log(scan), np.log(figures.amplitude), figures.damping_ratio)
+    ratio *= np.minimum(1.0, figures.amplitude[-1] / scan)
+    ratio[scan <= figures.cutoff] = 0.0
+    return _greatest(scan, ratio, own, resting)
+
+
+def rolling(system: ParticleDamper, own: float, resting: float) -> float:
+    """The amplitude with a ball that rolls to and fro and reaches no wall [m]; 0 where it reaches one.
+
+    In a cycle it goes four times as far as `reach` says, and loses 4 m f / beta times that.
+    """
+    omega, beta = system.stuck_frequency, system.inertia_ratio
+    drive = beta * abs(1 - system.tilt_share[0]) * omega**2  # per amplitude
+    resistance = beta * system.rolling_threshold
+    if drive * resting <= resistance:
+        return 0.0
+    scan = np.geomspace(resistance / drive, resting, _SCAN)
+    reach = scan * drive / omega**2 * reaches(resistance / (drive * scan))
+    lost = 4 * reach * system.ball_mass * system.rolling_threshold
+    found = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
+    return found if np.interp(found, scan, reach) <= system.half_gap[0] else 0.0
+
+
+def reaches(friction: Floats) -> Floats:
+    """How far to either side a mass with dry friction goes on a shaken floor, over what it would without friction.
+
+    Den Hartog (Trans. ASME 53, 1931), `friction` over the largest drive: sqrt(1 - (pi f / 2)²) while it never stops;
+    from 1 / sqrt(1 + (pi / 2)²) on it waits at each end, sets off where the drive is f, and stops a while later.
+    """
+    begin = np.arcsin(np.minimum(friction, 1.0))
+    low, high = math.pi - begin, math.pi + begin
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        moving = np.cos(begin) - np.cos(middle) > friction * (middle - begin)
+        low, high = np.where(moving, middle, low), np.where(moving, high, middle)
+    turned = low - begin
+    way = np.cos(begin) * turned - np.sin(low) + np.sin(begin) - 0.5 * friction * turned**2
+    waits = friction * math.hypot(1.0, 0.5 * math.pi) > 1
+    return np.where(waits, 0.5 * way, np.sqrt(np.maximum(1 - (0.5 * math.pi * friction) ** 2, 0.0)))
+
+
+def _greatest(scan: Floats, ratio: Floats, own: float, resting: float) -> float:
+    """The greatest of the amplitudes that a force does not only keep up but would raise further."""
+    raised = np.flatnonzero(scan * (own + ratio) <= own * resting * (1 + 1e-12))
+    return float(scan[raised[-1]]) if raised.size else float(scan[0])
+
+
+_ASIDE = (-0.8, -0.4, 0.0, 0.4, 0.8)
+"""Speeds about a resonance, in damping ratios of it."""
+
+_CYCLES, _FEW_CYCLES = 10_000, 4000
+"""Most cycles of a motion, and where a percent does not count."""
+
+_ACROSS = 9
+"""Speeds over the whole range at which a ball in a hollow floor is looked at besides."""
+
+"""What a design loses whose ball nothing drives."""
+
+
+@dataclass(frozen=True)
+class LeastAmplitude:
+    """The least of the greatest amplitude at the crossings.
+
+    Attributes:
+        excitation: what shakes the structure.
+        met: the crossings of its orders with modes that it drives.
+        ends: the lowest and the highest speed of the scene [rad/s].
+        reference: greatest amplitude without a ball [m].
+    """
+
+    excitation: Excitation
+    met: tuple[Crossing, ...]
+    ends: tuple[float, float]
+    reference: float
+    said: ClassVar[str] = "greatest amplitude at the crossings"
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """Of the crossings [rad/s], each once."""
+        return tuple(sorted({crossing.omega for crossing in self.met}))
+
+    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+        """What a damper is worth that is placed on its structure at every crossing."""
+        found = []
+        for each in placed:
+            for crossing in self.met:
+                if crossing.omega == each.point.omega:
+                    found += self._at(each, crossing, quick=quick)
+        if not found:
+            return Scored(0.0, -_NEVER, why="nothing drives the damper's place at the crossings")
+        value, at, lines = max(found, key=lambda one: one[0])
+        without = max(one[2].without for one in found)
+        held = min(math.log(max(lines.grows, 1.0)), _NEVER)
+        why = "" if value <= HELPS * without else _why(lines)
+        return Scored(
+            value,
+            math.log(self.reference / value) - held,
+            bound=max(one[2].least for one in found),
+            speed=at.crossing.omega,
+            amplitude=value,
+            cutoff=lines.resting * lines.grows,
+            why=why,
+            order=at.crossing.order,
+            without=without,
+            grows=lines.grows,
+        )
+
+    def _at(self, placed: Placed, crossing: Crossing, *, quick: bool) -> list[tuple[float, Crossed, Linear]]:
+        here = crossing_objective(placed.scene, placed.carried.effects, placed.point, crossing, *self.ends)
+        if here is None:
+            return []
+        lines = linear(here)
+        if here.leads and speaks(here.system):
+            return [(amplitude(here, lines.resting, quick=quick), here, lines)]
+        return [(followed(here, lines, quick=quick), here, lines)]
+
+
+def _why(lines: Linear) -> str:
+    return "the load holds the ball at rest" if lines.grows >= 1 else "the ball does not help"
+
+
+def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
+    """The greatest mean amplitude of the steady states about a crossing [m]."""
+    from damper import Start
+
+    starts = (Start.UP, Start.DOWN) if quick else tuple(Start)
+    states = here.follow(_speeds(here, quick=quick), starts, _FEW_CYCLES if quick else _CYCLES)
+    means = np.where(np.isnan(states.mean), np.abs(states.linear)[:, None], states.mean)
+    return float(means.max())
+
+
+def _speeds(here: Crossed, *, quick: bool) -> list[float]:
+    """Speeds at which the steady states are looked at: the resonances of all that the ball may do."""
+    zeta = max(here.system.damping_ratio, 1e-4)
+    aside = _ASIDE[::2] if quick else _ASIDE
+    middles = here.swinging()
+    hollow = here.system.floor_radius is not None
+    if here.leads and not (quick and hollow):
+        middles += [here.speed_of(turns) for _, turns in here.backbone.answers(here.force)]
+    found = {here.speed_of(here.stuck), here.crossing.omega}
+    found |= {middle * (1 + zeta * part) for middle in middles for part in aside}
+    if hollow:
+        found |= set(np.linspace(*here.speeds, _ACROSS // 2 if quick else _ACROSS).tolist())
+    low, high = here.speeds
+    return sorted({min(max(omega, low), high) for omega in found})
+
+
+def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
+    """The goal of a scene as its forced response is computed.
+
+    Raises:
+        BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
+    """
+    excitation, given = source.scene.excitation, source.scene.damper
+    if excitation is None or given is None:
+        raise ValueError("the scene has no [excitation]")
+    if given.damping_ratio == 0:
+        problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
+        raise BadInput(problem, file=source.name, key="[damper] damping_ratio", value=0)
+    solved = Solved(source, stages)
+    speeds = source.scene.rotor.speeds
+    low, high = min(speeds), max(speeds)
+    met = crossings.of_points(solved.across(), excitation.orders)
+    if not met:
+        raise crossings.unmet(solved.across(), excitation.orders, source.name)
+    alone = []
+    for crossing in met:
+        (point,) = solved.at(np.array([crossing.omega]))
+        here = crossing_objective(source.scene, solved.decided.effects, point, crossing, low, high)
+        alone += [] if here is None else [linear(here).without]
+    if not alone:
+        problem = (
+            f"none of these orders drives a mode at the damper's place between {whole(low * 30 / math.pi)} and"
+            f" {whole(high * 30 / math.pi)} rpm"
+        )
+        raise BadInput(problem, file=source.name, key="[excitation] orders", value=list(excitation.orders))
+    return LeastAmplitude(excitation, tuple(met), (low, high), max(alone))
+
+
+_WIDE = 4.0
+"""Ratio of a range's ends from which on it is searched in its logarithm."""
+
+
+def space(source: SceneFile, stages: Stages | None = None) -> Space:
+    """The designs that a scene allows.
+
+    With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
+
+    Raises:
+        BadInput: it has no [design] or no damper to begin with, or one by the printed equations; see also
+            :func:`amplitude.of`.
+        NoAnswer: the plate has none.
+    """
+    scene = source.scene
+    for name in ("damper", "design"):
+        if getattr(scene, name) is None:
+            raise BadInput("the table is missing: design needs it", file=source.name, key=f"[{name}]")
+    design = scene.design
+    if design is None or scene.damper is None:
+        raise ValueError("the scene has no [design]")
+    if scene.damper.formulation == "printed":
+        problem = f"no design makes sense: {limits.PRINTED}; expected 'consistent'"
+        raise BadInput(problem, file=source.name, key="[damper] formulation", value=scene.damper.formulation)
+    if design.place is not None and scene.plate is None:
+        raise BadInput("belongs to a plate", file=source.name, key="[design] place")
+    found = []
+    for name, table_name in NAMES.items():
+        given = getattr(design, table_name)
+        if given is not None:
+            found.append(_axis(name, given))
+    axes = tuple(found)
+    if design.amplitude is not None:
+        return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
+    checked(source)
+    as_shaken = shaken(source)
+    return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
+
+
+def _axis(name: str, given: tuple[Any, ...]) -> Axis:
+    """A pair is a range, any other list a choice; a ball is drawn by its radius."""
+    key = keys.find(name, "[design]")
+    values = [math.inf if value == FLAT else value for value in given]
+    if name == "damper.radius":
+        values = [value / 2 for value in values]
+    numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in values)
+    if len(values) == 2 and numbers and values[0] < values[1]:
+        low, high = map(float, values)
+        return Axis(key, (), Spread(low, high, "log" if high > _WIDE * low and not key.whole else "even"))
+    return Axis(key, tuple(values))
+
+
+def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list[Scored]:
+    """The designs at rows of shares; `quick` where a few percent do not count."""
+    plan = space.plan(shares)
+    speeds = len(space.goal.speeds)
+    rows, reasons = evaluate.empty(plans.size(plan)), Reasons()
+    placed: list[list[Placed]] = [[] for _ in shares]
+    for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
+        placed[each.number // speeds].append(each)
+    found = []
+    for number, mine in enumerate(placed):
+        missing = rows["reason"][number * speeds : (number + 1) * speeds]
+        if (missing >= 0).any():
+            found.append(Scored(0.0, -NONE, why=reasons.texts[int(missing.max())]))
+        else:
+            found.append(_one(space, mine, quick=quick))
+    return found
+
+
+def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
+    """A design on its structure at every speed."""
+    scene = placed[0].scene
+    mass = max(each.damper.ball_mass for each in placed)
+    if (why := _no_verdict(space, placed)) is not None:
+        return Scored(0.0, -NONE, mass=mass, why=why)
+    used = tuple(spaces.used(space.design, scene, mass).items())
+    over = spaces.misfit(space.design, scene, mass)
+    if over is not None:
+        name, ratio = over
+        return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=f"beyond the limit of {name}")
+    endured = limits.endured(max(placed, key=lambda each: each.point.omega).results)
+    endured = math.inf if endured is None else endured
+    return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
+
+
+def _no_verdict(space: Space, placed: list[Placed]) -> str | None:
+    """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
+    slowest, fastest = (end(placed, key=lambda each: each.point.omega) for end in (min, max))
+    if limits.weighs(slowest.point):
+        return f"at {whole(slowest.point.rpm)} rpm {verdict.WEIGHT}"
+    if (torn := limits.torn_from(fastest.results)) is not None:
+        return torn
+    if not isinstance(space.goal, LeastDamping):
+        return None
+    endured = limits.endured(fastest.results)
+    if endured is not None and space.goal.low > endured:
+        return f"the least of its amplitudes would {limits.beyond(fastest.results)}"
+    grip = limits.grip(slowest.results, slowest.point, space.goal.high)
+    if grip > limits.DRY:
+        taken = f"to roll takes a friction of {significant(grip, 2)} at the greatest of its amplitudes"
+        return f"at {whole(slowest.point.rpm)} rpm every ball would slide, for {taken}"
+    return None

@@ -1,0 +1,518 @@
+"""A design as files: `design.json`, the winning scene as `best.toml`, and one page."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from workflows import formatting
+from workflows.findings.limits import AIR
+from workflows.formatting import significant, whole
+from workflows.output import folder as store
+from workflows.report import page as templating
+from workflows.report import plots as plot
+from workflows.scene.load import SceneFile
+from workflows.studies.design import objectives
+from workflows.studies.design import space as spaces
+from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
+from workflows.studies.design.space import NAMES, Found, Scored, Space
+from workflows.studies.response import report, results
+from workflows.studies.response.results import Response
+from workflows.studies.sweep import evaluate
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep import report as maps
+from workflows.studies.sweep.axes import Spread
+from workflows.studies.sweep.evaluate import Plates, Reasons, measured
+from workflows.studies.sweep.report import Picture
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from damper import ParticleDamper, Working
+    from workflows.studies.design.space import Floats, Found, Scored
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The damper at a speed [rev/min], and its figures."""
+
+    rpm: float
+    damper: ParticleDamper
+    working: Working
+
+
+def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
+    """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
+    plan = space.plan(np.asarray(found.shares)[None])
+    size = plans.size(plan)
+    placed = evaluate.all_placed(space.source, plan, 0, Plates(), evaluate.empty(size), Reasons())
+    curves = []
+    for each in placed:
+        damper = each.judged
+        figures = measured(damper, {}, reach=goal.high)
+        if figures.amplitude.size:
+            curves.append(Curve(each.point.rpm, damper, figures))
+    return curves
+
+
+_HELD = 0.02
+"""Share of a range from its end, and of a limit, from which on it counts as what holds the design."""
+
+_FURTHER = 0.05
+"""By which a range is taken further, to see what that would give."""
+
+
+Score: TypeAlias = "Callable[[Space, Floats, bool], list[Scored]]"
+"""Scores rows of shares in a space, quickly or with the figures at their full accuracy."""
+
+
+@dataclass(frozen=True)
+class Holds:
+    """What keeps the best design from being better.
+
+    Attributes:
+        name: what [design] calls it.
+        said: in words.
+        gain: of the value by taking it 5 % further, relative; None where that is not known.
+    """
+
+    name: str
+    said: str
+    gain: float | None = None
+
+
+def holds(space: Space, found: Found, score: Score) -> tuple[Holds, ...]:
+    """The ends of ranges, and the limits, at which the best design lies."""
+    held = [
+        Holds(name, f"{100 * share:.0f} % of the {name} allowed is used")
+        for name, share in found.scored.used
+        if share > 1 - _HELD
+    ]
+    values = space.values(found.shares)
+    for k in space.continuous:
+        share, axis = found.shares[k], space.axes[k]
+        if _HELD < share < 1 - _HELD or axis.spread is None:
+            continue
+        end = "least" if share < 0.5 else "greatest"
+        said = f"{spaces.in_words(axis.name, values[axis.name])} is the {end} allowed"
+        held.append(Holds(spaces.NAMES[axis.name], said, _gain(space, found, score, k, upwards=share > 0.5)))
+    return tuple(held)
+
+
+def _gain(space: Space, found: Found, score: Score, k: int, *, upwards: bool) -> float | None:
+    """What the best design would gain by going on beyond the end of a range."""
+    spread = space.axes[k].spread
+    if spread is None or not found.scored.works:
+        return None
+    low, high = (spread.low, spread.high * (1 + _FURTHER)) if upwards else (spread.low / (1 + _FURTHER), spread.high)
+    wider = replace(space.axes[k], spread=Spread(low, high, spread.law))
+    axes = (*space.axes[:k], wider, *space.axes[k + 1 :])
+    shares = found.shares.copy()
+    shares[k] = 1.0 if upwards else 0.0
+    (further,) = score(replace(space, axes=axes), shares[None], False)
+    return further.value / found.scored.value - 1 if further.works else None
+
+
+def draw(found: Designed) -> list[Picture]:
+    """All pictures there are."""
+    pictures, goal = [], found.space.goal
+    if isinstance(goal, LeastDamping):
+        curves = of(found.space, found.found, goal)
+        if curves:
+            pictures.append(_picture(partial(_curves, goal, curves), _OF_CURVES))
+    if found.response is not None:
+        for number, through in enumerate(found.response.passed):
+            shades = maps.map_spread(len(through.forces) + 1)[:-1]
+            drawn = partial(report.response, found.response, through, str(number), shades)
+            pictures.append(_picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
+    if found.grid is not None and np.isfinite(found.grid.values).any():
+        caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
+        pictures.append(_picture(partial(_map, found, found.grid), f"{caption} {_OF_THE_MAP}"))
+    return pictures
+
+
+def _picture(draw: Callable[[], str], caption: str) -> Picture:
+    with plot.style():
+        return Picture(draw(), caption)
+
+
+_OF_CURVES = (
+    "Damping ratio by the ball of the best damper over the amplitude at the cavity, at each speed. The range that"
+    " counts lies between the dashed lines; dotted, the most that any ball of its mass could do in its room."
+    f" Grey: what the air gives turbine blades, {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %."
+)
+_OF_A_RESPONSE = (
+    "Amplitude over speed with the best damper, from the least cycle to the greatest; dashed, without any ball."
+)
+_OF_DAMPING = "The least damping ratio over the range,"
+_OF_AMPLITUDES = "The greatest amplitude at the crossings,"
+_OF_THE_MAP = (
+    "with two of the free lengths changed and all else as in the best, which is the cross. White: no such damper helps,"
+    " mostly since the load holds the ball at rest. Hatched: a limit is exceeded."
+)
+
+
+def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
+    figure, (axes,) = plot.canvas(3.1)
+    colours = maps.map_spread(len(curves) + 1)
+    for curve, colour in zip(curves, colours, strict=False):
+        shown = curve.working.damping_ratio > 0
+        at, ratio = curve.working.amplitude[shown], curve.working.damping_ratio[shown]
+        axes.plot(1e3 * at, 100 * ratio, color=colour, label=f"{whole(curve.rpm)} rpm")
+        grid = np.geomspace(goal.low, goal.high, 30)
+        bound = [objectives.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
+        axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
+    for end in (goal.low, goal.high):
+        axes.axvline(1e3 * end, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
+    axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    top = max(100 * curve.working.peak for curve in curves)
+    axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
+    plot.legend(figure, axes, title="speed")
+    return plot.svg(figure, "best", "Damping ratio of the best damper over amplitude")
+
+
+def _map(found: Designed, grid: Grid) -> str:
+    of_damping = isinstance(found.space.goal, LeastDamping)
+    factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
+    figure, (axes,) = plot.canvas(3.4)
+    xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
+    values = factor * grid.values
+    levels = maps.contour_levels([values]) if of_damping else maps.contour_levels([values], least=0.0)
+    colours = maps.map_spread(len(levels) - 1)
+    axes.contourf(
+        xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours if of_damping else colours[::-1]
+    )
+    if grid.beyond.any():
+        maps.hatch(axes, xs, ys, grid.beyond)
+    best = found.space.values(found.found.shares)
+    at = _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y])
+    maps.mark(axes, *at)
+    scales: dict[str, Any] = {"xscale": maps.scale(grid.xs), "yscale": maps.scale(grid.ys)}
+    axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
+    axes.grid(visible=False)
+    idle = "beyond a limit" if grid.beyond.any() else ""
+    maps.colour_key(figure, levels, colours if of_damping else colours[::-1], name, idle=idle)
+    return plot.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
+
+
+def _shown(name: str, value: Any) -> Any:
+    """In mm; of a ball its diameter."""
+    return 1e3 * np.asarray(value, dtype=float) * (2 if name == "damper.radius" else 1)
+
+
+def _label(name: str) -> str:
+    return f"{NAMES[name].replace('_', ' ')}, mm"
+
+
+def best(space: Space, found: Found) -> str:
+    """The best design, key by key."""
+    return ", ".join(spaces.in_words(name, value) for name, value in space.values(found.shares).items())
+
+
+def rpm(omega: float) -> str:
+    """A speed in revolutions."""
+    return f"{whole(float(np.round(omega * 30 / math.pi, 9)))} rpm"
+
+
+def amplitude_verdict(found: Found) -> str:
+    """The answer in a line."""
+    scored = found.scored
+    if not scored.works:
+        return "No damper of these helps at the crossings"
+    cut = significant(100 * (1 - scored.value / scored.without), 2)
+    more = f", and more than the plate endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
+    return (
+        f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper{more}"
+    )
+
+
+def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
+    """What carries it."""
+    scored, level = found.scored, _level(goal)
+    lines = [
+        f"Under {level} it is greatest at order {scored.order} and {rpm(scored.speed)}: {_mm(scored.value)} mm;"
+        f" without any ball, the greatest of the crossings is {_mm(scored.without)} mm."
+    ]
+    if scored.bound > 0:
+        part = significant(100 * (scored.without - scored.value) / (scored.without - scored.bound), 2)
+        lines.append(
+            f"No ball of this mass in this room can bring it below {_mm(scored.bound)} mm: its way in the cavity is too"
+            f" short to hold the rest of the force. Of what is conceivable, it does {part} %."
+        )
+    else:
+        lines.append(
+            "Its mass and its room set no bound: a ball that went from wall to wall in step could hold the whole force."
+        )
+    return lines
+
+
+def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> list[str]:
+    """Why nothing helps, from the design that comes nearest."""
+    scored, damper = found.scored, space.source.scene.damper
+    place = f"At order {scored.order} and {rpm(scored.speed)}, under {_level(goal)},"
+    if scored.grows < 1:
+        able = significant(100 * (1 - scored.bound / scored.without), 2)
+        left = significant(100 * scored.value / scored.without, 4)
+        lines = [
+            f"{place} the ball of the best moves, but leaves {left} % of the amplitude, {_mm(scored.without)} mm."
+            f" Whatever it did, a ball of its mass in its room could take no more than {able} %: a larger mass or room"
+            " is needed."
+        ]
+        return [*lines, f"The best of {found.evaluations} designs tried has {best(space, found)}."]
+    if not math.isfinite(scored.grows):
+        return [f"{place} the tilt of the floor takes all of what would drive a ball."]
+    lines = [
+        f"{place} the structure vibrates by {_mm(scored.without)} mm, and the load holds every ball at rest up to"
+        f" {significant(scored.grows, 3)} times as much or more."
+    ]
+    if damper is not None and damper.rolling_friction > 0:
+        needed = damper.rolling_friction / scored.grows
+        lines.append(
+            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
+            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
+            f" {significant(1e3 * damper.rolling_friction)} mm, or that much more force."
+        )
+    return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
+
+
+def _level(goal: LeastAmplitude) -> str:
+    return f"{significant(max(goal.excitation.levels))} {goal.excitation.unit}"
+
+
+def _mm(length: float) -> str:
+    return significant(1e3 * length)
+
+
+def damping_verdict(found: Found, goal: LeastDamping) -> str:
+    """The answer in a line."""
+    scored = found.scored
+    if not scored.works:
+        return "No damper of these works over the whole range"
+    grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
+    limit = f", where the plate endures it: up to {significant(1e3 * scored.endured)} mm" * (goal.high > scored.endured)
+    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade{limit}"
+
+
+def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:
+    """What carries it."""
+    scored = found.scored
+    low, high = 1e3 * goal.low, 1e3 * goal.high
+    lines = [
+        f"From {significant(low)} to {significant(high)} mm, its damping ratio is least at {rpm(scored.speed)}"
+        f" and {significant(1e3 * scored.amplitude)} mm: {_percent(scored.value)} %. Below"
+        f" {significant(1e3 * scored.cutoff)} mm the load holds its ball at rest.",
+    ]
+    if math.isfinite(scored.bound):
+        lines.append(
+            f"No ball of this mass in this room can do more than {_percent(scored.bound)} % over the whole range: it"
+            f" does {100 * scored.value / scored.bound:.0f} % of that."
+        )
+    if space.source.scene.excitation is not None:
+        lines.append(
+            "[design] amplitude is what designs were compared by; without it, it is the amplitude at the crossings that"
+            " [excitation] makes."
+        )
+    return lines
+
+
+def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[str]:
+    """Why nothing works, from the design that comes nearest."""
+    scored, damper = found.scored, space.source.scene.damper
+    if not math.isfinite(scored.cutoff):
+        return [f"At {rpm(scored.speed)} the tilt of the floor takes all of what would drive a ball."]
+    lines = [
+        f"At {rpm(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
+        f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
+    ]
+    if damper is not None and damper.rolling_friction > 0 and scored.cutoff > goal.low:
+        needed = damper.rolling_friction * goal.low / scored.cutoff
+        lines.append(
+            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
+            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
+            f" {significant(1e3 * damper.rolling_friction)} mm, or a least amplitude above the cut-off."
+        )
+    return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
+
+
+def _percent(ratio: float) -> str:
+    return significant(100 * ratio)
+
+
+def verdict(space: Space, found: Found) -> str:
+    """The answer in a line."""
+    goal = space.goal
+    return damping_verdict(found, goal) if isinstance(goal, LeastDamping) else amplitude_verdict(found)
+
+
+def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
+    """What carries it, and what holds it; or why nothing works."""
+    scored, goal = found.scored, space.goal
+    if not scored.works:
+        return _why_none(space, found)
+    lines = [
+        f"The best of {found.evaluations} designs tried: {best(space, found)}; its balls weigh"
+        f" {significant(1e3 * scored.mass)} g."
+    ]
+    if isinstance(goal, LeastDamping):
+        lines += damping_sentences(space, found, goal)
+    elif isinstance(goal, LeastAmplitude):
+        lines += amplitude_sentences(found, goal)
+    what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
+    for each in held:
+        gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
+        lines.append(f"What holds it: {each.said}{gain}.")
+    if not held:
+        lines.append("No limit holds it: the best lies inside all ranges.")
+    return lines
+
+
+def _why_none(space: Space, found: Found) -> list[str]:
+    goal = space.goal
+    if found.scored.impossible:
+        return [f"The design that comes nearest cannot be: {found.scored.why}."]
+    if isinstance(goal, LeastDamping):
+        return no_damping_because(space, found, goal)
+    return no_amplitude_because(space, found, goal) if isinstance(goal, LeastAmplitude) else []
+
+
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """What a search found.
+
+    Attributes:
+        space: what it searched.
+        found: the best design; where none works, the one that comes nearest.
+        holds: what keeps it from being better.
+        scene: the scene with the best damper, without [design].
+        toml: the same as a file that `run` and `response` take; empty where none works.
+        grid: the map around the best: names of the axes, their values in SI, and what designs are worth there.
+        response: of the best, where designs are compared by the amplitude at the crossings.
+    """
+
+    space: Space
+    found: Found
+    holds: tuple[Holds, ...]
+    scene: SceneFile
+    toml: str
+    grid: Grid | None
+    response: Response | None
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        scored, design = self.found.scored, self.space.design
+        values = self.space.values(self.found.shares)
+        damper = self.scene.scene.damper
+        best: dict[str, Any] = {name.partition(".")[2]: plans.said([value])[0] for name, value in values.items()}
+        found = {
+            "schema_version": 1,
+            "title": self.space.source.scene.title,
+            "objective": self.space.goal.said,
+            "constraints": design.model_dump(mode="json", exclude_none=True),
+            "best": best | {"cavity": None if damper is None else list(damper.cavity)},
+            "works": scored.works,
+            "value": scored.value,
+            "at": {"speed": _known(scored.speed), "amplitude": _known(scored.amplitude), "order": scored.order},
+            "without": _known(scored.without),
+            "bound": _known(scored.bound),
+            "cutoff": _known(scored.cutoff),
+            "ball_mass": _known(scored.mass),
+            "holds": [vars(each) for each in self.holds],
+            "evaluations": self.found.evaluations,
+            "verdict": verdict(self.space, self.found),
+            "why": sentences(self.space, self.found, self.holds),
+        }
+        if self.response is not None:
+            found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
+        return found
+
+    @property
+    def confirmed(self) -> float | None:
+        """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
+        return None if self.response is None else max(row.mean for row in results.rows(self.response))
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """A map: names and values (SI) along x and y, and what the design there is worth, rows of y."""
+
+    x: str
+    xs: Floats
+    y: str
+    ys: Floats
+    scored: tuple[tuple[Scored, ...], ...]
+
+    @property
+    def values(self) -> Floats:
+        """Shape (y, x); nan where a design works nowhere or exceeds a limit."""
+        return np.array([[each.value if each.works else np.nan for each in row] for row in self.scored])
+
+    @property
+    def beyond(self) -> npt.NDArray[np.bool_]:
+        """Where a limit is exceeded, shape (y, x)."""
+        return np.array([[each.impossible for each in row] for row in self.scored])
+
+
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+FILES = r"design\.json|best\.toml"
+"""Names of what is written besides the page, as a regular expression."""
+
+
+def write(found: Designed, out: Path) -> None:
+    """Write all of it into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    page = render(found)
+    with store.replacing(out) as folder:
+        (folder / "design.json").write_text(dumps(found) + "\n", encoding="utf-8")
+        (folder / "report.html").write_text(page, encoding="utf-8")
+        if found.toml:
+            (folder / "best.toml").write_text(found.toml, encoding="utf-8")
+
+
+def dumps(found: Designed) -> str:
+    """The machine-readable result."""
+    return json.dumps(found.document(), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def text(found: Designed) -> str:
+    """The answer in a few lines."""
+    return "\n".join([f"{verdict(found.space, found.found)}.", *_sentences(found)])
+
+
+def in_short(found: Designed) -> str:
+    """The answer and what it is due to, in one line."""
+    return f"{verdict(found.space, found.found)}: {_sentences(found)[0]}"
+
+
+def render(found: Designed) -> str:
+    """The page."""
+    from markupsafe import Markup
+
+    return templating.page(
+        "design.html.j2",
+        {},
+        plot.shades_css(maps.SHADES),
+        title=found.space.source.scene.title,
+        verdict=verdict(found.space, found.found),
+        sentences=_sentences(found),
+        figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
+        toml=found.toml,
+        evaluations=formatting.fixed(found.found.evaluations),
+    )
+
+
+def _sentences(found: Designed) -> list[str]:
+    return sentences(found.space, found.found, found.holds)

@@ -1,0 +1,164 @@
+"""The reproduction as files: JSON, CSV and one page for a person."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workflows import formatting
+from workflows.output import folder as store
+from workflows.report import page
+from workflows.report import plots as plot
+from workflows.scene.paper import SDC_RANGE
+from workflows.studies.reproduction.claims import FORMULATIONS, SHOWN, DampingCurve, Value
+from workflows.studies.reproduction.reproduce import ASSUMPTIONS, Reproduction
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from workflows.studies.reproduction.claims import Family
+    from workflows.studies.reproduction.reproduce import Reproduction
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the page: the paper's number, what it shows, and the picture as SVG."""
+
+    number: int
+    caption: str
+    svg: str
+
+
+def draw(found: Reproduction) -> list[Figure]:
+    """All six."""
+    families = found.sweeps
+    capacity = {
+        3: ("Seven centrifugal loads; the grey band is what the paper reports.", families.load),
+        4: ("Mass ratios at 21932 g.", families.mass),
+        5: ("Clearances of the cavity at 21932 g, mass ratio 1.2 %.", families.cavity),
+        6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
+        7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
+    }
+    with plot.style():
+        velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
+        return [velocity] + [
+            Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
+        ]
+
+
+def _velocity(found: Reproduction) -> str:
+    figure, panels = plot.canvas(2.3, 2)
+    for axes, formulation in zip(panels, FORMULATIONS, strict=True):
+        damping = found.study.points[formulation][SHOWN].damping
+        if damping is None or damping.history is None:
+            continue
+        for axis, name in enumerate("xy"):
+            colour = plot.CATEGORIES[axis]
+            axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
+        axes.set(title=formulation, xlabel="time, ms")
+        if damping.stopped is not None:
+            axes.axvline(1e3 * damping.stopped, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
+    panels[0].set_ylabel("velocity, m/s")
+    panels[0].legend(loc="upper right", ncols=2)
+    return plot.svg(figure, "fig2", "Velocity of the structure over time")
+
+
+def _capacity(family: Family, number: int) -> str:
+    """Damping capacity over dimensionless acceleration, the structure's own part dashed."""
+    figure, panels = plot.canvas(2.9, 2)
+    curves = [curve for formulation in FORMULATIONS for curve in family[formulation]]
+    low, high = (f(100 * float(f(c.sdc[1:])) for c in curves) for f in (min, max))
+    if number == 3:
+        high = max(high, 100 * SDC_RANGE[1])
+    margin = 0.06 * (high - low)
+    for axes, formulation in zip(panels, FORMULATIONS, strict=True):
+        for curve, colour in zip(family[formulation], plot.shades(len(family[formulation])), strict=True):
+            axes.plot(curve.amplitude_g, 100 * curve.sdc, color=colour, marker="o", ms=2.2, lw=1.1, label=curve.label)
+        _guides(axes, family[formulation][0], number)
+        axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
+        if number == 3:
+            axes.set_xscale("log")
+    panels[0].set_ylabel("specific damping capacity, %")
+    plot.legend(figure, panels[1])
+    return plot.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
+
+
+def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
+    own = 100 * float(curve.sdc[-1] - curve.ball[-1])
+    axes.axhline(own, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
+    if number == 3:
+        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plot.RULE, lw=0)
+
+
+def write(found: Reproduction, out: Path) -> None:
+    """Write `reproduce.json`, `reproduce.csv`, `closure.csv` and `report.html` into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    with store.replacing(out) as folder:
+        document = found.document()
+        (folder / "reproduce.json").write_text(dumps(found) + "\n", encoding="utf-8")
+        _write_csv(folder / "reproduce.csv", document["claims"])
+        _write_csv(
+            folder / "closure.csv",
+            [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]],
+        )
+        (folder / "report.html").write_text(render(found), encoding="utf-8")
+
+
+def dumps(found: Reproduction) -> str:
+    """The machine-readable result."""
+    return json.dumps(found.document(), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def render(found: Reproduction) -> str:
+    """The page."""
+    from markupsafe import Markup
+
+    return page.page(
+        "reproduce.html.j2",
+        {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
+        plot.shades_css(7),
+        found=found,
+        figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
+        closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
+        assumptions=ASSUMPTIONS,
+        low=14.0,
+    )
+
+
+def value(number: Value) -> str:
+    """A claim's value in words."""
+    if number is None:
+        return "–"
+    if isinstance(number, str):
+        return number
+    if isinstance(number, list):
+        return ", ".join(value(item) for item in number)
+    size = abs(number)
+    if size >= 1000:
+        return _unbroken(formatting.fixed(number))
+    if size >= 100:
+        return formatting.fixed(number, 1)
+    return f"{number:.1e}" if 0 < size < 1e-3 else formatting.significant(number)
+
+
+def _unbroken(text: str) -> str:
+    """Keep the groups of a number on one line."""
+    return text.replace(" ", "\N{NARROW NO-BREAK SPACE}").replace("\N{THIN SPACE}", "\N{NARROW NO-BREAK SPACE}")
+
+
+def _names(assumptions: list[dict[str, Any]], key: str = "name") -> str:
+    return " + ".join(str(item[key]) for item in assumptions) or "none"
+
+
+def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, rows[0])
+        table.writeheader()
+        for row in rows:
+            table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})

@@ -1,0 +1,578 @@
+"""A forced response as a folder: JSON, netCDF, tables, pictures, and one page for a person."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows import formatting
+from workflows.findings import limits
+from workflows.formatting import significant, whole
+from workflows.output import folder as store
+from workflows.report import page as templating
+from workflows.report import plots as plot
+from workflows.results import files, provenance
+from workflows.results.crossings import Crossing
+from workflows.studies.response import results as peaks
+from workflows.studies.response.results import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+_OF_STATES = {
+    "least": ("m", "least amplitude of a cycle"),
+    "mean": ("m", "mean amplitude of the cycles"),
+    "rms": ("m", "root mean square of the amplitudes of the cycles"),
+    "greatest": ("m", "greatest amplitude of a cycle"),
+    "error": ("m", "error of the mean amplitude"),
+    "hits_per_cycle": ("1", "wall hits in a cycle"),
+    "repeats": ("1", "cycles after which the motion repeats itself, 0 where it does not"),
+    "power_in": ("W", "power put in by the force"),
+    "power_lost": ("W", "power lost"),
+    "stored": ("W", "rate at which the stored energy changes over the window"),
+    "power_error": ("W", "standard error of the power put in"),
+    "divergence": ("1", "exponent by which neighbouring motions part a cycle"),
+    "cycles": ("1", "cycles followed"),
+}
+
+
+def tag(through: Through) -> str:
+    """A crossing as part of a file name."""
+    c = through.crossing
+    return f"order_{c.order}_mode_{c.branch + 1}_{c.rpm:.0f}rpm"
+
+
+def write_csv(found: Response, folder: Path) -> None:
+    """A table for each crossing, with a row for each speed, force and start; and one of the damping ratios."""
+    for through in found.passed:
+        with (folder / f"response_{tag(through)}.csv").open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            names = list(_OF_STATES)
+            unit = {"N": "n", "Pa": "pa", "m/s²": "m_s2"}[found.excitation.unit]
+            force = f"{found.excitation.kind}_{unit}"
+            table.writerow(["rpm", force, "start", "regime", "without_m", "locked_m", *names, "shortcut_m"])
+            for row in _rows(through):
+                table.writerow(row)
+    with (folder / "response_damping_ratio.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(["order", "rpm", "amplitude_m", "damping_ratio"])
+        for through in found.passed:
+            c, figures = through.crossing, through.figures
+            for amplitude, ratio in zip(figures.amplitude, figures.damping_ratio, strict=True):
+                table.writerow([c.order, f"{c.rpm:.10g}", f"{amplitude:.10g}", f"{ratio:.10g}"])
+
+
+def _rows(through: Through) -> list[list[str]]:
+    states, rows = through.states, []
+    without, linear = (np.abs(through.shaped(part)) for part in (states.without, states.linear))
+    regimes = through.shaped(states.regime)
+    values = [through.shaped(getattr(states, name)) for name in _OF_STATES]
+    for n, omega in enumerate(through.omega):
+        for k, force in enumerate(through.forces):
+            for j, start in enumerate(states.starts):
+                numbers = [without[n, k], linear[n, k], *(value[n, k, j] for value in values), through.short[n, k, j]]
+                first = [f"{omega * 30 / np.pi:.10g}", f"{force:.10g}", str(start), str(regimes[n, k, j])]
+                rows.append(first + ["" if np.isnan(number) else f"{number:.10g}" for number in numbers])
+    return rows
+
+
+def dataset(found: Response) -> xr.Dataset:
+    """All steady states: dimensions crossing, speed, force and start; units in the attributes."""
+    import xarray as xr
+
+    dims = ("crossing", "speed", "force", "start")
+    passed, results = found.passed, found.results
+    data = xr.Dataset(
+        attrs={
+            "title": results.scene.title,
+            "source": "spindamp",
+            **provenance.hashes(results),
+            "versions": ", ".join(f"{name} {number}" for name, number in provenance.versions().items()),
+        }
+    )
+    if not passed:
+        return data
+    heights = {"units": found.excitation.unit.replace("²", "2"), "long_name": f"height of the {found.excitation.kind}"}
+    data = data.assign_coords(
+        order=("crossing", [through.crossing.order for through in passed]),
+        mode=("crossing", [through.crossing.branch + 1 for through in passed]),
+        force=("force", list(found.excitation.levels), heights),
+        start=("start", [str(start) for start in passed[0].states.starts]),
+        rpm=(dims[:2], np.array([t.omega for t in passed]) * 30 / np.pi, {"units": "rpm"}),
+    )
+    for name, (unit, said) in _OF_STATES.items():
+        values = np.array([through.shaped(getattr(through.states, name)) for through in passed], dtype=float)
+        data[name] = (dims, values, {"units": unit, "long_name": said})
+    regimes = np.array([[str(r) for r in t.states.regime.ravel()] for t in passed], dtype=object)
+    data["regime"] = (dims, regimes.reshape(data["mean"].shape), {"long_name": "what the steady state is"})
+    for name, said in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
+        values = np.abs([through.shaped(getattr(through.states, name)) for through in passed])
+        data[name] = (dims[:3], values, {"units": "m", "long_name": said})
+    short = np.array([through.short for through in passed])
+    data["shortcut"] = (dims, short, {"units": "m", "long_name": "amplitude by the short way"})
+    return data
+
+
+_MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not settled": "x"}
+"""What happens at a crossing, as a mark."""
+
+
+def campbell_plot(found: Response) -> str:
+    """Frequencies over speed, the orders asked for, and what happens where they cross."""
+    fastest = max(point.rpm for point in found.results.speeds)
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.3)
+        tracks = files.campbell(found.results)
+        for number, track in enumerate(tracks):
+            axes.plot(track.x, track.y, color=plot.CATEGORIES[number % len(plot.CATEGORIES)], label=track.label)
+        crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
+        top = max((track.y.max() for track in tracks), default=0.0)
+        top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
+        for order in found.excitation.orders:
+            end = min(fastest, 60 * top / order)
+            axes.plot([0, end], [0, order * end / 60], color=plot.MUTED, lw=0.6, ls=(0, (1, 2)))
+            small: dict[str, Any] = {"fontsize": 6.5, "color": plot.MUTED}
+            axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
+        for through in found.passed:
+            kinds = [row.regime for row in peaks.rows(found) if row.through is through]
+            for kind in dict.fromkeys(kinds):
+                _mark(axes, through, kind)
+        for crossing, _ in found.idle:
+            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plot.MUTED, ms=6)
+        axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
+        handles, labels = axes.get_legend_handles_labels()
+        unique = dict(zip(labels, handles, strict=True))
+        if unique:
+            figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
+        return plot.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
+
+
+def _mark(axes: Axes, through: Through, kind: str) -> None:
+    c = through.crossing
+    size = 5 + 2 * list(_MARKS).index(kind)
+    axes.plot(
+        c.rpm,
+        c.frequency_hz,
+        _MARKS[kind],
+        color=plot.INK,
+        mfc="none",
+        mew=0.8,
+        ms=size,
+        ls="",
+        label=kind,
+        zorder=4,
+    )
+
+
+def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
+    """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.3)
+        rpm = through.omega * 30 / np.pi
+        states = through.states
+        least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
+        without = np.abs(through.shaped(states.without))
+        for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
+            axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
+            axes.fill_between(
+                rpm, 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1), color=colour, alpha=0.25, lw=0
+            )
+            for start in range(mean.shape[2]):
+                label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
+                axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
+        axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
+        plot.legend(figure, axes, title=found.excitation.kind)
+        return plot.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
+
+
+def ratios(found: Response, through: Through, name: str) -> str:
+    """Amplitude with the ball over the one without, over speed and force: the largest of the answers."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    with plot.style():
+        figure, (axes,) = plot.canvas(2.6)
+        rpm = through.omega * 30 / np.pi
+        mean = through.shaped(through.states.mean).max(axis=2)
+        ratio = mean / np.abs(through.shaped(through.states.without))
+        levels = len(through.forces)
+        reach = max(0.02, float(np.abs(np.log10(ratio)).max()))
+        strength = np.log10((ratio[1:] + ratio[:-1]) / 2).T
+        colours = LinearSegmentedColormap.from_list("", [plot.CATEGORIES[0], "#ffffff00", plot.CATEGORIES[1]])
+        rows = np.arange(levels + 1) - 0.5
+        axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
+        axes.set_yticks(range(levels), [significant(force) for force in through.forces])
+        axes.set(
+            xlim=(rpm[0], rpm[-1]),
+            xlabel="rotation speed, rpm",
+            ylabel=f"{found.excitation.kind}, {found.excitation.unit}",
+        )
+        low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
+        axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
+        axes.grid(visible=False)
+        return plot.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
+
+
+def damping(found: Response) -> str:
+    """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
+    shown = [through for through in found.passed if through.figures.amplitude.size]
+    if not shown:
+        return ""
+    with plot.style():
+        figure, (axes,) = plot.canvas(3.0)
+        for through, colour in zip(shown, plot.shades(len(shown)), strict=True):
+            figures, c = through.figures, through.crossing
+            some = figures.damping_ratio > 0
+            label = f"order {c.order}, {whole(c.rpm)} rpm"
+            axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
+            low, high = (1e3 * end for end in figures.range)
+            if np.isfinite(low) and np.isfinite(high):
+                axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
+        air = [100 * ratio for ratio in limits.AIR]
+        axes.axhspan(*air, color=plot.RULE, lw=0)
+        least = 100 * min(through.figures.peak for through in shown) / 30
+        axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
+        axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+        plot.legend(figure, axes, ncols=1)
+        return plot.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
+
+
+def path(found: Response, through: Through, name: str) -> str:
+    """The ball in its cavity over some cycles, at the speed and under the force of the largest amplitude."""
+    taken = through.path
+    with plot.style():
+        figure, panels = plot.canvas(2.4, 2)
+        along, place = panels
+        axis = through.axis
+        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], label="ball in its cavity")
+        size = np.abs(taken.structure[:, axis]).max() or 1.0
+        scale = np.abs(taken.ball[:, axis]).max() or 1.0
+        along.plot(
+            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=plot.MUTED, lw=0.8,
+            label="structure, scaled",
+        )  # fmt: skip
+        along.set(xlabel="time, ms", ylabel="place, mm")
+        along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], lw=0.8)
+        place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
+        return plot.svg(figure, f"path-{name}", "The ball's path in its cavity")
+
+
+def sentences(found: Response) -> list[str]:
+    """Whether the ball helps, in one plain sentence; then each crossing."""
+    said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
+    if (dense := limits.too_dense(found.results)) is not None:
+        said = [f"No verdict: {dense[0]}.", dense[1], *said[1:]]
+    if _undamped(found):
+        said = [f"No verdict: {_UNDAMPED}."]
+    for crossing, why in found.idle:
+        said.append(f"{place(crossing)}: nothing to follow, {why}.")
+    return said
+
+
+_UNDAMPED = (
+    "without damping of its own ([damper] damping_ratio) the structure has no bound at resonance, so that there is no"
+    " amplitude that the ball could be held against; give it what the air or its clamp takes, such as 0.001"
+)
+
+
+def _undamped(found: Response) -> bool:
+    given = found.results.scene.damper
+    return given is not None and given.damping_ratio == 0 and bool(found.passed)
+
+
+def _verdict(found: Response) -> str:
+    """Whether the ball helps anywhere where the plate endures it, and up to which force it does."""
+    helped = [row for row in rows(found) if row.ratio <= HELPS and not is_beyond(found, row)]
+    orders = _listed(sorted({through.crossing.order for through in found.passed}))
+    if not found.passed:
+        return "No crossing is driven at the damper's place."
+    if not helped:
+        bearable = "" if found.strain_per_amplitude is None else " at any amplitude and speed that its root endures"
+        return f"No: at order{orders} the ball does not help{bearable}."
+    takes = f"the ball takes up to {significant(100 * (1 - min(row.ratio for row in helped)), 2)} % of the amplitude"
+    limits = _limits(found, helped)
+    if not any(limits.values()):
+        return f"Yes: at order{_listed(sorted(limits))} {takes} at resonance."
+    where = [f"{limit} at order {order}" if limit else f"at order {order}" for order, limit in sorted(limits.items())]
+    return f"Yes, {' and '.join(where)}: {takes} at resonance. Larger forces are more than the plate endures."
+
+
+def _limits(found: Response, helped: list[Row]) -> dict[int, str]:
+    """Order by order, up to which force the plate endures what the ball helps against; empty where up to the last."""
+    limits = {row.through.crossing.order: "" for row in helped}
+    for through in found.passed:
+        mine = [row for row in helped if row.through is through]
+        if mine and any(is_beyond(found, row) for row in rows(found) if row.through is through):
+            greatest = max(row.force for row in mine)
+            limits[through.crossing.order] = f"up to {significant(greatest)} {found.excitation.unit}"
+    return limits
+
+
+def _listed(orders: list[int]) -> str:
+    """Of a few orders, as the end of a word: s 2 and 3."""
+    words = [str(order) for order in orders]
+    return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
+
+
+def place(c: Crossing) -> str:
+    """Where an order meets a mode."""
+    return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
+
+
+def _sentence(found: Response, through: Through) -> str:
+    c, unit = through.crossing, found.excitation.unit
+    where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
+    every = [row for row in rows(found) if row.through is through]
+    borne = [row for row in every if not is_beyond(found, row)]
+    mine = borne if any(row.ratio <= HELPS for row in borne) else every
+    best = min(mine, key=lambda row: row.ratio)
+    begins = _begins(found, through)
+    if best.ratio > HELPS:
+        left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
+        return (
+            f"{where}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
+            f" {left} % of it are left{begins}"
+        )
+    helped = [row.force for row in mine if row.ratio <= HELPS]
+    span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
+    cut = significant(100 * (1 - best.ratio), 2)
+    if mine is every and any(is_beyond(found, row) for row in mine if row.ratio <= HELPS):
+        cut += " %, but only where the root of a blade does not endure it; it takes"
+        return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
+    return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
+
+
+def _begins(found: Response, through: Through) -> str:
+    """From which force on the ball moves, and what the root then bears."""
+    least, unit = through.least_force, found.excitation.unit
+    if least == 0:
+        return "; nothing holds it at rest."
+    if not np.isfinite(least):
+        return "; it never moves."
+    stress, force = root_stress(found, through), significant(least)
+    if stress is None:
+        return f"; it begins to move at {force} {unit}."
+    per_force = float(np.abs(through.shaped(through.states.without)).max(axis=0)[0]) / through.forces[0]
+    there = significant(1e-6 * stress * per_force * least)
+    limit = endured(found, through)
+    much = ", more than blades endure" if limit is not None and per_force * least > limit else ""
+    return f"; it begins to move at {force} {unit}, where the root without a ball bears {there} MPa{much}."
+
+
+def text(found: Response) -> str:
+    """What a person reads on the terminal."""
+    lines = [found.results.scene.title, *sentences(found), ""]
+    heads = (
+        "order",
+        "mode",
+        "largest at, rpm",
+        f"{found.excitation.kind}, {found.excitation.unit}",
+        "without, mm",
+        "with, mm",
+        "ratio",
+        "regime",
+        "hits",
+        "short way off",
+    )
+    table = [heads, *(_cells(found, row) for row in rows(found))]
+    widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
+    lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
+    if any(is_beyond(found, row) for row in rows(found)):
+        lines.append(f"{limits.MARKED}.")
+    low, high = (significant(100 * ratio, 2) for ratio in limits.AIR)
+    for through in found.passed:
+        figures, c = through.figures, through.crossing
+        if figures.peak > 0:
+            ends = " to ".join(significant(1e3 * end) for end in figures.range)
+            lines.append(
+                f"order {c.order}: the ball's damping ratio is {significant(100 * figures.peak, 2)} % at most, at"
+                f" {significant(1e3 * figures.peak_amplitude)} mm; it works from {ends} mm; the air alone gives blades"
+                f" {low} to {high} %"
+            )
+    return "\n".join(lines)
+
+
+def _cells(found: Response, row: Row) -> tuple[str, ...]:
+    c = row.through.crossing
+    off = "–" if row.difference is None else f"{significant(100 * row.difference, 2)} %"
+    return (
+        str(c.order),
+        f"{c.family} {c.branch + 1}",
+        whole(row.rpm),
+        significant(row.force),
+        significant(1e3 * row.without, 4),
+        f"{significant(1e3 * row.mean, 4)}{limits.MARK if is_beyond(found, row) else ''}",
+        significant(row.ratio, 4),
+        row.regime,
+        significant(row.hits_per_cycle),
+        off,
+    )
+
+
+def document(found: Response) -> dict[str, Any]:
+    """The machine-readable result: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
+    results = found.results
+    return {
+        "schema_version": 1,
+        "title": results.scene.title,
+        "scene": provenance.resolved_scene(results.scene, results.effects, results.theory),
+        **provenance.hashes(results),
+        "versions": provenance.versions(),
+        "timings": results.timings,
+        "notes": list(results.notes),
+        "headline": sentences(found),
+        "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
+        "aerodynamic_damping_ratio": list(limits.AIR),
+        "crossings": entries(found),
+        "dampers": [_damper(found, through) for through in found.passed],
+        "not_followed": [
+            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency_hz}
+            | {"why": why}
+            for c, why in found.idle
+        ],
+    }
+
+
+def entries(found: Response) -> list[dict[str, Any]]:
+    """The crossings, each under every force."""
+    return [_entry(found, row) for row in rows(found)]
+
+
+def _entry(found: Response, row: Row) -> dict[str, Any]:
+    c = row.through.crossing
+    asked = found.results.scene.accuracy.damping
+    short = None
+    if row.short is not None and row.difference is not None:
+        short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= asked}
+    return {
+        "order": c.order,
+        "mode": c.branch + 1,
+        "family": c.family,
+        "rpm": c.rpm,
+        "frequency_hz": c.frequency_hz,
+        "frequency_error": _known(c.error),
+        "basis_error": c.basis,
+        "force": row.force,
+        "peak_rpm": row.rpm,
+        "peak_frequency_hz": row.frequency,
+        "amplitude_without": row.without,
+        "amplitude": {"least": row.least, "mean": row.mean, "rms": row.rms, "greatest": row.greatest},
+        "amplitude_error": row.error,
+        "smallest_answer": row.smallest,
+        "ratio": row.ratio,
+        "stress_without": row.stress_without,
+        "stress_with": row.stress_with,
+        "regime": row.regime,
+        "hits_per_cycle": row.hits_per_cycle,
+        "power_in": _known(row.power_in),
+        "power_lost": _known(row.power_lost),
+        "shortcut": short,
+    }
+
+
+def _damper(found: Response, through: Through) -> dict[str, Any]:
+    """The damper's own figures at a crossing, and the force from which it moves."""
+    c, figures = through.crossing, through.figures
+    return {
+        "order": c.order,
+        "mode": c.branch + 1,
+        "least_force": _known(through.least_force),
+        "structure_damping_ratio": found.results.scene.damper.damping_ratio if found.results.scene.damper else None,
+        "damping_ratio_peak": figures.peak,
+        "at_amplitude": _known(figures.peak_amplitude),
+        "range": [_known(end) for end in figures.range],
+        "cutoff": _known(figures.cutoff),
+        "endured_amplitude": endured(found, through),
+        "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
+    }
+
+
+def _known(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
+"""What is written beside the usual files, as a regular expression."""
+
+
+def dumps(found: Response) -> str:
+    """The machine-readable result."""
+    return json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def write(found: Response, out: str | os.PathLike[str]) -> Path:
+    """Write `response.json`, `response.nc`, tables, pictures and `report.html` into `out`, or nothing; returns `out`.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    page, out = render(found), Path(out)
+    with store.replacing(out) as folder:
+        (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
+        dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
+        write_csv(found, folder)
+        campbell = plot.standalone(campbell_plot(found))
+        (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
+        for number, through in enumerate(found.passed):
+            shades = plot.shades(len(through.forces))
+            drawn = plot.standalone(response(found, through, str(number), shades), len(shades))
+            (folder / f"response_{tag(through)}.svg").write_text(drawn, encoding="utf-8")
+        (folder / "report.html").write_text(page, encoding="utf-8")
+    return out
+
+
+def render(found: Response) -> str:
+    """The page. Everything that comes from a scene is escaped."""
+    from markupsafe import Markup
+
+    shades = plot.shades(len(found.excitation.levels))
+    sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
+    words = (
+        formatting.fixed,
+        formatting.amount,
+        formatting.significant,
+        formatting.percent,
+        formatting.curly,
+        formatting.whole,
+    )
+    return templating.page(
+        "response.html.j2",
+        {word.__name__: word for word in words},
+        plot.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
+        found=found,
+        unit=found.excitation.unit,
+        sentences=sentences(found),
+        sections=sections,
+        campbell=Markup(campbell_plot(found)),
+        damping=Markup(damping(found)),
+        air=limits.AIR,
+        is_beyond=partial(peaks.is_beyond, found),
+        mark=limits.MARK,
+        marked=limits.MARKED,
+    )
+
+
+def _section(found: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
+    """What the page has of a crossing."""
+    from markupsafe import Markup
+
+    mine = [row for row in peaks.rows(found) if row.through is through]
+    return {
+        "through": through,
+        "crossing": through.crossing,
+        "rows": mine,
+        "response": Markup(response(found, through, str(number), shades)),
+        "ratios": Markup(ratios(found, through, str(number))),
+        "path": Markup(path(found, through, str(number))),
+        "endured": peaks.endured(found, through),
+        "beyond": any(peaks.is_beyond(found, row) for row in mine),
+    }

@@ -1,0 +1,606 @@
+"""A study as files for people: `sweep.json` and one page."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows import formatting
+from workflows.findings.limits import AIR
+from workflows.formatting import significant, whole
+from workflows.report import page as templating
+from workflows.report import plots as plot
+from workflows.scene.scene import FLAT
+from workflows.studies.sweep import evaluate, plan, sensitivity, store
+from workflows.studies.sweep.axes import SPEEDS
+from workflows.studies.sweep.evaluate import HEADLINE
+from workflows.studies.sweep.plan import SAMPLE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    Floats = np.ndarray[Any, np.dtype[np.float64]]
+    from matplotlib.axes import Axes
+
+
+_SHOWN = {
+    "m": (1e3, "mm"),
+    "kg": (1e3, "g"),
+    "rad/s": (30 / math.pi, "rpm"),
+    "rad": (180 / math.pi, "deg"),
+    "1": (1.0, ""),
+}
+"""How units of coordinates are shown: a factor, and the unit's name."""
+
+
+def value(data: xr.Dataset, name: str, k: int) -> str:
+    """The kth value of a key in words."""
+    found = data[name].values[k]
+    return said(data, name, found.item() if hasattr(found, "item") else found)
+
+
+def axis_label(data: xr.Dataset, name: str) -> str:
+    """A key with its unit."""
+    unit = shown_unit(data, name)[1]
+    return f"{short(name)}, {unit}" if unit else short(name)
+
+
+def along(data: xr.Dataset, name: str) -> Floats:
+    """The values of a key in the unit that people have for it."""
+    found: Floats = shown_unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
+    return found
+
+
+def titled(data: xr.Dataset, key: str | None, k: int) -> str:
+    """A key with its kth value; nothing without a key."""
+    if key is None:
+        return ""
+    if key == SPEEDS:
+        return f"{whole(float(data['rpm'].values[k]))} rpm"
+    return f"{short(key)} {value(data, key, k)}"
+
+
+def short(name: str) -> str:
+    """A key without its table."""
+    return name.partition(".")[2].replace("_", " ")
+
+
+def said(data: xr.Dataset, name: str, value: Any) -> str:
+    """A value of a key in words."""
+    if isinstance(value, str):
+        return value
+    if not math.isfinite(value):
+        return FLAT
+    factor, unit = shown_unit(data, name)
+    return f"{significant(factor * float(value), 4)} {unit}".rstrip()
+
+
+def shown_unit(data: xr.Dataset, name: str) -> tuple[float, str]:
+    """The unit that people have for a key: its factor from SI, and its name."""
+    unit = str(data[name].attrs.get("units", "1"))
+    return _SHOWN.get(unit, (1.0, unit))
+
+
+_STEPS = (1.0, 2.0, 5.0)
+
+_HATCH = "////"
+
+SHADES = 12
+"""Colours of a map, at most."""
+
+
+def scale(values: Floats) -> str:
+    """The axis of values: logarithmic where they are spread more evenly in their logarithm."""
+    if len(values) < 3 or values.min() <= 0:
+        return "linear"
+    steps, ratios = np.diff(values), np.diff(np.log(values))
+    return "log" if ratios.std() / abs(ratios.mean()) < steps.std() / abs(steps.mean()) else "linear"
+
+
+def contour_levels(tables: list[Floats], least: float = 0.02) -> list[float]:
+    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours.
+
+    `least`: quantile of the values from which on they are told apart.
+    """
+    known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
+    if not known.size:
+        return [0.0, 1.0]
+    low, high = float(np.quantile(known, least)), float(known.max())
+    powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    every = [step * 10.0**power for power in powers for step in _STEPS]
+    levels = [level for level in every if level < high]
+    first = max((k for k, level in enumerate(levels) if level <= low), default=0)
+    levels = [*levels[first:], next(level for level in every if level >= high)]
+    if len(levels) < 5:
+        return [float(level) for level in np.linspace(low, high, 9)] if high > low else [0.9 * low, 1.1 * low]
+    return levels[-SHADES - 1 :]
+
+
+def map_spread(count: int) -> list[str]:
+    """So many of the shades, from the first to the last."""
+    every = plot.shades(SHADES)
+    return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
+
+
+def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
+    """Hatch the part of a map that has no figures."""
+    axes.contourf(xs, ys, where.astype(float), [0.5, 1.5], colors="none", hatches=[_HATCH])
+
+
+def mark(axes: Any, x: float, y: float) -> None:
+    """Mark the best point, also at the edge of a map."""
+    axes.plot(x, y, "o", color=plot.PAPER, ms=8, mec=plot.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=plot.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+
+
+def colour_key(figure: Any, levels: list[float], colours: list[str], title: str, *, idle: str = "") -> None:
+    """Say below a map which colour is which level, and what is hatched."""
+    from matplotlib.patches import Patch
+
+    named = [
+        Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
+        for low, high, colour in zip(levels, levels[1:], colours, strict=False)
+    ]
+    if idle:
+        named.insert(0, Patch(facecolor="none", edgecolor=plot.MUTED, lw=0.4, hatch=_HATCH, label=idle))
+    figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")
+
+
+_PANELS = 3
+"""Of a figure."""
+
+
+def panels(data: xr.Dataset, used: tuple[str, ...]) -> tuple[str | None, list[int]]:
+    """The key with a panel for each of a few values: the speeds, from the lowest to the last at which a ball works."""
+    others = [str(name) for name in data.dims if name not in used and data.sizes[name] > 1]
+    if not others:
+        return None, [0]
+    name = SPEEDS if SPEEDS in others else others[-1]
+    works = np.flatnonzero(_works(data, name))
+    if not works.size:
+        return name, [0]
+    few = np.linspace(0, works.size - 1, min(works.size, _PANELS))
+    return name, sorted({int(works[round(k)]) for k in few})
+
+
+def _works(data: xr.Dataset, name: str) -> Any:
+    """For each value of a key, whether any ball takes anything there."""
+    return (data[HEADLINE] > 0).any(dim=[dim for dim in data.dims if dim != name]).values
+
+
+def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
+    """What the maps do not show: what lies beyond, where no ball works, up to which amplitude balls rest in a panel."""
+    name, places = panels(data, (x, y))
+    ends = [short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
+    found = f" It lies at an end of {' and '.join(ends)}: beyond, there may be more." if ends else ""
+    if name is not None:
+        idle = np.flatnonzero(~_works(data, name))
+        if idle.size and idle.size < data.sizes[name]:
+            found += (
+                f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
+                " the plate endures."
+            )
+    if not varies(data, "cutoff", (x, y)):
+        ends = []
+        for k in places:
+            there = 1e3 * data["cutoff"].isel({} if name is None else {name: k}).values
+            at = f" at {titled(data, name, k)}" if name is not None else ""
+            ends.append(f"{significant(float(np.nanmin(there)), 2)} mm{at}")
+        found += f" The load holds the ball at rest below {', '.join(ends)}."
+    return found
+
+
+def _runs(data: xr.Dataset, name: str, places: Any) -> str:
+    """Values of a key in words, each run of neighbours by its ends."""
+    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    ends = [[titled(data, name, int(k)) for k in sorted({run[0], run[-1]})] for run in runs]
+    return ", ".join(" to ".join(each) for each in ends)
+
+
+def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
+    """Whether a quantity changes by more than a tenth along these dimensions anywhere."""
+    low, high = data[quantity].min(dim=names), data[quantity].max(dim=names)
+    return bool((high > 1.1 * low).any())
+
+
+def draw_map(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], x: str, y: str) -> str:
+    """A map of a quantity, its name in words and its factor from SI, with the best point marked."""
+    quantity, named, factor = shown
+    panel, places = panels(data, (x, y))
+    fixed = {name: k for name, k in best.items() if name not in (x, y, panel)}
+    tables = [
+        factor * data[quantity].isel(fixed | ({panel: k} if panel else {})).transpose(y, x).values for k in places
+    ]
+    levels = contour_levels(tables)
+    figure, axes = plot.canvas(2.9, len(places))
+    colours = map_spread(len(levels) - 1)
+    xs, ys = along(data, x), along(data, y)
+    idle = False
+    for number, (each, values) in enumerate(zip(axes, tables, strict=True)):
+        idle = _panel(each, xs, ys, values, levels) or idle
+        if quantity == HEADLINE:
+            _boundaries(each, xs, ys, values)
+        if panel is None or places[number] == best[panel] or len(places) == 1:
+            mark(each, xs[best[x]], ys[best[y]])
+        scales: dict[str, Any] = {"xscale": scale(xs), "yscale": scale(ys)}
+        each.set(xlabel=axis_label(data, x), title=titled(data, panel, places[number]), **scales)
+        each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
+        each.grid(visible=False)
+    axes[0].set_ylabel(axis_label(data, y))
+    colour_key(figure, levels, colours, named, idle="nothing, or no verdict" if idle else "")
+    return plot.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
+
+
+def _panel(axes: Axes, xs: Floats, ys: Floats, values: Floats, levels: list[float]) -> bool:
+    """Colours where there is something, hatching where there is nothing; whether there is such a place."""
+    some = np.where(values > 0, values, np.nan)
+    if np.isfinite(some).sum() > 1:
+        colours = map_spread(len(levels) - 1)
+        axes.contourf(xs, ys, np.clip(some, levels[0], levels[-1]), levels, colors=colours)
+    nothing = ~(values > 0)
+    if nothing.any():
+        hatch(axes, xs, ys, nothing)
+    return bool(nothing.any())
+
+
+def _boundaries(axes: Axes, xs: Floats, ys: Floats, values: Floats) -> None:
+    """Where the damper does as much as the air, and a tenth of it."""
+    levels = [100 * AIR[0] / 10, 100 * AIR[0]]
+    inside = [level for level in levels if np.nanmin(values) < level < np.nanmax(values)]
+    if inside:
+        lines = axes.contour(xs, ys, values, inside, colors=plot.INK, linewidths=1.0, linestyles="dashed")
+        axes.clabel(lines, fmt=lambda level: significant(level, 2), fontsize=6.5)
+
+
+_FOR_A_MAP, _CURVES = 4, 7
+"""Values along both axes from which on there is a map; curves of a figure."""
+
+NAMED = {HEADLINE: "damping ratio by the ball, %", "cutoff": "amplitude below which it rests, mm"}
+_FACTORS = {HEADLINE: 100.0, "cutoff": 1e3}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as SVG, and what it shows."""
+
+    svg: str
+    caption: str
+
+
+def draw(data: xr.Dataset) -> list[Picture]:
+    """What a study looks like: the damping first, then the amplitude below which the ball rests."""
+    if not (data[HEADLINE].values > 0).any():
+        return []
+    if "ST" in data:
+        return [_picture(partial(_bars, data), _OF_BARS)]
+    if SAMPLE in data.dims:
+        return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
+    numbers = _numeric(data)
+    keys = [name for name in numbers if name != SPEEDS]
+    wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
+    return _mapped(data, wide[0], wide[1]) if len(wide) > 1 else _along(data, numbers)
+
+
+def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
+    """Maps over two keys."""
+    best, used = _best(data), (x, y, panels(data, (x, y))[0])
+    return [
+        _picture(
+            partial(draw_map, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
+            _caption(data, best, used, name) + in_words(data, best, x, y) * (name == HEADLINE),
+        )
+        for name in _shown(data, (x, y))
+    ]
+
+
+def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
+    """Curves over the key with the most values, one for each value of the next."""
+    best, x = _best(data), max(numbers, key=lambda name: data.sizes[name])
+    series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
+    along = (x,) if series is None else (x, series)
+    return [
+        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name))
+        for name in _shown(data, along)
+    ]
+
+
+def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
+    """The headline, and what else varies along these keys."""
+    return [name for name in NAMED if name == HEADLINE or varies(data, name, along)]
+
+
+def _picture(draw: Callable[[], str], caption: str) -> Picture:
+    with plot.style():
+        return Picture(draw(), caption)
+
+
+def _best(data: xr.Dataset) -> dict[str, int]:
+    """Where the damper does most, as a place along every dimension."""
+    place = np.unravel_index(int(np.nanargmax(data[HEADLINE].values)), tuple(data.sizes.values()))
+    return {str(name): int(k) for name, k in zip(data.sizes, place, strict=True)}
+
+
+def _numeric(data: xr.Dataset) -> list[str]:
+    """Dimensions of numbers, the longest first."""
+    names = [str(name) for name in data.dims if np.issubdtype(np.asarray(data[name].values).dtype, np.number)]
+    return sorted(names, key=lambda name: -data.sizes[name])
+
+
+def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...], quantity: str) -> str:
+    """What a picture shows, and the values of the keys that it does not show: those of the best point."""
+    others = [name for name in best if name not in used and data.sizes[name] > 1]
+    fixed = f" Here {', '.join(titled(data, name, best[name]) for name in others)}." if others else ""
+    air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
+    of_maps = (
+        "; dashed where the ball does as much as the least of that, and a tenth of it. Hatched: nothing at any"
+        " amplitude that the plate endures, or no verdict. The cross is where it does most"
+    )
+    about = {
+        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the plate"
+        f" endures. {air}{of_maps * (len(used) > 2)}.",
+        "cutoff": "Below this amplitude the load holds the ball at rest.",
+    }
+    return about[quantity] + fixed
+
+
+def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None) -> str:
+    """A quantity over one key, a curve for each value of another."""
+    figure, (axes,) = plot.canvas(3.1)
+    places = [0]
+    if series is not None:
+        count = data.sizes[series]
+        places = sorted({round(k) for k in np.linspace(0, count - 1, min(count, _CURVES))})
+    fixed = {name: k for name, k in best.items() if name not in (x, series)}
+    xs = along(data, x)
+    for number, k in enumerate(places):
+        values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
+        label = None if series is None else titled(data, series, k)
+        colour = plot.CATEGORIES[number % len(plot.CATEGORIES)]
+        axes.plot(xs, np.where(values > 0, values, np.nan), color=colour, marker=plot.MARKERS[number % 7], label=label)
+    if quantity == HEADLINE:
+        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
+    positive = data[quantity].isel(fixed).values
+    spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
+    axes.set(xlabel=axis_label(data, x), ylabel=NAMED[quantity], xscale=scale(xs))
+    axes.set_yscale("log" if spread else "linear")
+    if series is not None:
+        plot.legend(figure, axes)
+    return plot.svg(figure, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
+
+
+_OF_BARS = (
+    "Which parameter is worth measuring: the share of the variance that each has together with all it acts with (total"
+    " Sobol' index), with 95 % confidence, at the middle speed."
+)
+
+
+def _bars(data: xr.Dataset) -> str:
+    """Total indices of the peak and of the cut-off, a bar for each parameter."""
+    shown = (HEADLINE, "cutoff_ratio")
+    k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
+    figure, panels = plot.canvas(0.9 + 0.34 * len(names), len(shown))
+    for axes, quantity in zip(panels, shown, strict=True):
+        found = data.sel(quantity=quantity).isel({SPEEDS: k})
+        totals = 100 * np.nan_to_num(found["ST"].values)
+        axes.barh(range(len(names)), totals, color=plot.CATEGORIES[0], height=0.5)
+        halves = 100 * np.nan_to_num(found["ST_conf"].values)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plot.INK, elinewidth=1.0)
+        axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
+        axes.grid(visible=False, axis="y")
+        axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
+    return plot.svg(figure, "indices", "Total Sobol' indices of each parameter")
+
+
+_CALLED = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
+
+_SCATTERED = 6
+_DOTS = 2000
+
+
+def _scattered(data: xr.Dataset) -> str:
+    """The damping of a sample over each of its keys."""
+    keys = [name for name in store.keys_of(data) if data[name].dims == (SAMPLE,)]
+    keys = [name for name in keys if np.issubdtype(np.asarray(data[name].values).dtype, np.number)][:_SCATTERED]
+    values = 100 * data[HEADLINE]
+    if SPEEDS in data.dims:
+        values = values.isel({SPEEDS: (data.sizes[SPEEDS] - 1) // 2})
+    some = slice(0, _DOTS)
+    figure, panels = plot.canvas(2.4, max(len(keys), 1))
+    for axes, name in zip(panels, keys, strict=False):
+        axes.plot(along(data, name)[some], values.values[some], ".", color=plot.CATEGORIES[0], ms=2)
+        axes.set(xlabel=axis_label(data, name))
+        known = values.values[np.isfinite(values.values) & (values.values > 0)]
+        if known.size and known.max() > 10 * known.min():
+            axes.set_yscale("log")
+    panels[0].set_ylabel(NAMED[HEADLINE])
+    return plot.svg(figure, "sample", "Damping ratio over each key of the sample")
+
+
+_HEADLINE = sensitivity.QUANTITIES.index(HEADLINE)
+
+
+def document(data: xr.Dataset) -> dict[str, Any]:
+    """The machine-readable result: ``sweep.json``, and what ``--json`` prints."""
+    flat = np.asarray(data[HEADLINE].values, dtype=float).ravel()
+    reasons = Counter(str(text) for text in data["reason"].values.ravel() if text)
+    found: dict[str, Any] = {
+        "schema_version": 1,
+        "title": data.attrs["title"],
+        "study": data.attrs["study"],
+        "dimensions": {str(name): int(data.sizes[name]) for name in data[HEADLINE].dims},
+        "points": int(flat.size),
+        "without_answer": sum(reasons.values()),
+        "without_verdict": int(((data["grade"] == evaluate.UNGRADED) & (data["reason"] == "")).sum()),
+        "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
+        "best": None,
+    }
+    if (flat > 0).any():
+        found["best"] = at(data, int(np.nanargmax(flat)))
+    if "ST" in data:
+        found["uncertain"] = sensitivity.document(data)
+    return found
+
+
+def at(data: xr.Dataset, number: int) -> dict[str, Any]:
+    """A point by its absolute index: the keys that are varied, and what was found there."""
+    points = data[[*evaluate.NUMBERS]]
+    place = np.unravel_index(number, tuple(points.sizes[name] for name in points[HEADLINE].dims))
+    point = points.isel({name: int(k) for name, k in zip(points[HEADLINE].dims, place, strict=True)})
+    keys = {str(name): plan.said([point.coords[name].item()])[0] for name in point.coords}
+    values = {str(name): point[name].item() for name in point.data_vars}
+    return {"keys": keys, "values": {name: value if math.isfinite(value) else None for name, value in values.items()}}
+
+
+def text(data: xr.Dataset) -> str:
+    """The same in a few lines."""
+    found = document(data)
+    sizes = " × ".join(f"{size} {name}" for name, size in found["dimensions"].items())
+    lines = [f"{found['title']}: {found['points']} point{'s' * (found['points'] != 1)} ({sizes})"]
+    if found["best"] is not None:
+        keys, values = found["best"]["keys"], found["best"]["values"]
+        where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
+        lines.append(f"The ball does most at {where}:")
+        amplitude = values["best_amplitude"]
+        there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
+        lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
+    elif headline(data, found):
+        lines.append(headline(data, found))
+    if "ST" in data and _is_spread(data):
+        lines += _uncertain(data)
+    if found["without_verdict"]:
+        have = "point has" if found["without_verdict"] == 1 else "points have"
+        lines.append(f"{found['without_verdict']} {have} no verdict: `spindamp run` of one says why")
+    if found["without_answer"]:
+        have = "point has" if found["without_answer"] == 1 else "points have"
+        lines.append(f"{found['without_answer']} {have} no answer:")
+        lines += [f"  {entry['points']} × {entry['reason']}" for entry in found["reasons"][:3]]
+    return "\n".join(lines)
+
+
+def headline(data: xr.Dataset, found: dict[str, Any]) -> str:
+    """The answer of a study that is not that of its best point; empty where it is."""
+    if found["best"] is not None:
+        return spread(data) if "ST" in data and _is_spread(data) else ""
+    if found["without_answer"] + found["without_verdict"] < found["points"]:
+        return "No ball takes anything at an amplitude that the plate endures"
+    return "No point has a verdict" if found["without_verdict"] else "No point has an answer"
+
+
+def _is_spread(data: xr.Dataset) -> bool:
+    """Whether the middle speed has a damping ratio to speak of."""
+    return bool((data["percentiles"].values[_HEADLINE, :, (data.sizes[SPEEDS] - 1) // 2] > 0).any())
+
+
+def spread(data: xr.Dataset) -> str:
+    """How far the largest damping ratio spreads at the middle speed."""
+    k = (data.sizes[SPEEDS] - 1) // 2
+    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[_HEADLINE, :, k])
+    return (
+        f"At {float(data['rpm'].values[k]):.6g} rpm the largest damping ratio is {significant(low)} to"
+        f" {significant(high)} % (90 %), in the median {significant(middle)} %"
+    )
+
+
+def _uncertain(data: xr.Dataset) -> list[str]:
+    """The spread, and what it is worth measuring for it."""
+    ranked = sensitivity.worth_measuring(data, HEADLINE, (data.sizes[SPEEDS] - 1) // 2)
+    shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
+    if not shares:
+        return [spread(data)]
+    return [f"{spread(data)}; of its variance each has, with all it acts together with:", f"  {', '.join(shares)}"]
+
+
+_FIGURES = (
+    ("best_damping_ratio", "damping ratio, %", 100.0),
+    ("best_amplitude", "at an amplitude of, mm", 1e3),
+    ("cutoff", "at rest below, mm", 1e3),
+    ("range_high", "half is left up to, mm", 1e3),
+    ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
+    ("ball_mass", "mass of the balls, g", 1e3),
+    ("working_error", "error of the damping ratio, %", 100.0),
+)
+"""What the page says of the best point."""
+
+
+def write(data: xr.Dataset, out: Path) -> None:
+    """Write `sweep.json` and `report.html` into a study's folder.
+
+    Raises:
+        BadInput: they cannot be written.
+    """
+    page = render(data)
+    with store.writing(out):
+        store.write_whole(out / "sweep.json", f"{dumps(data)}\n".encode())
+        store.write_whole(out / "report.html", page.encode())
+
+
+def dumps(data: xr.Dataset) -> str:
+    """The machine-readable result."""
+    return json.dumps(document(data), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def render(data: xr.Dataset) -> str:
+    """The page."""
+    from markupsafe import Markup
+
+    found = document(data)
+    return templating.page(
+        "sweep.html.j2",
+        {"significant": formatting.significant, "fixed": formatting.fixed},
+        plot.shades_css(SHADES),
+        found=found,
+        best=_best_line(data, found),
+        headline=headline(data, found),
+        doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
+        spreads=_spreads(data) if "ST" in data else {},
+        figures=[(Markup(picture.svg), picture.caption) for picture in draw(data)],
+        code=json.loads(data.attrs["code"]),
+    )
+
+
+def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
+    rows = []
+    for quantity, factor, called in (
+        (HEADLINE, 100.0, "damping ratio, %"),
+        ("cutoff", 1e3, "at rest below, mm"),
+    ):
+        q = sensitivity.QUANTITIES.index(quantity)
+        for k, rpm in enumerate(data["rpm"].values):
+            ranked = sensitivity.worth_measuring(data, quantity, k)[:2]
+            worth = ", ".join(
+                f"{n.partition('.')[2].replace('_', ' ')} {100 * t:.0f} %" for n, t, _ in ranked if t > 0.05
+            )
+            values = [factor * float(value) for value in data["percentiles"].values[q, :, k]]
+            if math.isfinite(values[0]):
+                rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
+    return rows
+
+
+def _spreads(data: xr.Dataset) -> dict[str, str]:
+    """The ranges that were drawn from, in words."""
+    names = [str(name) for name in data["parameter"].values]
+    ends = {name: (data[name].values.min(), data[name].values.max()) for name in names}
+    return {name: f"{said(data, name, low)} to {said(data, name, high)}" for name, (low, high) in ends.items()}
+
+
+def _best_line(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None:
+    """The best point in words, name by name."""
+    if found["best"] is None:
+        return None
+    keys, values = found["best"]["keys"], found["best"]["values"]
+    words = {name: said(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    numbers = {
+        title: formatting.significant(factor * values[name])
+        for name, title, factor in _FIGURES
+        if values[name] is not None
+    }
+    return words | numbers

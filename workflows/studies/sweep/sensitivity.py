@@ -1,0 +1,198 @@
+"""What is not known well, as distributions: how far the answers spread, and which parameter is worth measuring.
+
+Saltelli's design: for each of N base points one in which everything is drawn, one in which everything is drawn again,
+and one for each parameter in which that alone is. Sobol' indices are the shares of the variance that a parameter has by
+itself (first order) and with all that it acts together with (total); the total is what measuring it could take away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from workflows.errors import BadInput
+from workflows.scene.scene import Scene
+from workflows.studies.sweep import axes as keys
+from workflows.studies.sweep import axes as read_axes
+from workflows.studies.sweep import plan as plans
+from workflows.studies.sweep import store
+from workflows.studies.sweep.axes import SPEEDS, Axis, Spread
+from workflows.studies.sweep.evaluate import HEADLINE
+from workflows.studies.sweep.plan import SAMPLE, Sample
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    import xarray as xr
+
+    Floats = npt.NDArray[np.float64]
+
+
+BASE = 128
+"""Base points, unless it is said; the study has as many times the parameters and two."""
+
+QUANTITIES = ("damping_ratio_peak", "at_amplitude", "range_high", "cutoff", "cutoff_ratio", "peak_sdc", HEADLINE)
+PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
+
+_RESAMPLES, _CONFIDENCE = 200, 0.95
+_CONSTANT = 1e-9
+"""Relative spread below which a quantity does not vary, and has no indices."""
+
+
+def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axis, ...]:
+    """What is uncertain: what is given as ranges or ``normal:MEAN:DEVIATION``, or else what hardly ever is known well.
+
+    Raises:
+        BadInput: see :func:`workflows.studies.sweep.axes.read`; the speeds are not uncertain.
+    """
+    found = read_axes.read(given, scene.rotor.gravity) or defaults(scene)
+    for axis in found:
+        if axis.spread is None or axis.name == SPEEDS:
+            raise BadInput(
+                "expected a distribution: START:STOP (even), log:START:STOP or normal:MEAN:DEVIATION",
+                key=f"--vary {axis.name}",
+            )
+    return found
+
+
+def defaults(scene: Scene) -> tuple[Axis, ...]:
+    """What is hardly ever known well, about a scene's own values.
+
+    Restitution within ±0.1, friction ±30 %, rolling friction and the structure's damping a factor of 2 either way, the
+    clearance along the bending direction within ±0.05 mm, or half of it.
+    """
+    damper = scene.damper
+    if damper is None:
+        raise ValueError("the scene has no [damper]")
+    gap = damper.cavity[0] - 2 * damper.radius
+    tolerance = min(5e-5, gap / 2)
+    e, rolling, zeta = damper.restitution, damper.rolling_friction, damper.damping_ratio
+    spreads = {
+        "damper.restitution": Spread(max(e - 0.1, 0.0), min(e + 0.1, 1.0)),
+        "damper.friction": Spread(0.7 * damper.friction, 1.3 * damper.friction),
+        "damper.rolling_friction": Spread(rolling / 2, min(2 * rolling, damper.radius), "log"),
+        "damper.damping_ratio": Spread(zeta / 2, min(2 * zeta, 0.99), "log"),
+        "damper.clearance[0]": Spread(gap - tolerance, gap + tolerance),
+    }
+    known = {name: spread for name, spread in spreads.items() if spread.high > spread.low}
+    return tuple(Axis(keys.find(name, "--vary"), (), spread) for name, spread in known.items())
+
+
+def plan(given: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Sample:
+    """Saltelli's design over uncertain axes."""
+    if isinstance(base, bool) or not isinstance(base, int) or base < 8 or base & (base - 1):
+        raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
+    from SALib.sample import sobol
+
+    ordered = plans.sample(given, speeds, 1, seed)
+    tiles = sobol.sample(_problem(len(given)), base, calc_second_order=False, scramble=True, seed=seed)
+    return Sample(ordered.axes, len(tiles), seed, tiles=tiles)
+
+
+def indices(values: Floats, parameters: int, seed: int) -> dict[str, Floats]:
+    """Sobol' indices of a quantity on Saltelli's design, with half-widths of their 95 % confidence intervals.
+
+    Args:
+        values: of the quantity at the points of the design, shape (base (parameters + 2),). Base points of which one
+            has no answer are left out.
+        parameters: how many there are.
+        seed: of the resampling.
+
+    Returns:
+        ``S1``, ``S1_conf``, ``ST`` and ``ST_conf``, shape (parameters,) each; 0 where the quantity does not vary, nan
+        where too few base points have an answer.
+    """
+    groups = values.reshape(-1, parameters + 2)
+    groups = groups[np.isfinite(groups).all(axis=1)]
+    names = ("S1", "S1_conf", "ST", "ST_conf")
+    if len(groups) < 8:
+        return {name: np.full(parameters, np.nan) for name in names}
+    if np.ptp(groups) <= _CONSTANT * np.abs(groups).max():
+        return {name: np.zeros(parameters) for name in names}
+    from SALib.analyze import sobol
+
+    how: dict[str, Any] = {"num_resamples": _RESAMPLES, "conf_level": _CONFIDENCE, "seed": seed}
+    found = sobol.analyze(_problem(parameters), groups.ravel(), calc_second_order=False, **how)
+    return {name: np.asarray(found[name], dtype=float) for name in names}
+
+
+def independent(values: Floats, parameters: int) -> Floats:
+    """The values of the points in which everything is drawn, out of all of Saltelli's design."""
+    groups = values.reshape(-1, parameters + 2)
+    return np.concatenate([groups[:, 0], groups[:, -1]])
+
+
+def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
+    """Percentiles and indices of a study on Saltelli's design, beside all that it has already.
+
+    Returns:
+        The data set with ``percentiles`` (quantity, percentile, speed), and ``S1``, ``S1_conf``, ``ST``, ``ST_conf``
+        (quantity, parameter, speed).
+    """
+    import xarray as xr
+
+    names = [name for name in store.keys_of(data) if data[name].dims == (SAMPLE,)]
+    speeds = data.sizes[SPEEDS]
+    spread = np.full((len(QUANTITIES), len(PERCENTILES), speeds), np.nan)
+    shares = {
+        name: np.full((len(QUANTITIES), len(names), speeds), np.nan) for name in ("S1", "S1_conf", "ST", "ST_conf")
+    }
+    for q, quantity in enumerate(QUANTITIES):
+        for k in range(speeds):
+            values = data[quantity].isel({SPEEDS: k}).values.astype(float)
+            known = independent(values, len(names))
+            if np.isfinite(known).any():
+                spread[q, :, k] = np.nanpercentile(known, PERCENTILES)
+            for name, found in indices(values, len(names), seed).items():
+                shares[name][q, :, k] = found
+    along = ("quantity", "parameter", SPEEDS)
+    return (
+        data.assign({name: (along, values) for name, values in shares.items()})
+        .assign(percentiles=(("quantity", "percentile", SPEEDS), spread))
+        .assign_coords(
+            quantity=np.array(QUANTITIES, dtype=object),
+            percentile=np.array(PERCENTILES),
+            parameter=xr.DataArray(np.array(names, dtype=object), dims="parameter"),
+        )
+    )
+
+
+def document(found: xr.Dataset) -> list[dict[str, Any]]:
+    """Percentiles and indices as plain data, an entry for each quantity and speed."""
+    return [
+        {
+            "quantity": str(quantity),
+            "rpm": float(found["rpm"].values[k]),
+            "percentiles": dict(zip(map(str, PERCENTILES), _plain(found["percentiles"].values[q, :, k]), strict=True)),
+            "indices": [
+                {"parameter": str(name)}
+                | {
+                    index: _plain(found[index].values[q, p : p + 1, k])[0]
+                    for index in ("S1", "S1_conf", "ST", "ST_conf")
+                }
+                for p, name in enumerate(found["parameter"].values)
+            ],
+        }
+        for q, quantity in enumerate(QUANTITIES)
+        for k in range(found.sizes[SPEEDS])
+    ]
+
+
+def worth_measuring(found: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
+    """The parameters of a quantity at a speed: name, total index and its half-width, the greatest first."""
+    q = QUANTITIES.index(quantity)
+    totals = zip(
+        map(str, found["parameter"].values), found["ST"].values[q, :, k], found["ST_conf"].values[q, :, k], strict=True
+    )
+    return sorted(((n, float(t), float(c)) for n, t, c in totals if np.isfinite(t)), key=lambda item: -item[1])
+
+
+def _plain(values: Floats) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+def _problem(parameters: int) -> dict[str, Any]:
+    """Shares from 0 to 1, as SALib calls them; what they stand for are the spreads of the axes."""
+    names = [f"x{k}" for k in range(parameters)]
+    return {"num_vars": parameters, "names": names, "bounds": [[0.0, 1.0]] * parameters}

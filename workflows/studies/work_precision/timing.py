@@ -1,0 +1,197 @@
+"""Times that can be believed on a machine that does other things too: medians after a warm-up, with their spread."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+RUNS = 5
+_LONG = 1.0
+"""Seconds from which once, after the warm-up, is enough."""
+
+TOO_LONG = 4.0
+"""Seconds from which the first run is the only one."""
+
+PAIRS, FEWER, FEWEST = 7, 3, 2
+"""Pairs of runs by which two pieces of work are compared: of short ones, of long ones, of those that take too long."""
+
+POLICY = (
+    "Each time is the median of up to five runs after a warm-up, its spread the least and the most; what takes a second"
+    " runs once more, what takes four seconds only once. Rows of one ladder follow each other in one process, so that"
+    " ratios hold better than seconds do."
+)
+
+POLICY_OF_DIFFERENCES = (
+    "What an effect takes is the median difference of seven pairs of runs, with and without it, in turns after a"
+    " warm-up; of three pairs where a run takes a second, of two where it takes four. Its spread is the least and the"
+    " most of them; where these are not of one sign the difference is called within noise."
+)
+
+
+@dataclass(frozen=True)
+class Timed(Generic[T]):
+    """What some work returned, and the seconds it took: median, least and most."""
+
+    value: T
+    median: float
+    low: float
+    high: float
+
+
+def timed(work: Callable[[], T]) -> Timed[T]:
+    """Run some work often enough to know what it takes."""
+    value, first = _once(work)
+    if first >= TOO_LONG:
+        return Timed(value, first, first, first)
+    seconds = [_once(work)[1] for _ in range(1 if first >= _LONG else RUNS)]
+    return Timed(value, statistics.median(seconds), min(seconds), max(seconds))
+
+
+@dataclass(frozen=True)
+class Compared(Generic[T]):
+    """What some work returned, and the seconds it takes beyond those of other work: median, least and most.
+
+    seconds, others: the median of each by itself.
+    """
+
+    value: T
+    extra: float
+    low: float
+    high: float
+    seconds: float
+    others: float
+
+
+def compared(work: Callable[[], T], other: Callable[[], object]) -> Compared[T]:
+    """Time some work in turns with other that is warm already, so that a busy machine slows both."""
+    value, first = _once(work)
+    count = PAIRS if first < _LONG else FEWER if first < TOO_LONG else FEWEST
+    pairs = [(_once(work)[1], _once(other)[1]) for _ in range(count)]
+    extra = [mine - its for mine, its in pairs]
+    seconds, others = (statistics.median(column) for column in zip(*pairs, strict=True))
+    return Compared(value, statistics.median(extra), min(extra), max(extra), seconds, others)
+
+
+def _once(work: Callable[[], T]) -> tuple[T, float]:
+    begin = time.perf_counter()
+    value = work()
+    return value, time.perf_counter() - begin
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One setting of one method.
+
+    Attributes:
+        unknowns: size of what is solved, or steps taken; None where there is no such number.
+        time_s: median seconds; spread_s: least and most. None where it failed.
+        error: relative, against the ladder's reference; uncertainty: how far that can be trusted, None if unknown.
+        failed: why there is no time and no error.
+    """
+
+    method: str
+    setting: str
+    unknowns: int | None = None
+    time_s: float | None = None
+    spread_s: tuple[float, float] | None = None
+    error: float | None = None
+    uncertainty: float | None = None
+    failed: str | None = None
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Rows that answer the same question, held against one reference, which says how far it can be trusted itself."""
+
+    stage: str
+    quantity: str
+    reference: str
+    rows: tuple[Rung, ...]
+
+
+@dataclass(frozen=True)
+class Picked:
+    """What the scene's accuracy chose in a stage, with the estimate it goes by and the error it turned out to have."""
+
+    method: str
+    setting: str
+    error_estimate: float | None
+    error: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Costs:
+    """All ladders of a scene."""
+
+    title: str
+    asked: dict[str, float]
+    ladders: tuple[Ladder, ...]
+    chosen: dict[str, Picked]
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        return {
+            "schema_version": 1,
+            "title": self.title,
+            "asked": self.asked,
+            "machine": machine(),
+            "noise": POLICY,
+            "ladders": [asdict(ladder) | {"rows": [_row(row) for row in ladder.rows]} for ladder in self.ladders],
+            "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
+        }
+
+
+def machine() -> dict[str, Any]:
+    """On what the times were taken."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+    }
+
+
+def measure(
+    method: str,
+    setting: str,
+    work: Callable[[], T],
+    judge: Callable[[T], tuple[int | None, float]],
+    share: float = 1.0,
+) -> Rung:
+    """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
+
+    share: how much more the whole would take than the part of it that is timed.
+    """
+    try:
+        found: Timed[T] = timed(work)
+        unknowns, error = judge(found.value)
+    except (ArithmeticError, ValueError, RuntimeError) as reason:
+        return Rung(method, setting, failed=str(reason) or type(reason).__name__)
+    times = share * found.median, (share * found.low, share * found.high)
+    if not math.isfinite(error):
+        return Rung(method, setting, unknowns, *times, failed="no number came out")
+    return Rung(method, setting, unknowns, *times, error=error)
+
+
+def _row(row: Rung) -> dict[str, Any]:
+    entry = asdict(row)
+    if row.failed is None:
+        del entry["failed"]
+    return entry
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            names = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
+    except OSError:
+        names = []
+    return names[0] if names else platform.processor() or platform.machine()
