@@ -9,10 +9,10 @@ First look at what is understood of the file.
 from pathlib import Path
 
 import spindamp
-from workflows.looking import of_mesh
+from workflows.looking import view_data
 
 meshes = Path(spindamp.__file__).parent / "meshes"
-for name, words in of_mesh.sight(meshes / "plate_with_hole.msh").facts:
+for name, words in view_data.sight_of_mesh(meshes / "plate_with_hole.msh").facts:
     print(f"{name:15} {words}")
 
 # %%

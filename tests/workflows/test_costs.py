@@ -114,7 +114,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.PLATE_METHODS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plates, "METHODS", few)
+        patch.setattr(plates, "PLATE_METHODS", few)
         patch.setattr(plates, "FINEST", {"kirchhoff": 6, "mindlin": 8, "solid": 6})
         patch.setattr(speeds, "SPEEDS", 20)
         patch.setattr(plates, "SOLID_AT_MOST", 12_000)
@@ -303,10 +303,10 @@ def test_what_is_not_drawn_is_listed() -> None:
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(plates, "METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
+    monkeypatch.setattr(plates, "PLATE_METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
     monkeypatch.setattr(speeds, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
-    monkeypatch.setattr(pipelines, "ladders", lambda *_: ([], {}))
+    monkeypatch.setattr(pipelines, "pipeline_ladders", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None
     thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger

@@ -17,7 +17,7 @@ from workflows.pipeline import run
 from workflows.scene.load import parse
 from workflows.scene.rotor import Effects
 
-SHARED = {"beams", "definition", "effect", "left_out", "rules", "table"}
+SHARED = {"definition", "selection"}
 """What several effects share."""
 
 

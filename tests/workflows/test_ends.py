@@ -136,7 +136,7 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     code = (
         "import os, signal, sys\nfrom workflows import cli\nfrom workflows.cli.commands import check\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "import workflows.results.resolved as r\nold = r.as_toml\n"
+        "import workflows.results.provenance as r\nold = r.as_toml\n"
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
         "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
     )
@@ -177,7 +177,7 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
     code = (
         "import atexit, os, signal, sys\nfrom workflows import cli\n"
         "atexit.register(os.kill, os.getpid(), signal.SIGINT)\n"
-        "import workflows.solve.damper_stage as r\n"
+        "import workflows.solve.damper as r\n"
         "r._look_up = lambda _: os.kill(os.getpid(), signal.SIGTERM)\n"
         "sys.exit(cli.main())"
     )
@@ -209,7 +209,7 @@ LOSING = """
 import os, signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
 from workflows.cli import entry as cli
-import workflows.solve.damper_stage as stage
+import workflows.solve.damper as stage
 number, looked_up = int(sys.argv.pop()), stage._look_up
 {lose}
 def lost(*given):
@@ -280,7 +280,7 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
     code = """
 import sys
 from pathlib import Path
-from workflows.output import store
+from workflows.output import folder as store
 me = sys.argv[2]
 for turn in range(40):
     with store.replacing(Path(sys.argv[1])) as scratch:

@@ -35,7 +35,7 @@ SHAKEN = changed(
 @pytest.fixture
 def wrong_energies(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ring-downs and sweeps whose energies are off by a millionth; powers, too."""
-    for name in ("course", "batch"):
+    for name in ("ringdown", "batch"):
         module = importlib.import_module(f"damper.{name}")
         right = module.energy
         monkeypatch.setattr(module, "energy", lambda *given, right=right: right(*given) * (1 + 1e-6))
@@ -175,6 +175,6 @@ def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
     """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
     (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
     tree = broken_kernels.copied(broken_kernels.ROOT, tmp_path, each)
-    ended, said = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
+    ended, said, _ = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
     assert ended == "status 1", said
     assert "in the self-check of the compiled kernels" in said

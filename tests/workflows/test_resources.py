@@ -220,10 +220,10 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
 MEASURED = f"""
 import pathlib, sys
 from workflows.cli import entry as cli
-from workflows.report import drawing, mode_shape
-mode_shape.COMMAND = ["-I", "-S", "-c", {READY!r}]
+from workflows.report import mode_viewer, plots
+mode_viewer.COMMAND = ["-I", "-S", "-c", {READY!r}]
 if sys.argv.pop() == "undrawn":
-    drawing.both = lambda _: ""
+    plots.svg = lambda *_, **__: ""
 status = cli.main(sys.argv[1:])
 print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
 sys.exit(status)

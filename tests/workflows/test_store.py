@@ -160,7 +160,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
 WRITER = """
 import sys, time
 from pathlib import Path
-from workflows.output import store
+from workflows.output import folder as store
 with store.replacing(Path(sys.argv[1])) as scratch:
     (scratch / "results.json").write_text("half")
     print("writing", flush=True)
@@ -208,8 +208,8 @@ def test_a_users_own_file_is_seen_before_the_work(
 
     for work in (
         "pipeline.structure",
-        "studies.costs.study.study",
-        "studies.costs.switching.switching",
+        "studies.work_precision.study.study",
+        "studies.work_precision.effects.switching",
         "studies.reproduction.reproduce",
     ):
         monkeypatch.setattr(f"workflows.{work}", begun)

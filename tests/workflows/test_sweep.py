@@ -261,7 +261,7 @@ def test_from_the_command_line(spindamp, tmp_path):
     done = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
     assert done.status == 0, done.err
     assert json.loads(done.out) == json.loads((tmp_path / "out" / "sweep.json").read_text(encoding="utf-8"))
-    assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").count("<svg") >= 2
+    assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").count("<svg") >= 1
     assert findings_if_any(tmp_path / "out" / "report.html") == []
     again = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
     assert (again.status, again.out) == (0, done.out)

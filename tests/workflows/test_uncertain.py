@@ -35,9 +35,7 @@ def known_indices():
 
 def angles():
     """Three axes of a sample, each from -π to π whatever its name."""
-    keys = [
-        axes.keys.find(name, "--vary") for name in ("damper.friction", "damper.restitution", "damper.damping_ratio")
-    ]
+    keys = [axes.find(name, "--vary") for name in ("damper.friction", "damper.restitution", "damper.damping_ratio")]
     return [axes.Axis(key, (), axes.Spread(-math.pi, math.pi)) for key in keys]
 
 

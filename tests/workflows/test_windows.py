@@ -194,8 +194,8 @@ import sys
 import filelock
 from pathlib import Path
 sys.modules["fcntl"] = None
-from workflows.output import swap as folders
-from workflows.output import store
+from workflows.output import folder as folders
+from workflows.output import folder as store
 folders.exchange = lambda one, other: False
 me = sys.argv[2]
 for turn in range(25):
