@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -327,8 +327,8 @@ def _drive_in_modes(runs: Records) -> Floats:
     swing = (system["reach"] * np.hypot(*parts)[:, None]).sum(axis=2)
     bias = (system["bias"] * state["z"][:, None]).sum(axis=2)
     place, gap = np.take_along_axis(state["z"], system["place"], axis=1), runs["axes"]["half_gap"]
-    drive: Floats = np.max([np.where(d * place < gap, d * bias + swing, 0.0) for d in (-1, 1)], axis=0)
-    return drive
+    forward, back = (np.where(d * place < gap, d * bias + swing, 0.0) for d in (-1, 1))
+    return cast("Floats", np.maximum(forward, back))
 
 
 def check_cutoff(damper: ParticleDamper, velocity: float) -> None:

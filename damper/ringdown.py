@@ -257,7 +257,7 @@ def _check(result: RingDown, course: Course, start: _Start, longest: float) -> N
     extremes = laws.Extremes(
         kind=np.array([course.kind]),
         excursion=course.run["axes"]["excursion"][None],
-        velocity=result.peak_velocities.max(initial=0.0),
+        velocity=np.array([result.peak_velocities.max(initial=0.0)]),
         ball_energy=0.5 * float(damper.ball_mass * velocity + damper.spin_mass * spin),
         driven=result.harmonic is not None,
     )
