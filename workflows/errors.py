@@ -8,7 +8,7 @@ SpindampError
 
 `fem.LawViolation` and `damper.LawViolation` become an `ImpossibleResult` where a command or a function of `spindamp`
 ends (`lawful`); on the way there no handler of other errors takes them. Anything else that reaches the command line is
-a defect of ours: exit 1.
+an internal error: exit 1.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def lawful() -> Iterator[None]:
         if not isinstance(error, tuple(module.LawViolation for module in loaded if module is not None)):
             raise
         places = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
-        problem = f"a defect of ours: {error}{places}; nothing was published, please report it with the scene"
+        problem = f"an internal error: {error}{places}; nothing was published, please report it with the scene"
         raise ImpossibleResult(one_line(f"{problem} ({versions.line()})")) from error
 
 

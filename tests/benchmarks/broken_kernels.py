@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -26,8 +27,11 @@ ROOT = Path(__file__).parents[2]
 PARTS = ("damper", "fem", "workflows", "meshes", "spindamp.py")
 """Of a tree, what a command needs."""
 
-HANGS = 1500.0
+HANGS = 400.0
 """Seconds after which a command counts as hanging, which publishes nothing."""
+
+MEMORY = 6 << 30
+"""Bytes that a command may allocate; a broken loop that records for ever must not take the machine with it."""
 
 
 def callers(folder: Path, name: str) -> set[str]:
@@ -323,7 +327,14 @@ def python(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str] | No
     command = [sys.executable, *arguments]
     try:
         return subprocess.run(
-            command, cwd=tree, env=environment, capture_output=True, text=True, check=False, timeout=HANGS
+            command,
+            cwd=tree,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=HANGS,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)),
         )
     except subprocess.TimeoutExpired:
         return None

@@ -67,7 +67,7 @@ def test_one_line_and_nothing_written(
     scene = write(SHAKEN if command[0] == "response" else SCENE, tmp_path / "scene.toml")
     outcome = spindamp(command[0], scene, *command[1:])
     assert (outcome.status, outcome.out) == (1, "")
-    said = "spindamp: a defect of ours: the energy books close, but unexplained .* is .*, beyond the bound of "
+    said = "spindamp: an internal error: the energy books close, but unexplained .* is .*, beyond the bound of "
     assert re.match(f"{said}.* in {place}{ENDS}", outcome.err), outcome.err
     assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
@@ -166,7 +166,7 @@ def test_no_plate_is_published_by_programs_that_fail(
 
     monkeypatch.setattr("fem.sweep.reference.check", wrong)
     assert main(["campbell", "campbell", "--json"]) == 1
-    assert capsys.readouterr().err.startswith("spindamp: a defect of ours: 'beam' has the frequency 3.5, but")
+    assert capsys.readouterr().err.startswith("spindamp: an internal error: 'beam' has the frequency 3.5, but")
     assert not new_machine.exists()
 
 

@@ -42,7 +42,7 @@ def test_defects_are_defects(
     monkeypatch.setattr(f"fem.{place}", slip)
     outcome = spindamp("run", quick, "--json")
     assert outcome.status == 1, outcome.err
-    assert f"a defect of ours: {error.__name__}: what nobody thought of" in outcome.err
+    assert f"an internal error: {error.__name__}: what nobody thought of" in outcome.err
 
 
 def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:

@@ -79,7 +79,7 @@ def _misused_or_defect(error: Exception) -> int:
     if (usage := _usage(error)) is not None:
         return _fail(usage, BAD_INPUT)
     return _fail(
-        f"a defect of ours: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
+        f"an internal error: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
         " what SPINDAMP_DEBUG=1 shows",
         DEFECT,
     )
