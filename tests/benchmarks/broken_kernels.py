@@ -1,10 +1,9 @@
 """Whether a program with a broken kernel publishes numbers: `python -m tests.benchmarks.broken_kernels [NAME …]`.
 
-Each break is made in a copy of this tree. Its commands are run with a self-check that is said to be passed (`laws
-alone`), and as they are (`all guards`). A command has published if it ends with status 0, or with 3, which is a
-statement on the physics; where its figures are those of the unbroken tree, the break is not in its way. `--beside
-TREE` makes the same breaks in another tree, of an earlier commit, say. A break of a kernel takes some minutes, for all
-kernels have to be compiled anew.
+Each break is made in a copy of this tree. Its commands are run as they are (`all guards`), with a self-check that is
+said to be passed (`laws alone`), and with laws that forbid nothing besides (`no guards`). A command has published if it
+ends with status 0, or with 3, which is a statement on the physics; where its figures are those of the unbroken tree,
+the break is not in its way. A break of a kernel takes some minutes, for all kernels have to be compiled anew.
 """
 
 from __future__ import annotations
@@ -61,9 +60,11 @@ class Break:
             os.utime(path, ns=(written.st_atime_ns, written.st_mtime_ns))  # or all of the cache would be dropped
             for compiled in (tree / "damper" / "__pycache__").glob("*.pyc"):
                 compiled.unlink()
-            for module in callers(tree / "damper", path.stem):
-                for compiled in (tree / "damper" / "__pycache__").glob(f"{module}.*.nb?"):
-                    compiled.unlink()
+            kernels = tree / "damper" / "__pycache__"
+            if any(kernels.glob(f"{path.stem}.*.nb?")):
+                for module in callers(tree / "damper", path.stem):
+                    for compiled in kernels.glob(f"{module}.*.nb?"):
+                        compiled.unlink()
 
 
 BREAKS = (
@@ -210,6 +211,14 @@ BREAKS = (
     ),
 )
 
+LAWLESS = Break(
+    "no law",
+    (
+        ("damper/laws.py", "    holds = value <= bound\n", "    return\n    holds = value <= bound\n"),
+        ("fem/sweep/laws.py", "    if not holds.all():\n", "    if False:\n"),
+    ),
+)
+
 STRUCTURE = """
 title = "broken"
 [structure]
@@ -340,13 +349,13 @@ def python(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str] | No
         return None
 
 
-def copied(source: Path, tree: Path, each: Break) -> Path:
-    """A copy of a tree, with what is compiled in it, that is broken."""
+def broken_copy(tree: Path, each: Break) -> Path:
+    """A copy of this tree, with what is compiled in it, that is broken."""
     for part in PARTS:
-        if (source / part).is_dir():
-            shutil.copytree(source / part, tree / part, ignore=shutil.ignore_patterns("*.checked"))
+        if (ROOT / part).is_dir():
+            shutil.copytree(ROOT / part, tree / part, ignore=shutil.ignore_patterns("*.checked"))
         else:
-            shutil.copy2(source / part, tree / part)
+            shutil.copy2(ROOT / part, tree / part)
     each.apply(tree)
     (tree / "scene.toml").write_text(STRUCTURE, encoding="utf-8")
     (tree / "level.toml").write_text(STRUCTURE.replace("floor_tilt = 2.0\n", ""), encoding="utf-8")
@@ -358,18 +367,19 @@ EXPECTED: dict[tuple[str, ...], Figures] = {}
 """Figures of the commands where nothing is broken."""
 
 
-def results(each: Break, source: Path, *, guarded: bool) -> Iterator[tuple[str, str, str, str]]:
-    """Break, guards, command and what became of it, in a copy of a tree."""
+def results(each: Break) -> Iterator[tuple[str, str, str, str]]:
+    """Break, guards, command and what became of it, in a copy of this tree."""
     with tempfile.TemporaryDirectory() as folder:
-        tree = copied(source, Path(folder), each)
+        tree = broken_copy(Path(folder), each)
         commands = ON_STRUCTURES | ON_PLATES
         if each.changes:
             commands = ON_PLATES if each.changes[0][0].startswith("fem") else ON_STRUCTURES
-        for guards in ("laws alone", "all guards") if guarded else ("before",):
+        for guards in ("all guards", "laws alone", "no guards") if each.changes else ("all guards",):
             if guards == "laws alone":
                 python(tree, "-c", STAMPS)
-            if guards == "all guards":
-                python(tree, "-c", STAMPS.replace("leave(path)", "path.unlink(missing_ok=True)"))
+            if guards == "no guards":
+                LAWLESS.apply(tree)
+                python(tree, "-c", STAMPS)
             for name, command in commands.items():
                 became, said, figures = run(tree, command)
                 if not each.changes:
@@ -385,15 +395,12 @@ def main() -> None:
     """Print a line for each break, guards and command."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.broken_kernels")
     parser.add_argument("names", nargs="*", help="breaks whose names begin so; default: all")
-    parser.add_argument("--beside", type=Path, help="another tree")
     given = parser.parse_args()
     for each in BREAKS:
         if each.changes and given.names and not any(each.name.startswith(name) for name in given.names):
             continue
-        trees = [(ROOT, True)] if given.beside is None else [(given.beside, False), (ROOT, True)]
-        for source, guarded in trees:
-            for row in results(each, source, guarded=guarded):
-                print(" | ".join(row), flush=True)
+        for row in results(each):
+            print(" | ".join(row), flush=True)
 
 
 if __name__ == "__main__":
