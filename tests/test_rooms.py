@@ -5,7 +5,7 @@ import pytest
 
 ROOMS = {
     "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "rotor", "meshes"),
-    "workflows": ("cli", "studies", "report", "results", "findings", "solve", "effects", "scene"),
+    "workflows": ("cli", "studies", "report", "findings", "results", "solve", "effects", "scene"),
 }
 """From the top down: a room may import those after it."""
 
@@ -31,6 +31,18 @@ def test_rooms_import_downwards(imports, package):
         for module in inside(imports, f"{package}.{room}"):
             up = {found for found in imports.find_modules_directly_imported_by(module) if within(found, above)}
             assert not up, f"{module} imports {up}, which is above it"
+
+
+def test_numbers_need_no_prose(imports):
+    """Sentences are made at output: of studies by their reports, of a run by the command line and by Python's call."""
+    makers = {module for module in inside(imports, "workflows.studies") if module.endswith(".report")}
+    for module in ({"workflows.pipeline"} | inside(imports, "workflows.studies")) - makers:
+        prose = {
+            found
+            for found in imports.find_modules_directly_imported_by(module)
+            if within(found, {"workflows.findings"})
+        }
+        assert not prose, f"{module} imports {prose}"
 
 
 @pytest.mark.parametrize("package", GROUND)

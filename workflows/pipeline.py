@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput, read_from
-from workflows.findings.remarks import remarks
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.scene.rotor import FASTEST, typed
-from workflows.solve import coupling, resources
+from workflows.solve import coupling, limits, resources
 from workflows.solve import damper as ringdowns
 from workflows.solve import results as records
 from workflows.solve import structure as plate
@@ -66,9 +65,10 @@ def damped(found: Solved, stages: Stages) -> Solved:
 
 
 def results(found: Solved, stages: Stages) -> Results:
-    """Gather what a run found, with the remarks it calls for."""
+    """Gather what a run found, with a verdict at each speed; its notes are those on how the scene is written."""
     answer = found.plate
     gathered = Results(
+        notes=found.source.remarks,
         scene=found.source.scene,
         effects=found.effects,
         speeds=found.points,
@@ -78,7 +78,7 @@ def results(found: Solved, stages: Stages) -> Results:
         mesh_sha256=found.mesh_sha256,
         timings=stages.timings(),
     )
-    return replace(gathered, notes=(*found.source.remarks, *remarks(gathered)))
+    return limits.with_verdicts(gathered)
 
 
 def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:

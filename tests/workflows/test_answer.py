@@ -15,9 +15,10 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed
-from workflows.findings import limits
+from workflows.findings import phrases
 from workflows.findings.verdict import answer
 from workflows.report import text as summary
+from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
@@ -102,7 +103,7 @@ def test_a_step_between_two_loads_is_named() -> None:
     found = results(speeds='"3500 rpm", "17500 rpm"')
     low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
     assert answer(found).verdict == f"Modestly up to {low}, hardly from {high} on"
-    assert [limits.grade(found, p).name for p in found.speeds] == ["MODESTLY", "HARDLY"]
+    assert [p.verdict.grade for p in found.speeds] == ["modest", "negligible"]
 
 
 def test_a_slow_speed_is_not_called_a_standstill(paper: Scene) -> None:
@@ -297,7 +298,9 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     found = SimpleNamespace(scene=ruler.scene, surface=None)
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
-    assert limits.beyond(found).startswith("bend the plate by over 25 % of its length")
+    assert phrases.beyond(by_deflection=limits.deflection_governs(found)).startswith(
+        "bend the plate by over 25 % of its length"
+    )
 
 
 def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
@@ -307,10 +310,11 @@ def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
     flat |= {"rolling_friction": "0.0001 mm", "cavity": ["2.5 mm", "2.5 mm"]}
     whole = workflows.run(HOLLOW | {"damper": flat})
     (first,) = whole.speeds
-    found = limits.Best(first.working.peak, first.working.peak_amplitude, limited=False)
-    release = {"displacement": [found.amplitude, 0.0], "cycles": 3}
+    amplitude = first.working.peak_amplitude
+    release = {"displacement": [amplitude, 0.0], "cycles": 3}
     again = workflows.run(HOLLOW | {"damper": flat, "release": release}).speeds[0]
-    assert limits.grip(whole, first, found.amplitude) == pytest.approx(again.damping.largest_rolling_demand, rel=0.02)
+    demand = again.damping.largest_rolling_demand
+    assert limits.friction_demand(whole, first, amplitude) == pytest.approx(demand, rel=0.02)
 
 
 def test_nothing_presses_a_ball_at_rest() -> None:
@@ -353,7 +357,7 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert verdict.startswith("Modestly up to 3500 rpm (2687 g), not from 37000 rpm (300255 g) on; no verdict from ")
     assert "no verdict from 38000 rpm on: there the centrifugal pull at the root, 2490 MPa on average" in verdict
     assert "38000" not in " ".join(answer(found).sentences)
-    assert [limits.torn(found, point) for point in found.speeds] == [False, False, True]
+    assert [limits.is_torn(found, point) for point in found.speeds] == [False, False, True]
     torn = workflows.run(changed(scene, rotor__speeds=["38000 rpm"]))
     assert answer(torn).verdict.startswith("No verdict from 38000 rpm on")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
@@ -368,7 +372,7 @@ def test_the_pull_is_that_of_a_mesh_as_well(paper: Scene, mesh: str) -> None:
     scene = {"plate": plate, "material": paper["material"], "rotor": {"speeds": ["17500 rpm"], "modes": 1}}
     found = workflows.run(scene)
     expected = 7850 * (17500 * math.pi / 30) ** 2 * 0.2**2 / 2
-    assert limits.pull(found, found.speeds[0].omega) == pytest.approx(expected, rel=1e-9)
+    assert limits.root_stress(found, found.speeds[0].omega) == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_best_says_that_it_is_of_speeds_that_turn() -> None:
@@ -382,9 +386,9 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
     found = workflows.load_results(finished)
     assert [limits.is_beyond(found, point) for point in found.speeds] == [False, False, True, True, True, True, True]
     printed = summary.text(found, None)
-    marked = [line for line in printed.splitlines() if limits.MARK in line]
+    marked = [line for line in printed.splitlines() if phrases.BEYOND in line]
     assert len(marked) == 6
-    assert limits.MARKED in " ".join(printed.split())
+    assert phrases.BEYOND_MEANS in " ".join(printed.split())
     page = (finished / "report.html").read_text(encoding="utf-8")
-    assert page.count(f"{limits.MARK}</td>") == 5
-    assert limits.MARKED in page
+    assert page.count(f"{phrases.BEYOND}</td>") == 5
+    assert phrases.BEYOND_MEANS in page

@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
+import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
 from workflows.errors import BadInput
@@ -194,7 +195,7 @@ def test_rows_of_cavities_are_remarked_on(paper: Scene) -> None:
     """Four layers in 10 mm and 33 side by side across 80 mm: 132 cavities of 2.5 × 2.4 mm."""
     rough = changed(paper, accuracy__frequency=0.05)
     results = [
-        pipeline.run(load_of(changed(rough, damper__count=count, rotor__speeds=["8000 rpm"], release__cycles=3)))
+        workflows.run(load_of(changed(rough, damper__count=count, rotor__speeds=["8000 rpm"], release__cycles=3)))
         for count in (132, 133)
     ]
     remarks = [[note for note in found.notes if "side by side" in note] for found in results]
@@ -215,7 +216,7 @@ def load_of(scene: Scene) -> Any:
 def test_a_bound_above_all_the_energy_is_none(ratio: float, bounds: int, structure: Scene) -> None:
     """Nothing is said of it where it holds at no load."""
     scene = changed(structure, damper__mass_ratio=ratio, damper__cavity=["9 mm", "9 mm"], release__cycles=None)
-    notes = [text for text in pipeline.run(load_of(scene)).notes if text.startswith("However often")]
+    notes = [text for text in workflows.run(load_of(scene)).notes if text.startswith("However often")]
     assert len(notes) == bounds
     words = " ".join(notes).split()
     shares = [float(word) for word, unit in pairwise(words) if unit == "%"]

@@ -12,9 +12,10 @@ from scipy.optimize import brentq
 import workflows
 from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
-from workflows.findings import limits, remarks
+from workflows.findings import remarks
 from workflows.progress import Stages
 from workflows.scene.load import opened
+from workflows.solve import limits
 from workflows.solve.results import Reduced
 
 
@@ -33,7 +34,7 @@ def test_as_much_mass_more_lowers_what_the_hole_raises(paper: Scene, rpm: int) -
     """
     scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], release__cycles=1)
     run = workflows.run(scene)
-    hole, (point,) = limits.missing(run), run.speeds
+    hole, (point,) = limits.cavity_mass(run), run.speeds
     assert hole is not None
     assert point.reduced is not None
     assert hole.mass == pytest.approx(7850 * 58 * 2.5e-3 * 2.4e-3 * 2e-3)
@@ -69,9 +70,9 @@ def test_what_is_said(paper: Scene) -> None:
     few = changed(paper, rotor__speeds=[0], release__cycles=1, damper__count=1)
     assert "cut" not in str(remarks.sentence(workflows.run(few))), "0.015 %"
     housed = changed(paper, rotor__speeds=[0], release__cycles=1, damper__housing="5 g")
-    assert limits.missing(workflows.run(housed)) is None, "it stands out of the plate"
+    assert limits.cavity_mass(workflows.run(housed)) is None, "it stands out of the plate"
 
 
 def test_none_without_a_plate() -> None:
     scene = SimpleNamespace(damper=SimpleNamespace(housing=None), material=None)
-    assert limits.missing(SimpleNamespace(scene=scene, speeds=np.empty(0))) is None  # type: ignore[arg-type]
+    assert limits.cavity_mass(SimpleNamespace(scene=scene, speeds=np.empty(0))) is None  # type: ignore[arg-type]

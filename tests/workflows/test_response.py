@@ -16,7 +16,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
-from workflows.findings import limits
+from workflows.findings import phrases
 from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.scene.load import opened, schema
@@ -356,18 +356,18 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     weak, strong = results.rows(known)
     monkeypatch.setattr(report, "HELPS", max(weak.ratio, strong.ratio))
     assert report.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
-    assert limits.MARK not in report.text(known)
+    assert phrases.BEYOND not in report.text(known)
     monkeypatch.setattr(results, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said, crossing = report.sentences(known)
     assert "Hz: the ball helps at 2 N, taking up to" in crossing
     assert said.startswith("Yes, up to 2 N at order 3: the ball takes up to")
     assert said.endswith("Larger forces are more than the plate endures.")
-    marked = [line for line in report.text(known).splitlines() if limits.MARK in line]
+    marked = [line for line in report.text(known).splitlines() if phrases.BEYOND in line]
     assert [line.split()[4] for line in marked[:-1]] == ["20"]
-    assert marked[-1] == f"{limits.MARKED}."
+    assert marked[-1] == f"{phrases.BEYOND_MEANS}."
     written = report.render(known)
-    assert written.count(limits.MARK) == 2
-    assert limits.MARKED in written
+    assert written.count(phrases.BEYOND) == 2
+    assert phrases.BEYOND_MEANS in written
     monkeypatch.setattr(results, "endured", lambda *_: weak.greatest / 2)
     assert report.sentences(known)[0].startswith("No: at order 3 the ball does not help")
 

@@ -9,11 +9,12 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN
-from workflows.findings import limits
-from workflows.findings.limits import Grade
-from workflows.findings.remarks import assumptions, stretch
+from workflows.findings import phrases
+from workflows.findings.phrases import stretch
+from workflows.findings.remarks import assumptions
 from workflows.findings.verdict import answer
 from workflows.report import text as summary
+from workflows.solve import limits
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
@@ -41,7 +42,7 @@ def test_a_ball_that_slides_supplies_no_best() -> None:
     """At 80 and 100 rpm, of which both are named, rolling takes more friction than any dry metal has."""
     found = at(80, 100, 3500)
     assert needed(found, 0) > needed(found, 1) > limits.DRY > needed(found, 2)
-    assert [limits.grade(found, point) for point in found.speeds] == [Grade.UNKNOWN, Grade.UNKNOWN, Grade.YES]
+    assert [point.verdict.grade for point in found.speeds] == ["unknown", "unknown", "yes"]
     said = answer(found)
     assert said.verdict == (
         "Yes from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, for to roll"
@@ -114,9 +115,9 @@ def test_rows_without_a_verdict_are_marked() -> None:
     found = at(0, 100, 3500)
     heads, *rows = summary.rows(found)
     column = heads.index("ball ζ %")
-    assert [row[column].endswith(limits.UNSAID) for row in rows] == [True, True, False]
-    assert limits.UNSAID_MEANS in summary.text(found, None)
-    assert limits.UNSAID_MEANS not in summary.text(at(3500), None)
+    assert [row[column].endswith(phrases.NO_VERDICT) for row in rows] == [True, True, False]
+    assert phrases.NO_VERDICT_MEANS in summary.text(found, None)
+    assert phrases.NO_VERDICT_MEANS not in summary.text(at(3500), None)
 
 
 def test_a_stretch_of_speeds() -> None:

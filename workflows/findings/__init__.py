@@ -1,4 +1,4 @@
 """What the numbers mean: the answer, remarks, what can be trusted, what was assumed.
 
-May import solve and what that may.
+May import results and what those may.
 """

@@ -1,12 +1,12 @@
-"""What a careful engineer would remark about a run: one function a remark, None where there is nothing to say.
+"""What a careful engineer would remark about a run, what it takes for granted, and how exact its frequencies are.
 
-Remarks on the damper are here, those on the plate in :mod:`workflows.findings.remarks`.
+A function a remark, in the order of `REMARKS`; None where there is nothing to say.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,13 +15,14 @@ import numpy as np
 from fem.accuracy.theory_selection import DEAR
 from fem.theory.registry import kind
 from workflows.effects.selection import EFFECTS
-from workflows.findings import limits
+from workflows.findings import phrases
+from workflows.findings.phrases import capital, percent, stretch
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import beside
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
-from workflows.solve import coupling
+from workflows.solve import coupling, limits
 from workflows.solve import damper as ringdowns
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
 
@@ -225,7 +226,7 @@ def weight(results: Results) -> str | None:
     if not points:
         return None
     light = sorted(points, key=lambda point: point.load_g)
-    ruled = [p for p in light if limits.weighs(p)]
+    ruled = [p for p in light if limits.weight_governs(p)]
     if len(ruled) == len(light):
         share = f"more than the load up to {whole(ruled[-1].rpm)} rpm" if ruled[1:] else "more than the load"
     else:
@@ -290,46 +291,6 @@ def _steady(point: SpeedPoint) -> float:
     """What the ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
     own = point.level or point.working
     return 0.0 if own is None or not own.peak > 0 else -math.expm1(-4 * math.pi * own.peak)
-
-
-def at_load(point: SpeedPoint) -> str:
-    """Where in the range of speeds, within a sentence."""
-    return f"at {whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
-
-
-def at_speed(point: SpeedPoint) -> str:
-    """A speed with its load."""
-    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
-
-
-def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
-    """Where some of the points lie among all, in few words: up to, from, from ... to; both with rising load."""
-    places = sorted(points, key=lambda point: point.load_g)
-    at = sorted(places.index(point) for point in chosen)
-    first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
-    if len(at) == 1:
-        return f"at {first}"
-    if at[-1] - at[0] >= len(at):
-        among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"
-        return f"at {first} and {last}" if len(at) == 2 else among
-    if len(at) == len(places) or (at[0] > 0 and at[-1] < len(places) - 1):
-        return f"from {first} to {last}"
-    return f"up to {last}" if at[0] == 0 else f"from {first} on"
-
-
-def capital(text: str) -> str:
-    """The text as the begin of a sentence."""
-    return text[0].upper() + text[1:]
-
-
-def millimetres(length: float) -> str:
-    """A length [m] in mm."""
-    return significant(1e3 * length, 2)
-
-
-def percent(share: float) -> str:
-    """A share in percent."""
-    return significant(100 * share, 2)
 
 
 def _holds_for(scene: Scene) -> str:
@@ -452,7 +413,24 @@ def met(results: Results) -> bool:
 def sentence(results: Results) -> str | None:
     """How far the frequencies can be trusted, and what no error counts in; None if the errors are not known."""
     said = errors(results)
-    return None if said is None else " ".join(part for part in (said, limits.sentence(results)) if part)
+    return None if said is None else " ".join(part for part in (said, cavities(results)) if part)
+
+
+_NOTABLE_SHIFT = 1e-3
+"""Relative shift of a frequency from which on it is worth a word, whatever the accuracy."""
+
+
+def cavities(results: Results) -> str | None:
+    """What the frequencies leave out: the material of the cavities; None where that is nothing, or hardly anything."""
+    hole, damper = limits.cavity_mass(results), results.scene.damper
+    if hole is None or damper is None or abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
+        return None
+    cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
+    return (
+        f"That is of the plate before {cut}: {significant(1e3 * hole.mass, 2)} g less"
+        f" {'raise' if hole.shift > 0 else 'lower'} its first bending frequency by up to about"
+        f" {percent(abs(hole.shift))} %."
+    )
 
 
 def errors(results: Results) -> str | None:
@@ -462,10 +440,8 @@ def errors(results: Results) -> str | None:
         return None
     last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
     verdict = "within" if met(results) else "more than"
-    first = f"The first frequency is good to {_percent(modes[0].whole)} %"
-    others = (
-        "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {_percent(last.whole)} %"
-    )
+    first = f"The first frequency is good to {percent(modes[0].whole)} %"
+    others = "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {percent(last.whole)} %"
     remedy = "" if met(results) else f"; {cure(results)}"
     return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
 
@@ -512,11 +488,7 @@ def _largest(mode: Worst) -> str:
     """The parts that make up most of an error."""
     sizes = {said: getattr(mode.parts, name) or 0.0 for name, said in PARTS.items()}
     shown = [said for said, size in sizes.items() if size >= 0.1 * mode.whole]
-    return ", ".join(f"{said} {_percent(sizes[said])} %" for said in shown)
-
-
-def _percent(part: float) -> str:
-    return significant(100 * part, 2)
+    return ", ".join(f"{said} {percent(sizes[said])} %" for said in shown)
 
 
 _NO_REMARKS = 1e-3
@@ -529,7 +501,7 @@ _WIDE = 2.0
 def root_stress(results: Results) -> str | None:
     """The centrifugal pull at the root, where the answer does not speak of it."""
     fastest = max(results.scene.rotor.speeds)
-    stress = limits.pull(results, fastest)
+    stress = limits.root_stress(results, fastest)
     if stress is None or not 1e7 <= stress <= limits.STRONGEST:
         return None
     return (
@@ -582,7 +554,7 @@ def frequency_error(results: Results) -> str | None:
     mesh, said = results.diagram.mesh, sentence(results)
     if said is None:
         unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
-        return " ".join(part for part in (unknown, limits.sentence(results), own) if part)
+        return " ".join(part for part in (unknown, cavities(results), own) if part)
     return f"{said} The mesh: {mesh}. {own}"
 
 
@@ -647,6 +619,11 @@ EXPLAINED = 1e-9
 """Share of the initial energy that the books may leave unexplained without a word."""
 
 
+def remarked(results: Results) -> Results:
+    """The same results with the remarks that the run calls for among their notes."""
+    return replace(results, notes=(*results.notes, *remarks(results)))
+
+
 def remarks(results: Results) -> tuple[str, ...]:
     """The remarks that the run calls for, those that bear most on the answer first."""
     found = (remark(results) for remark in REMARKS)
@@ -660,8 +637,8 @@ def _capped(results: Results) -> str | None:
     parts = []
     for outcome in ended:
         there = [p for p, d in rung if d.outcome == outcome]
-        marked = any(limits.shown(results, p).mark for p in there)
-        known = f": the cut-offs marked {limits.AT_REST} are those of a ball at rest" if marked else ""
+        marked = any(phrases.cutoff_mark(results, p) for p in there)
+        known = f": the cut-offs marked {phrases.AT_REST} are those of a ball at rest" if marked else ""
         parts.append(f"{capital(stretch(there, [p for p, _ in rung]))} {outcome}{known}.")
     return " ".join(parts) or None
 
@@ -715,11 +692,11 @@ def _work_bound(results: Results) -> str | None:
             bounds.append((bound, point.rpm))
     if all(bound > 1 for bound, _ in bounds):
         return None  # nothing takes more than all there is
-    limits = [
+    values = [
         f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm"
         for bound, rpm in bounds
     ]
-    ends = limits if len(limits) == 1 else [limits[0], limits[-1]]
+    ends = values if len(values) == 1 else [values[0], values[-1]]
     return (
         "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
         " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"
@@ -744,7 +721,7 @@ def _effective_ball(results: Results) -> str | None:
     if damper is None or damper.count == 1 or not any(paper.row(results.scene, p.load_g) for p in results.speeds):
         return None
     alone = replace(results, scene=results.scene.model_copy(update={"damper": damper.model_copy(update={"count": 1})}))
-    dense = limits.too_dense(alone)
+    dense = phrases.too_dense(alone)
     return None if dense is None else f"Of {damper.count} balls, where the paper has one: {dense[0]}."
 
 

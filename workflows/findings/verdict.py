@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TYPE_CHECKING
 
-from workflows.findings import limits, remarks
-from workflows.findings.limits import AIR, Grade, in_g
-from workflows.findings.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
+from workflows.findings import phrases, remarks
+from workflows.findings.phrases import at_load, at_speed, capital, millimetres, percent, stretch
+from workflows.findings.remarks import as_it_moves, tilt
 from workflows.formatting import span, whole
 from workflows.scene import paper
-from workflows.solve.results import Results, SpeedPoint
-
-if TYPE_CHECKING:
-    from workflows.solve.results import OwnFigures
-
+from workflows.solve import limits
+from workflows.solve.limits import AIR, in_g
+from workflows.solve.results import OwnFigures, Reason, Results, SpeedPoint
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -37,19 +34,22 @@ def known_within(point: SpeedPoint) -> str:
 
 def between(results: Results, points: list[SpeedPoint]) -> str | None:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
-    limit = limits.endured(results) or math.inf
-    known = [(p, w) for p in points if limits.best(results, p) is not None and (w := p.working) is not None]
-    working = [(p, w) for p, w in known if w.half[0] < limit]
+    useful = {
+        point.omega: best.useful
+        for point in points
+        if (best := limits.best(results, point)) is not None and not math.isnan(best.useful[0])
+    }
+    working = [(p, w) for p in points if p.omega in useful and (w := p.working) is not None]
     if not working:
         return None
     ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
     ranges = []
     for point, figures in ends:
-        low, high = figures.half[0], min(figures.half[1], limit)
+        low, high = useful[point.omega]
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
-        said = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
+        in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
-        ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{said}{ends_there}")
+        ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}")
     held = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
         for p, w in ends
@@ -75,10 +75,10 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     if limit is None or not lost:
         return None
     point, figures = lost[0]
-    said = at_load(point)
+    beyond = phrases.beyond(by_deflection=limits.deflection_governs(results))
     return (
-        f"{capital(said)} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
-        f" {millimetres(limit)} mm would {limits.beyond(results)}: there the damper is out of reach."
+        f"{capital(at_load(point))} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
+        f" {millimetres(limit)} mm would {beyond}: there the damper is out of reach."
     )
 
 
@@ -99,71 +99,59 @@ def _at_rest(results: Results, ends: list[tuple[SpeedPoint, OwnFigures]]) -> str
     return f" That is a ball that bounces: {walls}, and takes less."
 
 
-Graded = tuple[SpeedPoint, Grade]
-
-WEIGHT = "the ball's weight, which is left out, is more than the load"
-
-
-def held_back(grades: Sequence[Graded]) -> list[SpeedPoint]:
-    """The points that a verdict can be given on."""
-    return [point for point, grade in grades if grade is not Grade.UNKNOWN]
+def _rank(point: SpeedPoint) -> int:
+    return -1 if point.verdict is None else point.verdict.rank
 
 
-def none(results: Results, grades: Sequence[Graded]) -> str:
-    """The verdict where there is none at any of the points: why; and where, if there are several reasons."""
-    reasons, torn = _reasons(results, grades), limits.torn_from(results)
-    if torn is None and len(reasons) == 1:
-        return f"No verdict: {reasons[0][1]}"
-    return f"No verdict {'; none '.join(_placed(reasons, grades, torn))}"
+def _where_none(results: Results, points: Sequence[SpeedPoint]) -> tuple[list[str], str]:
+    """Where there is no verdict, and why, one text for each reason; the reason alone, where there is one."""
+    unknown = {reason: [p for p in points if p.verdict and p.verdict.reason == reason] for reason in _OUTSIDE}
+    reasons = {reason: _OUTSIDE[reason](results, those) for reason, those in unknown.items() if those}
+    texts = [f"{stretch(unknown[reason], points)}: there {why}" for reason, why in reasons.items()]
+    torn = phrases.torn_from(results)
+    if torn is not None:
+        return [*texts, torn], ""
+    return texts, next(iter(reasons.values())) if len(reasons) == 1 else ""
 
 
-def beside(results: Results, grades: Sequence[Graded], verdict: str) -> str:
+_OUTSIDE: dict[str, Callable[[Results, Sequence[SpeedPoint]], str]] = {
+    Reason.WEIGHT: lambda *_: phrases.WEIGHT,
+    Reason.SLIP: lambda results, points: (
+        "the ball would slide, for to roll takes a friction of"
+        f" {_frictions(results, points)} at the amplitude of its best"
+    ),
+}
+"""Why the model does not hold at some speeds."""
+
+
+def _with_limits(results: Results, points: Sequence[SpeedPoint], verdict: str) -> str:
     """A verdict with what it rests on, and with the speeds that it does not speak of."""
-    unsaid = _placed(_reasons(results, grades), grades, limits.torn_from(results))
-    return "; no verdict ".join([f"{verdict}{_gripped(results, grades)}", *unsaid])
+    return "; no verdict ".join([f"{verdict}{_rests_on(results, points)}", *_where_none(results, points)[0]])
 
 
-def _placed(reasons: list[tuple[list[SpeedPoint], str]], grades: Sequence[Graded], torn: str | None) -> list[str]:
-    points = [point for point, _ in grades]
-    placed = [f"{stretch(those, points)}: there {why}" for those, why in reasons]
-    return placed if torn is None else [*placed, torn]
-
-
-def _reasons(results: Results, grades: Sequence[Graded]) -> list[tuple[list[SpeedPoint], str]]:
-    """Which of the points have no verdict and why, but for those at which the plate would tear."""
-    found = [p for p, grade in grades if grade is Grade.UNKNOWN and not limits.torn(results, p)]
-    light, sliding = [p for p in found if limits.weighs(p)], [p for p in found if not limits.weighs(p)]
-    reasons = [(light, WEIGHT)] if light else []
-    if sliding:
-        takes = f"a friction of {_grips(results, sliding)} at the amplitude of its best"
-        reasons.append((sliding, f"the ball would slide, for to roll takes {takes}"))
-    return reasons
-
-
-def _gripped(results: Results, grades: Sequence[Graded]) -> str:
+def _rests_on(results: Results, points: Sequence[SpeedPoint]) -> str:
     """What a verdict rests on where the ball rolls only on a floor that grips better than the walls."""
     damper = results.scene.damper
     if damper is None:
         return ""
-    better = [p for p in held_back(grades) if _grip(results, p) > damper.friction]
+    better = [p for p in points if _rank(p) >= 0 and _friction(results, p) > damper.friction]
     if not better:
         return ""
     return (
         ", if the ball rolls without slip, which at the amplitude of its best takes a friction of"
-        f" {_grips(results, better)} {stretch(better, [p for p, _ in grades])}: {damper.friction:g} is given for the"
-        " walls"
+        f" {_frictions(results, better)} {stretch(better, points)}: {damper.friction:g} is given for the walls"
     )
 
 
-def _grips(results: Results, points: Sequence[SpeedPoint]) -> str:
+def _frictions(results: Results, points: Sequence[SpeedPoint]) -> str:
     """The least and the most friction that rolling takes at the points."""
-    each = [_grip(results, point) for point in points]
+    each = [_friction(results, point) for point in points]
     return span(min(each), max(each))
 
 
-def _grip(results: Results, point: SpeedPoint) -> float:
-    found = limits.best(results, point)
-    return 0.0 if found is None else limits.grip(results, point, found.amplitude)
+def _friction(results: Results, point: SpeedPoint) -> float:
+    best = limits.best(results, point)
+    return 0.0 if best is None else limits.friction_demand(results, point, best.amplitude)
 
 
 _NEAR = 0.1
@@ -172,7 +160,8 @@ _NEAR = 0.1
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
-_WORDS = {Grade.YES: "yes", Grade.MODESTLY: "modestly", Grade.HARDLY: "hardly", Grade.NO: "not"}
+_WORDS = ("not", "hardly", "modestly", "yes")
+"""By rank."""
 
 
 @dataclass(frozen=True)
@@ -192,16 +181,18 @@ def answer(results: Results) -> Answer:
     if not points:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
-    refused = limits.refused(results)
-    grades = [(p, limits.grade(results, p)) for p in loaded]
-    held = held_back(grades)
-    if not held and refused is None:
-        return Answer(none(results, grades), ())
-    speaking = held or loaded
-    if refused is None and all(grade in (Grade.NO, Grade.UNKNOWN) for _, grade in grades):
+    judged = [p for p in loaded if _rank(p) >= 0]
+    dense = phrases.too_dense(results)
+    damper = results.scene.damper
+    printed = damper is not None and damper.formulation == "printed"
+    refused = phrases.PRINTED if printed else None if dense is None else dense[0]
+    if not judged and refused is None:
+        texts, alone = _where_none(results, loaded)
+        return Answer(f"No verdict: {alone}" if alone else f"No verdict {'; none '.join(texts)}", ())
+    speaking = judged or loaded
+    if refused is None and all(_rank(p) == 0 for p in judged):
         verdict, sentences = _why_not(results, speaking)
-        return Answer(beside(results, grades, verdict), sentences)
-    dense = limits.too_dense(results)
+        return Answer(_with_limits(results, loaded, verdict), sentences)
     parts = (
         None if dense is None else dense[1],
         _fed(points),
@@ -210,9 +201,9 @@ def answer(results: Results) -> Answer:
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),
-        None if remarks.met(results) and limits.sentence(results) is None else remarks.sentence(results),
+        None if remarks.met(results) and remarks.cavities(results) is None else remarks.sentence(results),
     )
-    verdict = beside(results, grades, _verdict(grades)) if refused is None else f"No verdict: {refused}"
+    verdict = _with_limits(results, loaded, _verdict(loaded)) if refused is None else f"No verdict: {refused}"
     return Answer(verdict, tuple(part for part in parts if part))
 
 
@@ -224,17 +215,17 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f1_hz if point.reduced is not None else None
 
 
-def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
+def _verdict(points: list[SpeedPoint]) -> str:
     """One word for all loads, or a word for each stretch of them: yes up to these, hardly from those on."""
-    stretches = [(grade, [p for p, _ in run]) for grade, run in groupby(grades, key=lambda pair: pair[1])]
-    known = [k for k, (grade, _) in enumerate(stretches) if grade is not Grade.UNKNOWN]
+    stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
+    known = [k for k, (rank, _) in enumerate(stretches) if rank >= 0]
     if len(stretches) == 1:
         return _WORDS[stretches[0][0]].capitalize()
     if len(known) > _STEPS_AT_MOST:
-        return f"{_WORDS[max(grade for _, grade in grades)].capitalize()} at best"
+        return f"{_WORDS[max(map(_rank, points))].capitalize()} at best"
     words = []
     for k in known:
-        grade, run = stretches[k]
+        rank, run = stretches[k]
         first, last = at_speed(run[0]), at_speed(run[-1])
         if k == 0:
             where = f"up to {last}"
@@ -242,7 +233,7 @@ def _verdict(grades: list[tuple[SpeedPoint, Grade]]) -> str:
             where = f"from {first} on"
         else:
             where = f"up to {last}" if k - 1 in known else f"from {first} to {last}"
-        words.append(f"{_WORDS[grade]} {where}")
+        words.append(f"{_WORDS[rank]} {where}")
     return capital(", ".join(words))
 
 
@@ -284,30 +275,31 @@ def _fed(points: list[SpeedPoint]) -> str | None:
 
 
 def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str, ...]]:
-    """Why the damper does nothing at any speed."""
-    damper = results.scene.damper
-    if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+    """Why the damper does nothing at any speed, by what limits it at the lowest load."""
+    damper, low = results.scene.damper, points[0]
+    reasons = [point.verdict.reason for point in points if point.verdict is not None]
+    slope = tilt(results, points)
+    if reasons[0] == Reason.FILLED:
         return "No: the ball never moves", ("The ball fills its cavity along the bending direction.",)
-    low = points[0]
-    figures = low.working
-    if figures is None or math.isinf(figures.cutoff):
+    if reasons[0] == Reason.TILT:
         return "No: the ball never moves", (
             f"{as_it_moves(results)}, the cavity's floor tilts, and {at_load(low)} the load pulls the ball"
             " down the slope by as much as the vibration drives it up.",
         )
-    if figures.peak > 0 and (reach := reach_of(results, points)) is not None:
-        return "No: the ball never moves", tuple(part for part in (reach, tilt(results, points)) if part)
-    if damper is not None and damper.restitution == 1 and all(p.working and p.working.cutoff == 0 for p in points):
-        along = "Along the bending direction it" if damper.friction else "It"
+    if reasons[0] == Reason.OUT_OF_REACH:
+        return "No: the ball never moves", tuple(part for part in (reach_of(results, points), slope) if part)
+    if all(reason == Reason.LOSSLESS for reason in reasons):
+        along = "Along the bending direction it" if damper is not None and damper.friction else "It"
         return "No: the ball takes nothing", (
             f"{along} neither rolls against a resistance nor loses speed at the walls.",
         )
-    known = f", from {millimetres(figures.cutoff)} mm on," if figures.cutoff > 0 else ","
-    said = (
-        f"{at_load(low).capitalize()} no damping by the ball was found at any of the amplitudes searched{known}"
+    cutoff = 0.0 if low.working is None else low.working.cutoff
+    known = f", from {millimetres(cutoff)} mm on," if cutoff > 0 else ","
+    text = (
+        f"{capital(at_load(low))} no damping by the ball was found at any of the amplitudes searched{known}"
         " which does not tell that there is none."
     )
-    return "Not found: whether the ball damps", tuple(part for part in (said, tilt(results, points)) if part)
+    return "Not found: whether the ball damps", tuple(part for part in (text, slope) if part)
 
 
 def _beside_the_paper(results: Results) -> str | None:
@@ -342,6 +334,6 @@ def _plate_only(results: Results) -> Answer:
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
     said = remarks.sentence(results)
     verdict = "The plate alone" if remarks.met(results) else "The plate alone, less exact than asked for"
-    if (torn := limits.torn_from(results)) is not None:
+    if (torn := phrases.torn_from(results)) is not None:
         verdict += f"; it cannot turn {torn}"
     return Answer(verdict, (text,) if said is None else (text, said))

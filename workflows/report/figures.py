@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.findings import limits
 from workflows.formatting import amount, significant
 from workflows.report import plots
 from workflows.report.mode_viewer import Indices
@@ -19,6 +18,7 @@ from workflows.results.crossings import crossings, orders
 from workflows.results.files import Curve
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
+from workflows.solve import limits
 from workflows.solve.results import BallPath, Energy, Floats, Quantity, Results, SpeedPoint, Surface, entries, shown
 
 if TYPE_CHECKING:

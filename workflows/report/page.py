@@ -14,8 +14,7 @@ from typing import Any
 
 from workflows import formatting
 from workflows.errors import BadInput
-from workflows.findings import limits, remarks, verdict
-from workflows.findings.remarks import assumptions
+from workflows.findings import phrases, remarks, verdict
 from workflows.output import folder as store
 from workflows.progress import Stages
 from workflows.report import ball_player, figures, mode_viewer, plots
@@ -27,6 +26,7 @@ from workflows.results import serialise as results_json
 from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
+from workflows.solve import limits
 from workflows.solve import results as records
 from workflows.solve.results import Results, SpeedPoint, expect
 
@@ -105,7 +105,7 @@ def _said(results: Results) -> dict[str, Any]:
         "answer": verdict.answer(results),
         "thick": _thick(results),
         "held": figures.held(results.scene),
-        "assumptions": assumptions(results),
+        "assumptions": remarks.assumptions(results),
         "versions": versions(),
         "hashes": hashes(results),
         "settings": _settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
@@ -124,9 +124,9 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
         "air": limits.AIR,
         "endured": limits.endured(results),
-        "beyond": limits.beyond(results),
-        "marks": limits.legend(results),
-        "at_rest": limits.cutoff_legend(results),
+        "beyond": phrases.beyond(by_deflection=limits.deflection_governs(results)),
+        "marks": phrases.legend(results),
+        "at_rest": phrases.cutoff_legend(results),
     }
 
 
@@ -199,8 +199,9 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": verdict.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "mark": limits.mark(results, point),
-        "cutoff": limits.shown(results, point),
+        "mark": phrases.mark(results, point),
+        "cutoff": limits.cutoff(results, point),
+        "cutoff_mark": phrases.cutoff_mark(results, point),
         "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
         "damping": point.damping,
         "lost": None if point.damping is None else remarks.lost_at_most(point.damping),

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows.errors import one_line
-from workflows.findings import limits, verdict
-from workflows.findings import remarks as of_the_ball
-from workflows.findings import remarks as trust
+from workflows.findings import phrases, remarks, verdict
 from workflows.formatting import amount, fixed, percent, revolutions, significant
+from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
 if TYPE_CHECKING:
@@ -23,18 +22,18 @@ _MODES_AT_MOST = 8
 _ROWS_AT_MOST = 12
 
 
-def text(results: Results, out: Path | None, remarks: tuple[str, ...] = ()) -> str:
-    """The summary, ready to print; `remarks`, on how the scene is written, come first wherever the notes are."""
+def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
+    """The summary, ready to print; remarks on how the scene is written come first wherever the notes are."""
     found = verdict.answer(results)
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
-    parts += [*(line for remark in remarks for line in _wrapped(remark)), ""]
+    parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
-    legend = [*limits.cutoff_legend(results), *limits.legend(results)] if results.scene.damper is not None else []
+    legend = [*phrases.cutoff_legend(results), *phrases.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
     if results.notes and out is None:
         parts.append("")
-        parts += [line for note in results.notes if note not in remarks for line in _wrapped(note, "- ")]
+        parts += [line for note in results.notes if note not in on_scene for line in _wrapped(note, "- ")]
     seconds = f"{results.timings['total']:.1f} s"
     if out is None:
         parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]
@@ -69,15 +68,16 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
     damping, figures = point.damping, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
-    cutoff = limits.shown(results, point)
+    cutoff = limits.cutoff(results, point)
+    at_rest = phrases.cutoff_mark(results, point)
     return (
         amount(point.rpm),
         amount(point.load_g),
         fixed(verdict.first_frequency(point), 2),
-        amount(cutoff.g) + cutoff.mark,
-        fixed(cutoff.ratio, 3) + cutoff.mark,
-        percent(of_the_ball.lost_at_most(damping), 3),
-        significant(100 * figures.peak if figures else 0.0) + limits.mark(results, point),
+        amount(cutoff.g) + at_rest,
+        fixed(cutoff.ratio, 3) + at_rest,
+        percent(remarks.lost_at_most(damping), 3),
+        significant(100 * figures.peak if figures else 0.0) + phrases.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
@@ -113,14 +113,14 @@ def shown(results: Results) -> Shown:
 def brief(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
     found = verdict.answer(results)
-    said = trust.errors(results)
+    said = remarks.errors(results)
     lines = [_head(results), " ".join((f"{found.verdict}.", *found.sentences[:1])), *([] if said is None else [said])]
     return "\n".join(lines)
 
 
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
-    found, said = verdict.answer(results), trust.sentence(results)
+    found, said = verdict.answer(results), remarks.sentence(results)
     sentences = " ".join(found.sentences if said is None or said in found.sentences else (*found.sentences, said))
     heads, *lines = rows(results)
     left_out = len(lines) - _ROWS_AT_MOST

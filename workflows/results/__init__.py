@@ -1,4 +1,4 @@
 """The numbers for programs: JSON, netCDF, CSV, VTU, where they come from.
 
-May import findings and what those may.
+May import solve and what those may.
 """

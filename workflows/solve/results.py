@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from enum import StrEnum
 from functools import cache
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -208,6 +209,78 @@ class OwnFigures(Figures):
             headline=True,
         ),
     ]
+
+
+class Grade(StrEnum):
+    """How much a damper does, beside what the air does: as much, a tenth of it, less, nothing."""
+
+    YES = "yes"
+    MODEST = "modest"
+    NEGLIGIBLE = "negligible"
+    LOCKED = "locked"
+    INADMISSIBLE = "inadmissible"
+    UNKNOWN = "unknown"
+
+
+class Reason(StrEnum):
+    """What limits a damper, or a verdict on it."""
+
+    NONE = ""
+    ENDURANCE = "endurance"
+    OUT_OF_REACH = "out_of_reach"
+    FILLED = "filled_cavity"
+    TILT = "floor_tilt"
+    LOSSLESS = "no_loss"
+    NOT_FOUND = "not_found"
+    WEIGHT = "ball_weight"
+    SLIP = "slip"
+    PRINTED = "printed_equations"
+    DENSITY = "ball_density"
+    ROOT_STRESS = "root_stress"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a damper is good for at a speed."""
+
+    grade: Annotated[
+        str,
+        Quantity(
+            "",
+            "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
+            " moves at what the plate endures; inadmissible: no such ball, plate or law; unknown: outside the model",
+        ),
+    ]
+    damping_ratio: Annotated[
+        float | None, Quantity("1", "largest damping ratio within what the plate endures; null: no verdict")
+    ] = None
+    amplitude: Annotated[float | None, Quantity("m", "amplitude at the cavity where that is")] = None
+    useful: Annotated[
+        Pair,
+        Quantity(
+            "m",
+            "amplitudes between which the damping is at least half its peak, as far as the plate endures them",
+            "useful_range",
+            ends=_ENDS,
+            unknown=True,
+        ),
+    ] = (math.nan, math.nan)
+    reason: Annotated[
+        str,
+        Quantity(
+            "",
+            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the plate"
+            " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
+            " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress",
+        ),
+    ] = Reason.NONE
+
+    @property
+    def rank(self) -> int:
+        """The grade as a number: 3 yes, 2 modest, 1 negligible, 0 nothing, -1 without a verdict."""
+        if self.damping_ratio is None:
+            return -1
+        return {Grade.YES: 3, Grade.MODEST: 2}.get(Grade(self.grade), 1) if self.damping_ratio else 0
 
 
 @dataclass(frozen=True)
@@ -446,14 +519,17 @@ __all__ = [
     "ErrorParts",
     "Figures",
     "Floats",
+    "Grade",
     "History",
     "Mode",
     "OwnFigures",
     "Pendulum",
+    "Reason",
     "Reduced",
     "Results",
     "SpeedPoint",
     "Surface",
+    "Verdict",
     "expect",
     "rpm",
     "shown",
@@ -472,7 +548,7 @@ class SpeedPoint:
     Attributes:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
         damping: what the scene's release leads to, with its effects.
-        working: the damper's own figures, on a floor that tilts as the structure bends.
+        working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
         pendulum: of a ball in a hollow floor.
@@ -499,6 +575,10 @@ class SpeedPoint:
             "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
             " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
         ),
+    ] = None
+    verdict: Annotated[
+        Verdict | None,
+        Part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
     ] = None
     level: Annotated[
         Figures | None,

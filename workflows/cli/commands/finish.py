@@ -9,6 +9,7 @@ import typer
 
 from workflows import pipeline
 from workflows.cli.commands import kernels
+from workflows.findings.remarks import remarked
 from workflows.output import folder
 from workflows.progress import Stages
 from workflows.report import text as summary
@@ -36,7 +37,7 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
         if artist is not None and found.plate is not None and found.plate.surface is not None:
             artist.draw(found.plate.surface, records.shown(found.points))
-        results = pipeline.results(pipeline.damped(found, stages), stages)
+        results = remarked(pipeline.results(pipeline.damped(found, stages), stages))
         if out is not None:
             from workflows.report.page import publish
 

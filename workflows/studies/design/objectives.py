@@ -16,18 +16,17 @@ import numpy as np
 
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
-from workflows.findings import limits, verdict
-from workflows.formatting import significant, whole
+from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import FLAT, Excitation, Scene
-from workflows.solve import coupling
+from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import SpeedPoint
 from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Scored, Space
+from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
 from workflows.studies.response import study
 from workflows.studies.response.results import HELPS
 from workflows.studies.response.study import Solved, checked, shaken
@@ -67,13 +66,13 @@ class LeastDamping:
         bound = min(bound_of(damper, high) for _, damper in dampers)
         if cutoff >= low:
             lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
-            return Scored(0.0, -lost, bound, worst, low, cutoff, why="the load holds the ball at rest")
+            return Scored(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
         values = []
         for each, damper in dampers:
             figures = measured(damper, {}, reach=high, **(QUICK if quick else {}))
             values.append((*least(figures, low, high), each.point.omega))
         value, amplitude, speed = min(values)
-        why = "" if value > 0 else "the ball takes nothing"
+        why = None if value > 0 else Obstacle("lossless")
         return Scored(value, value, bound, speed, amplitude, cutoff, why=why)
 
 
@@ -425,11 +424,11 @@ class LeastAmplitude:
                 if crossing.omega == each.point.omega:
                     found += self._at(each, crossing, quick=quick)
         if not found:
-            return Scored(0.0, -_NEVER, why="nothing drives the damper's place at the crossings")
+            return Scored(0.0, -_NEVER, why=Obstacle("undriven"))
         value, at, lines = max(found, key=lambda one: one[0])
         without = max(one[2].without for one in found)
         held = min(math.log(max(lines.grows, 1.0)), _NEVER)
-        why = "" if value <= HELPS * without else _why(lines)
+        obstacle = Obstacle("held" if lines.grows >= 1 else "useless")
         return Scored(
             value,
             math.log(self.reference / value) - held,
@@ -437,7 +436,7 @@ class LeastAmplitude:
             speed=at.crossing.omega,
             amplitude=value,
             cutoff=lines.resting * lines.grows,
-            why=why,
+            why=None if value <= HELPS * without else obstacle,
             order=at.crossing.order,
             without=without,
             grows=lines.grows,
@@ -451,10 +450,6 @@ class LeastAmplitude:
         if here.leads and speaks(here.system):
             return [(amplitude(here, lines.resting, quick=quick), here, lines)]
         return [(followed(here, lines, quick=quick), here, lines)]
-
-
-def _why(lines: Linear) -> str:
-    return "the load holds the ball at rest" if lines.grows >= 1 else "the ball does not help"
 
 
 def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
@@ -537,7 +532,7 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design is None or scene.damper is None:
         raise ValueError("the scene has no [design]")
     if scene.damper.formulation == "printed":
-        problem = f"no design makes sense: {limits.PRINTED}; expected 'consistent'"
+        problem = "no design makes sense: the equations as printed do not conserve energy; expected 'consistent'"
         raise BadInput(problem, file=source.name, key="[damper] formulation", value=scene.damper.formulation)
     if design.place is not None and scene.plate is None:
         raise BadInput("belongs to a plate", file=source.name, key="[design] place")
@@ -579,7 +574,7 @@ def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list
     for number, mine in enumerate(placed):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
-            found.append(Scored(0.0, -NONE, why=reasons.texts[int(missing.max())]))
+            found.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons.texts[int(missing.max())])))
         else:
             found.append(_one(space, mine, quick=quick))
     return found
@@ -595,26 +590,25 @@ def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
     over = spaces.misfit(space.design, scene, mass)
     if over is not None:
         name, ratio = over
-        return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=f"beyond the limit of {name}")
+        return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
     endured = limits.endured(max(placed, key=lambda each: each.point.omega).results)
     endured = math.inf if endured is None else endured
     return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
 
 
-def _no_verdict(space: Space, placed: list[Placed]) -> str | None:
+def _no_verdict(space: Space, placed: list[Placed]) -> Obstacle | None:
     """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
     slowest, fastest = (end(placed, key=lambda each: each.point.omega) for end in (min, max))
-    if limits.weighs(slowest.point):
-        return f"at {whole(slowest.point.rpm)} rpm {verdict.WEIGHT}"
-    if (torn := limits.torn_from(fastest.results)) is not None:
-        return torn
+    if limits.weight_governs(slowest.point):
+        return Obstacle("weight", slowest.point.rpm)
+    if limits.is_torn(fastest.results, fastest.point):
+        return Obstacle(
+            "root_stress", fastest.point.rpm, limits.root_stress(fastest.results, fastest.point.omega) or 0.0
+        )
     if not isinstance(space.goal, LeastDamping):
         return None
     endured = limits.endured(fastest.results)
     if endured is not None and space.goal.low > endured:
-        return f"the least of its amplitudes would {limits.beyond(fastest.results)}"
-    grip = limits.grip(slowest.results, slowest.point, space.goal.high)
-    if grip > limits.DRY:
-        taken = f"to roll takes a friction of {significant(grip, 2)} at the greatest of its amplitudes"
-        return f"at {whole(slowest.point.rpm)} rpm every ball would slide, for {taken}"
-    return None
+        return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
+    friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
+    return Obstacle("slip", slowest.point.rpm, friction) if friction > limits.DRY else None

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from workflows import formatting
-from workflows.findings.limits import AIR
+from workflows.findings import phrases
 from workflows.formatting import significant, whole
 from workflows.output import folder as store
 from workflows.report import page as templating
 from workflows.report import plots as plot
 from workflows.scene.load import SceneFile
+from workflows.solve.limits import AIR
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
@@ -374,10 +375,32 @@ def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
     return lines
 
 
+def obstacle(scored: Scored) -> str:
+    """Why a design is worth nothing, in words; empty where it is worth something."""
+    why = scored.why
+    if why is None:
+        return ""
+    at = f"at {whole(why.rpm)} rpm" if math.isfinite(why.rpm) else ""
+    endured = phrases.beyond(by_deflection=why.kind == "deflection")
+    return {
+        "held": "the load holds the ball at rest",
+        "lossless": "the ball takes nothing",
+        "useless": "the ball does not help",
+        "undriven": "nothing drives the damper's place at the crossings",
+        "limit": f"beyond the limit of {why.text}",
+        "weight": f"{at} {phrases.WEIGHT}",
+        "root_stress": phrases.torn_at(why.rpm, why.value) if why.kind == "root_stress" else "",
+        "strain": f"the least of its amplitudes would {endured}",
+        "deflection": f"the least of its amplitudes would {endured}",
+        "slip": f"{at} every ball would slide, for to roll takes a friction of {significant(why.value, 2)} at the"
+        " greatest of its amplitudes",
+    }.get(why.kind, why.text)
+
+
 def _why_none(space: Space, found: Found) -> list[str]:
     goal = space.goal
     if found.scored.impossible:
-        return [f"The design that comes nearest cannot be: {found.scored.why}."]
+        return [f"The design that comes nearest cannot be: {obstacle(found.scored)}."]
     if isinstance(goal, LeastDamping):
         return no_damping_because(space, found, goal)
     return no_amplitude_because(space, found, goal) if isinstance(goal, LeastAmplitude) else []

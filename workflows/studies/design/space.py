@@ -29,6 +29,23 @@ BEYOND, NONE = 100.0, 200.0
 
 
 @dataclass(frozen=True)
+class Obstacle:
+    """Why a design is worth nothing.
+
+    Attributes:
+        kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
+            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
+        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
+        text: of what was refused, or the name of the limit.
+    """
+
+    kind: str
+    rpm: float = math.nan
+    value: float = math.nan
+    text: str = ""
+
+
+@dataclass(frozen=True)
 class Scored:
     """What a design is worth.
 
@@ -44,7 +61,7 @@ class Scored:
         mass: of all balls [kg].
         used: shares of the limits.
         endured: amplitude that the plate endures [m]; inf where it is not known.
-        why: why it is worth nothing; empty where it is worth something.
+        why: why it is worth nothing; None where it is worth something.
     """
 
     value: float
@@ -55,7 +72,7 @@ class Scored:
     cutoff: float = math.nan
     mass: float = math.nan
     used: tuple[tuple[str, float], ...] = ()
-    why: str = ""
+    why: Obstacle | None = None
     order: int = 0
     without: float = math.nan
     grows: float = math.nan
@@ -69,7 +86,7 @@ class Scored:
     @property
     def works(self) -> bool:
         """Whether it is worth anything."""
-        return not self.why
+        return self.why is None
 
 
 @dataclass(frozen=True)

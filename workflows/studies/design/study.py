@@ -189,7 +189,7 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     """Why no design keeps to the limits, from the one that comes nearest."""
     over = max(nearest.used, key=lambda item: item[1], default=None)
     if over is None or over[1] <= 1:
-        return BadInput(f"no design makes sense: {nearest.why}", file=space.source.name, key="[design]")
+        return BadInput(f"no design makes sense: {report.obstacle(nearest)}", file=space.source.name, key="[design]")
     name, share = over
     if name == "density":
         problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"

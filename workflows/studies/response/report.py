@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.findings import limits
+from workflows.findings import phrases
 from workflows.formatting import significant, whole
 from workflows.output import folder as store
 from workflows.report import page as templating
 from workflows.report import plots as plot
 from workflows.results import files, provenance
 from workflows.results.crossings import Crossing
+from workflows.solve.limits import AIR
 from workflows.studies.response import results as peaks
 from workflows.studies.response.results import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
 
@@ -236,7 +237,7 @@ def damping(found: Response) -> str:
             low, high = (1e3 * end for end in figures.range)
             if np.isfinite(low) and np.isfinite(high):
                 axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
-        air = [100 * ratio for ratio in limits.AIR]
+        air = [100 * ratio for ratio in AIR]
         axes.axhspan(*air, color=plot.RULE, lw=0)
         least = 100 * min(through.figures.peak for through in shown) / 30
         axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
@@ -269,7 +270,7 @@ def path(found: Response, through: Through, name: str) -> str:
 def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
-    if (dense := limits.too_dense(found.results)) is not None:
+    if (dense := phrases.too_dense(found.results)) is not None:
         said = [f"No verdict: {dense[0]}.", dense[1], *said[1:]]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
@@ -387,8 +388,8 @@ def text(found: Response) -> str:
     widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
     if any(is_beyond(found, row) for row in rows(found)):
-        lines.append(f"{limits.MARKED}.")
-    low, high = (significant(100 * ratio, 2) for ratio in limits.AIR)
+        lines.append(f"{phrases.BEYOND_MEANS}.")
+    low, high = (significant(100 * ratio, 2) for ratio in AIR)
     for through in found.passed:
         figures, c = through.figures, through.crossing
         if figures.peak > 0:
@@ -410,7 +411,7 @@ def _cells(found: Response, row: Row) -> tuple[str, ...]:
         whole(row.rpm),
         significant(row.force),
         significant(1e3 * row.without, 4),
-        f"{significant(1e3 * row.mean, 4)}{limits.MARK if is_beyond(found, row) else ''}",
+        f"{significant(1e3 * row.mean, 4)}{phrases.BEYOND if is_beyond(found, row) else ''}",
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
@@ -431,7 +432,7 @@ def document(found: Response) -> dict[str, Any]:
         "notes": list(results.notes),
         "headline": sentences(found),
         "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
-        "aerodynamic_damping_ratio": list(limits.AIR),
+        "aerodynamic_damping_ratio": list(AIR),
         "crossings": entries(found),
         "dampers": [_damper(found, through) for through in found.passed],
         "not_followed": [
@@ -554,10 +555,10 @@ def render(found: Response) -> str:
         sections=sections,
         campbell=Markup(campbell_plot(found)),
         damping=Markup(damping(found)),
-        air=limits.AIR,
+        air=AIR,
         is_beyond=partial(peaks.is_beyond, found),
-        mark=limits.MARK,
-        marked=limits.MARKED,
+        mark=phrases.BEYOND,
+        marked=phrases.BEYOND_MEANS,
     )
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from workflows.findings import limits
 from workflows.results.crossings import Crossing
 from workflows.scene.scene import Excitation
+from workflows.solve import limits
 from workflows.solve.results import Floats, Results
 
 if TYPE_CHECKING:
@@ -175,5 +175,5 @@ def endured(found: Response, through: Through) -> float | None:
 def is_beyond(found: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
     limit = endured(found, row.through)
-    torn = (limits.pull(found.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
+    torn = (limits.root_stress(found.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
     return torn or (limit is not None and row.greatest > limit)

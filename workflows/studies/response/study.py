@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.errors import BadInput, during, read_from
-from workflows.findings import limits
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
-from workflows.solve import coupling, resources
+from workflows.solve import coupling, limits, resources
 from workflows.solve import damper as damper_stage
 from workflows.solve import results as plate_records
 from workflows.solve import structure as plate

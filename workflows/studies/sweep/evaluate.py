@@ -16,13 +16,11 @@ from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
-from workflows.findings import limits
-from workflows.findings.limits import Grade
 from workflows.progress import Stages
 from workflows.results.serialise import headlines
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import coupling, structure
+from workflows.solve import coupling, limits, structure
 from workflows.solve import damper as damper_stage
 from workflows.solve import results as plate_records
 from workflows.solve.error_translation import answering
@@ -227,7 +225,8 @@ ROW = np.dtype([(quantity.name, quantity.kind) for quantity in QUANTITIES] + [_R
 """A row; `reason` is the number of the text that says why there is no answer, -1 where there is one."""
 
 NUMBERS = tuple(quantity.name for quantity in QUANTITIES)
-UNGRADED = int(Grade.UNKNOWN)
+UNGRADED = -1
+"""The grade without a verdict."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,13 +269,11 @@ def of_the_structure(row: Any, point: SpeedPoint, ball_mass: float) -> None:
 def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
     """Fill in the damper's own figures."""
     _fill(row, point)
-    best, grade = limits.best(results, point), limits.grade(results, point)
-    row["grade"] = int(grade)
-    if grade is Grade.UNKNOWN:
-        return
-    row["best_damping_ratio"] = 0.0
-    if best is not None:
-        row["best_damping_ratio"], row["best_amplitude"] = best.damping_ratio, best.amplitude
+    verdict = limits.verdict(results, point)
+    row["grade"] = verdict.rank
+    for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
+        if value is not None:
+            row[name] = value
 
 
 def _fill(row: Any, point: SpeedPoint) -> None:
@@ -291,11 +288,6 @@ def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]
     load = rows["load_g"]
     with np.errstate(divide="ignore", invalid="ignore"):
         rows["cutoff_ratio"] = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
-
-
-def grades() -> str:
-    """The words behind the grades."""
-    return ", ".join(f"{grade.value} {grade.name.lower()}" for grade in Grade)
 
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:

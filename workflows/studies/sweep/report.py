@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.findings.limits import AIR
 from workflows.formatting import significant, whole
 from workflows.report import page as templating
 from workflows.report import plots as plot
 from workflows.scene.scene import FLAT
+from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.evaluate import HEADLINE

@@ -1,0 +1,333 @@
+"""What bounds a damper, in numbers: the plate's strength, the floor's friction, the ball's density; and its verdict.
+
+No sentence is made here: :mod:`workflows.findings` has them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from workflows.scene import plate_mesh
+from workflows.scene.materials import is_too_dense
+from workflows.solve.results import Floats, Grade, Pair, Reason, Reduced, Results, SpeedPoint, Surface, Verdict
+
+STRONGEST = 2.4e9
+"""Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
+steels (Inco, 18 per cent nickel maraging steels, Nickel Development Institute, publication 4419). Ti-6Al-4V and nickel
+alloys bear less than two thirds of it."""
+
+AIR = (1.4e-3, 4.0e-3)
+"""Damping ratios that the air alone gives free-standing turbine blades: 0.14 % (SO-3), 0.14 to 0.26 % (TFE731), 0.21 to
+0.40 % (steam); compiled in Fatigue of Aircraft Structures 2022, doi 10.2478/fas-2022-0006, after Kielb and Abhari 2001
+and Brown 1981."""
+
+ENDURED = 4e-3
+"""Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
+about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
+
+SMALL = 0.25
+"""Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
+its tip, Bisshopp and Drucker, Quart. Appl. Math. 3 (1945) 272."""
+
+DRY = 1.0
+"""Friction that no dry pair of metals in air exceeds for long."""
+
+WEIGHT = 1.0
+"""Load over g below which the ball's own weight, which the model leaves out, presses it more than the load does."""
+
+_CANTILEVER = 1.8751040687
+"""First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
+
+
+@dataclass(frozen=True)
+class Best:
+    """The most that the damper does at a speed and an amplitude that the plate endures.
+
+    `limited` where the damper would do more beyond what the plate endures; `useful`: between which amplitudes it does
+    at least half as much as its figures' best, as far as the plate endures them; nan where it does not.
+    """
+
+    damping_ratio: float
+    amplitude: float
+    limited: bool
+    useful: Pair
+
+
+def with_verdicts(results: Results) -> Results:
+    """The same results with a verdict at each speed at which the damper has figures."""
+    speeds = tuple(
+        point if point.working is None else replace(point, verdict=verdict(results, point)) for point in results.speeds
+    )
+    return replace(results, speeds=speeds)
+
+
+def verdict(results: Results, point: SpeedPoint) -> Verdict:
+    """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
+
+    Unknown where the ball's weight is more than the load, or the ball would slide; inadmissible where the plate would
+    tear, no ball is as dense, or the equations do not conserve energy.
+    """
+    if (reason := inadmissible(results, point)) is not None:
+        return Verdict(Grade.INADMISSIBLE, reason=reason)
+    most = best(results, point)
+    if most is None:
+        reason = _idle(results, point)
+        moves = reason in (Reason.LOSSLESS, Reason.NOT_FOUND)
+        return Verdict(Grade.NEGLIGIBLE if moves else Grade.LOCKED, 0.0, reason=reason)
+    if weight_governs(point):
+        return Verdict(Grade.UNKNOWN, reason=Reason.WEIGHT)
+    if friction_demand(results, point, most.amplitude) > DRY:
+        return Verdict(Grade.UNKNOWN, reason=Reason.SLIP)
+    grade = Grade.NEGLIGIBLE
+    if most.damping_ratio >= AIR[0] / 10:
+        grade = Grade.YES if most.damping_ratio >= AIR[0] else Grade.MODEST
+    reason = Reason.ENDURANCE if most.limited else Reason.NONE
+    return Verdict(grade, most.damping_ratio, most.amplitude, most.useful, reason)
+
+
+def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
+    """Why there is no verdict at a speed whatever the damper does there; None where there may be one."""
+    damper = results.scene.damper
+    if damper is not None and damper.formulation == "printed":
+        return Reason.PRINTED
+    if is_too_dense(ball_density(results, point)):
+        return Reason.DENSITY
+    return Reason.ROOT_STRESS if is_torn(results, point) else None
+
+
+def _idle(results: Results, point: SpeedPoint) -> Reason:
+    """Why the damper does nothing at a speed."""
+    damper, figures = results.scene.damper, point.working
+    if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+        return Reason.FILLED
+    if figures is None or math.isinf(figures.cutoff):
+        return Reason.TILT
+    if figures.peak > 0:
+        return Reason.OUT_OF_REACH
+    lossless = damper is not None and damper.restitution == 1 and figures.cutoff == 0
+    return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
+
+
+def best(results: Results, point: SpeedPoint) -> Best | None:
+    """The most that the damper does at a speed; None where it does nothing."""
+    figures = point.working
+    if figures is None or not figures.peak > 0 or is_torn(results, point):
+        return None
+    limit = endured(results)
+    limit = math.inf if limit is None else limit
+    low, high = figures.half
+    useful = (low, min(high, limit)) if low < limit else (math.nan, math.nan)
+    if figures.peak_amplitude <= limit:
+        return Best(figures.peak, figures.peak_amplitude, limited=False, useful=useful)
+    within = figures.damping_ratio[figures.amplitude <= limit]
+    if not within.size or within.max() <= 0:
+        return None
+    at = int(np.argmax(within))
+    return Best(float(within[at]), float(figures.amplitude[at]), limited=True, useful=useful)
+
+
+def ball_density(results: Results, point: SpeedPoint) -> float:
+    """Of a ball [kg/m³]; 0 without one."""
+    damper = results.scene.damper
+    if damper is None or point.reduced is None:
+        return 0.0
+    return damper.density(point.reduced.M1 - point.reduced.M2)
+
+
+def is_torn(results: Results, point: SpeedPoint) -> bool:
+    """Whether the centrifugal pull at the root is more than any blade metal bears."""
+    return (root_stress(results, point.omega) or 0.0) > STRONGEST
+
+
+def weight_governs(point: SpeedPoint) -> bool:
+    """Whether the ball's own weight is more than the load."""
+    return point.load_g < WEIGHT
+
+
+def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """Friction on the floor that pure rolling needs at an amplitude, over the normal load; 0 without a load.
+
+    A rolling ball lags behind its floor by 5/7 of what drives it, u'' + G κ u: friction gives it the other 2/7, and
+    holds it against 5/7 of the rolling resistance.
+    """
+    damper = results.scene.damper
+    if damper is None or point.reduced is None or point.load_g == 0:
+        return 0.0
+    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * amplitude
+    resistance = damper.rolling_friction / damper.radius if results.effects["rolling_resistance"].on else 0.0
+    return (2 * drive / (point.omega**2 * point.radius) + 5 * resistance) / 7
+
+
+def root_stress(results: Results, omega: float) -> float | None:
+    """Mean stress over the root's section [Pa]: what hangs on it times its acceleration; None where it is not known."""
+    plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
+    hung = _hung(results)
+    if plate is None or material is None or hung is None:
+        return None
+    (volume, moment), section = hung
+    level = math.cos(rotor.precone)
+    stress = material.density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
+    hangs = level * max(point.radius for point in results.speeds)
+    return stress + results.scene.point_mass * omega**2 * hangs / section
+
+
+def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
+    """Volume of the plate and its moment about the root [m³, m^4], and the root's section [m²]."""
+    plate = results.scene.plate
+    if plate is not None and plate.length is not None and plate.width is not None:
+        return plate_mesh.volume(plate), plate_mesh.section(plate)
+    if plate is None or results.surface is None:
+        return None
+    heights = results.surface.thickness
+    if heights is None:
+        if not isinstance(plate.thickness, float):
+            return None
+        heights = np.full(len(results.surface.points), plate.thickness)
+    return _of_a_mesh(results.surface, heights)
+
+
+def _of_a_mesh(surface: Surface, heights: Floats) -> tuple[tuple[float, float], float]:
+    """The same of a mesh: each cell as triangles about its first corner, exact for even thickness."""
+    points, cells = surface.points[:, :2], surface.cells[1]
+    x = points[:, 0] - points[:, 0].min()
+    triangles = np.vstack([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])
+    one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
+    volumes = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2 * heights[triangles].mean(axis=1)
+    lengths = np.linalg.norm(np.diff(points[surface.root], axis=1)[:, 0], axis=1)
+    section = float((lengths * heights[surface.root].mean(axis=1)).sum())
+    return (float(volumes.sum()), float((volumes * x[triangles].mean(axis=1)).sum())), section
+
+
+def endured(results: Results) -> float | None:
+    """Amplitude at the cavity [m] that strains the plate's root by what metals endure; None without a plate.
+
+    Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
+    """
+    strain, length = root_strain(results, 1.0), span(results)
+    if strain is None or length is None:
+        return None
+    return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
+
+
+def deflection_governs(results: Results) -> bool:
+    """Whether the plate would bend beyond small deflections before its root is strained by what metals endure."""
+    strain, limit = root_strain(results, 1.0), endured(results)
+    return strain is not None and limit is not None and limit * strain < ENDURED * (1 - 1e-9)
+
+
+def is_beyond(results: Results, point: SpeedPoint) -> bool:
+    """Whether the damper's peak lies at an amplitude, or at a speed, that the plate does not endure."""
+    limit, own = endured(results), point.working
+    if own is None or not own.peak > 0:
+        return False
+    return is_torn(results, point) or (limit is not None and own.peak_amplitude > limit)
+
+
+def root_strain(results: Results, amplitude: float) -> float | None:
+    """Bending strain at the root for an amplitude at the cavity [-], as in a uniform cantilever's first mode at rest.
+
+    The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
+    leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
+    to half of its thickness.
+    """
+    plate, damper = results.scene.plate, results.scene.damper
+    length, thickness = span(results), _root_thickness(results)
+    if plate is None or damper is None or length is None or thickness is None:
+        return None
+    return thickness / 2 * _CANTILEVER**2 * _tip(results, amplitude, length) / length**2
+
+
+def _tip(results: Results, amplitude: float, length: float) -> float:
+    """Amplitude at the tip for one at the cavity [m]."""
+    damper = results.scene.damper
+    if damper is None or damper.at is None:
+        return amplitude
+    inward = min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
+    return amplitude * _shape(1.0) / _shape(inward)
+
+
+def _root_thickness(results: Results) -> float | None:
+    """The greatest thickness at the root [m]; None where it is a mesh's and that is not kept."""
+    plate, surface = results.scene.plate, results.surface
+    if plate is None:
+        return None
+    if isinstance(plate.thickness, float):
+        return plate.thickness
+    if surface is None or surface.thickness is None:
+        return plate_mesh.plate_thickness(plate, (0.0, 0.0)) if plate.length is not None else None
+    return float(surface.thickness[surface.root].max())
+
+
+def span(results: Results) -> float | None:
+    """The plate's extent from its root outwards [m]."""
+    plate = results.scene.plate
+    if plate is None or plate.length is not None:
+        return None if plate is None else plate.length
+    return None if results.surface is None else float(np.ptp(results.surface.points[:, 0]))
+
+
+def _from_root(results: Results, x: float) -> float:
+    return x if results.surface is None else x - float(results.surface.points[:, 0].min())
+
+
+def _shape(x: float) -> float:
+    """First mode of a uniform cantilever at a share x of its length, up to a factor."""
+    k = _CANTILEVER
+    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
+    return math.cosh(k * x) - math.cos(k * x) - ratio * (math.sinh(k * x) - math.sin(k * x))
+
+
+class CavityMass(NamedTuple):
+    """Mass [kg] that cavities take out of the plate, and the largest relative shift of its first bending frequency."""
+
+    mass: float
+    shift: float
+
+
+def cavity_mass(results: Results) -> CavityMass | None:
+    """What the cavities take out of the plate; None where there are none in it.
+
+    A hole is a negative point mass where the damper is; the stiffness that goes with it hardly counts where the plate
+    hardly bends, as near its tip. Along the radius a cavity holds its ball.
+    """
+    damper, material = results.scene.damper, results.scene.material
+    reduced = [point.reduced for point in results.speeds if point.reduced is not None]
+    if damper is None or material is None or damper.housing or not reduced:
+        return None
+    mass = material.density * damper.count * 2 * damper.radius * damper.cavity[0] * damper.cavity[1]
+    return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
+
+
+def _shift(reduced: Reduced, mass: float) -> float:
+    """To first order in the mass: less inertia, and less pull, of which the ball's own mass shows how it stiffens."""
+    ball = reduced.M1 - reduced.M2
+    pull = (reduced.K1 - reduced.K2) / reduced.K2 / ball if ball > 0 else 0.0
+    return mass / 2 * (1 / reduced.M2 - pull)
+
+
+class TableCutOff(NamedTuple):
+    """Acceleration over g, and over the load; None where not known. `at_rest`: not of a ring-down."""
+
+    g: float | None
+    ratio: float | None
+    at_rest: bool
+
+
+def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
+    """Acceleration over g of a vibration of that amplitude [m]."""
+    return (2 * math.pi * reduced.f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
+
+
+def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
+    """The cut-off at a speed, on the floor of the scene's ring-down."""
+    damping, own, reduced = point.damping, point.level or point.working, point.reduced
+    if damping is not None and damping.cutoff_g is not None:
+        return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
+    if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
+        return TableCutOff(None, None, at_rest=False)
+    g = in_g(results, reduced, own.cutoff)
+    return TableCutOff(g, g / point.load_g, at_rest=True)
