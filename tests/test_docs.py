@@ -79,6 +79,11 @@ ANSWERS = {
         ("fem/accuracy/error_estimates.py", "class Estimates"),
         ("workflows/solve/results.py", "ErrorParts("),
     ],
+    "What is the verdict at a speed, and what bounds a damper?": [
+        ("workflows/solve/limits.py", "def verdict("),
+        ("workflows/solve/results.py", "class Verdict"),
+        ("workflows/findings/verdict.py", "def answer("),
+    ],
     "Where does a sentence of the report come from?": [("workflows/findings/verdict.py", 'f"At its best')],
     "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
     "What do I write for a new effect?": [

@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from workflows.effects.definition import Effect
 from workflows.errors import BadInput, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.scene.rotor import FASTEST, typed
-from workflows.solve import coupling, limits, resources
 from workflows.solve import damper as ringdowns
+from workflows.solve import limits, resources
 from workflows.solve import results as records
-from workflows.solve import structure as plate
-from workflows.solve.model_choice import Decided, decide
-from workflows.solve.results import Results, SpeedPoint
-from workflows.solve.structure import PlateAnswer
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """The first half of a run: the structure at every speed, before the damper."""
-
-    source: SceneFile
-    effects: dict[str, Effect]
-    points: tuple[SpeedPoint, ...]
-    plate: PlateAnswer | None
-    mesh_sha256: str | None = None
+from workflows.solve.model_choice import ModelChoice
+from workflows.solve.results import Results
+from workflows.solve.structure import StructureSolver, StructureState
 
 
 def structure(
@@ -37,48 +24,35 @@ def structure(
     *,
     shapes: bool = True,
     size: int | None = None,
-    decided: Decided | None = None,
-) -> Solved:
-    """Solve the scene's plate, or take its structure as given; `shapes` and `size` are those of `plate.solve`.
+    choice: ModelChoice | None = None,
+) -> StructureState:
+    """Solve the scene's plate, or take its structure as given; with `shapes` its mode shapes are kept.
 
-    `decided`: what :func:`workflows.solve.model_choice.decide` says of the source, where that is known.
+    `size`, `choice`: see :class:`workflows.solve.structure.StructureSolver`.
 
     Raises:
-        BadInput, NoAnswer: see :func:`workflows.solve.structure.solve`.
+        BadInput, NoAnswer: see there.
     """
-    found = decided or decide(source, stages)
-    if found.form is None:
-        points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
-        return Solved(source, found.effects, points, None)
-    answer = plate.solve(source, found, stages, shapes=shapes, size=size)
-    return Solved(source, found.effects, answer.points, answer, found.mesh_sha256)
+    state = StructureSolver(source, stages, choice, size).at()
+    if state.plate is None:
+        return state
+    with stages("modes"):
+        return state.pictured(shapes=shapes)
 
 
-def damped(found: Solved, stages: Stages) -> Solved:
+def damped(state: StructureState, stages: Stages) -> StructureState:
     """Ring the damper down on a structure at every speed; a scene without a damper stays as it is."""
-    scene = found.source.scene
+    scene = state.source.scene
     if scene.damper is None:
-        return found
-    with read_from(found.source.name):
-        points = ringdowns.simulate(scene, found.effects, found.points, stages, records.shown(found.points))
-    return replace(found, points=points)
+        return state
+    with read_from(state.source.name):
+        points = ringdowns.simulate(scene, state.effects, state.points, stages, records.shown(state.points))
+    return replace(state, points=points)
 
 
-def results(found: Solved, stages: Stages) -> Results:
+def results(state: StructureState, stages: Stages) -> Results:
     """Gather what a run found, with a verdict at each speed; its notes are those on how the scene is written."""
-    answer = found.plate
-    gathered = Results(
-        notes=found.source.remarks,
-        scene=found.source.scene,
-        effects=found.effects,
-        speeds=found.points,
-        surface=None if answer is None else answer.surface,
-        theory=None if answer is None else answer.theory,
-        diagram=None if answer is None else answer.diagram,
-        mesh_sha256=found.mesh_sha256,
-        timings=stages.timings(),
-    )
-    return limits.with_verdicts(gathered)
+    return limits.with_verdicts(state.results(stages=stages))
 
 
 def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:

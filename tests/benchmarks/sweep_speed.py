@@ -21,7 +21,7 @@ import psutil
 import damper.motion
 from workflows.progress import Stages
 from workflows.studies.sweep import evaluate, executor, plan, study
-from workflows.studies.sweep.evaluate import Plates
+from workflows.studies.sweep.evaluate import PlateCache
 
 
 def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
@@ -65,7 +65,7 @@ def events_of_a_point(asked: study.Study) -> float:
     with mock.patch("damper.working.prepare", watched), mock.patch("damper.batch.prepare", watched):
         for number in (0, len(asked.ranges) - 1):
             begin, end = asked.ranges[number]
-            evaluate.block(asked.source, asked.plan, begin, end, Plates(), quick=asked.quick)
+            evaluate.block(asked.source, asked.plan, begin, end, PlateCache(), quick=asked.quick)
             count += end - begin
     return sum(int(clocks["events"].sum()) for clocks in seen) / count
 

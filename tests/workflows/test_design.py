@@ -20,7 +20,7 @@ from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Found, Scored
 from workflows.studies.response import study as response
 from workflows.studies.sweep import executor
-from workflows.studies.sweep.evaluate import Plates
+from workflows.studies.sweep.evaluate import PlateCache
 
 SHIPPED_DESIGN = (SHIPPED / "design.toml").read_text(encoding="utf-8")
 FREE = {
@@ -113,7 +113,7 @@ def test_the_least_damping_of_a_known_curve():
 
 
 def score_of(space):
-    plates = Plates()
+    plates = PlateCache()
     return lambda shares, quick=True: objectives.scored(space, np.asarray(shares), plates, quick=quick)
 
 
@@ -136,7 +136,7 @@ def test_limits_bound_and_cutoff(slow):
 def test_the_plates_thickness_is_room():
     space = objectives.space(load("design"))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = objectives.scored(space, np.array([shares]), Plates(), quick=True)
+    (found,) = objectives.scored(space, np.array([shares]), PlateCache(), quick=True)
     assert found.value == 0.0
     assert any(what in report.obstacle(found) for what in ("cavity", "thickness"))
 
@@ -154,7 +154,7 @@ def test_the_plates_thickness_is_room():
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
     space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
-    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
+    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
     assert why in report.obstacle(found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
@@ -164,7 +164,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
         (700 * math.pi / 30) ** 2 * 0.2,
     )  # of the plate at rest; 2/7 is rubbed
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = objectives.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), Plates(), quick=True)
+    (thick,) = objectives.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
@@ -177,7 +177,7 @@ def test_the_printed_equations_have_no_design(slow):
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
     space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
-    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), Plates(), quick=True)
+    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith("a blade, where the plate endures it: up to 9.1 mm")
@@ -188,7 +188,7 @@ def test_the_cutoff_is_that_of_the_damper():
 
     space = objectives.space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Found(shares, objectives.scored(space, shares[None], Plates(), quick=True)[0], 1)
+    found = Found(shares, objectives.scored(space, shares[None], PlateCache(), quick=True)[0], 1)
     for each in report.of(space, found, space.goal):
         assert objectives.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, sweeps=2, stay=8).cutoff
         assert each.damper.floor_tilt[0] > 1.0
@@ -242,7 +242,7 @@ def test_why_none_works(slow, here):
     needed = 1e-4 * 1e-4 / found.found.scored.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = objectives.scored(other, found.found.shares[None], Plates(), quick=True)
+        (again,) = objectives.scored(other, found.found.shares[None], PlateCache(), quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert not found.toml
@@ -317,7 +317,7 @@ def at_the_crossing(scene, share=0.0):
     space = objectives.space(opened(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
     met = space.goal.met[0]
-    return objectives.crossing_objective(each.scene, each.carried.effects, each.point, met, *space.goal.ends), space
+    return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends), space
 
 
 def placed_of(space, shares):
@@ -325,7 +325,7 @@ def placed_of(space, shares):
 
     rows = evaluate.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(evaluate.all_placed(space.solved_as, plan, 0, Plates(), rows, evaluate.Reasons()))
+    return list(evaluate.all_placed(space.solved_as, plan, 0, PlateCache(), rows, evaluate.Reasons()))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):

@@ -20,7 +20,7 @@ from workflows.progress import Stages
 from workflows.scene.load import load, shipped
 from workflows.solve import resources
 from workflows.solve import structure as plate
-from workflows.solve.model_choice import decide, model
+from workflows.solve.model_choice import choose_model, model
 
 GB = 1e9
 PLAIN = {"coriolis": False, "large_deflection": False, "structural_modes": False, "floor_tilt": False}
@@ -139,7 +139,7 @@ def test_first_meshes_too_large_are_refused_before_any_is_solved(
 ) -> None:
     many = changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=100, effects=UNBENT, plate__theory="mindlin")
     source = load(write(many, tmp_path / "scene.toml"))
-    decided = decide(source, Stages(visible=False))
+    decided = choose_model(source, Stages(visible=False))
 
     def begun(*_: object, **__: object) -> None:
         raise AssertionError("work has begun")
@@ -155,7 +155,7 @@ def test_the_same_scene_passes_where_there_is_room(
 ) -> None:
     scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
     source = load(scene)
-    decided = decide(source, Stages(visible=False))
+    decided = choose_model(source, Stages(visible=False))
     needed = resources.sizes(source, decided, model(source, decided)).memory
     monkeypatch.setattr(resources, "available", lambda: needed)
     assert spindamp("check", scene).status == 0
@@ -170,7 +170,7 @@ def test_a_plate_grows_no_further_than_the_memory(
     fine = changed(paper, plate__theory=theory, accuracy={"frequency": 1e-6}, damper=None, release=None)
     source = load(write(fine, tmp_path / "scene.toml"))
     quiet = Stages(visible=False)
-    decided = decide(source, quiet)
+    decided = choose_model(source, quiet)
     name = model(source, decided)
     others = sum(part.memory for part in resources.parts(source) if part.key == "[rotor] speeds")
     most = 6000
@@ -296,7 +296,7 @@ def test_check_says_sizes(
     assert (found["speeds"], found["ringdowns"], found["cycles"]) == (2, 2, 40.0)
     assert found["modes"] == alone["rotor"].get("modes", 6)
     source = load(scene)
-    decided = decide(source, Stages(visible=False))
+    decided = choose_model(source, Stages(visible=False))
     tried = plate.discretise(source, decided, Stages(visible=False)).choice.tried
     form = decided.plate[0]
     counted = [resources.unknowns(model(source, decided), form.mesh(size)) for size, _ in tried]

@@ -328,11 +328,11 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
         source = _at(source, rpm)
     resources.check(source)
     with Stages() as stages:
-        found = pipeline.structure(source, stages)
-    if found.plate is None or found.plate.surface is None:
+        state = pipeline.structure(source, stages)
+    if state.surface is None or state.diagram is None or state.theory is None:
         raise ValueError("a plate was solved without its surface")
-    known = (("mesh", found.plate.diagram.mesh), ("theory", found.plate.theory.name))
-    return of_plate(source.scene, found.plate.surface, found.points, known)
+    known = (("mesh", state.diagram.mesh), ("theory", state.theory.name))
+    return of_plate(source.scene, state.surface, state.points, known)
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:

@@ -156,7 +156,7 @@ def headlines(kind: type, path: tuple[str, ...] = (), prefix: str = "") -> Itera
 
 
 NAME = "run.npz"
-VERSION = 2
+VERSION = 3
 
 Arrays = list[npt.NDArray[Any]]
 

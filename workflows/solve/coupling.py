@@ -206,31 +206,8 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
 
 
-def felt(
-    source: SceneFile, effects: dict[str, Effect], operators: fem.Operators, diagram: fem.Campbell
-) -> tuple[list[Reduced | None], list[tuple[CavityMode, ...]]]:
-    """What the damper feels at each speed of the diagram: the plate reduced, and its modes.
-
-    Raises:
-        BadInput: the damper's place, or too few modes to find the bending mode among.
-    """
-    reduced = reduce(source, operators, diagram)
-    return reduced, cavity_modes(source, effects, operators, diagram, reduced)
-
-
-def reduce(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> list[Reduced | None]:
-    """What the damper feels at each speed of the diagram; nothing without a damper.
-
-    Raises:
-        BadInput: the damper's place, or too few modes to find the bending mode among.
-    """
-    if source.scene.damper is None:
-        return [None] * diagram.omega.size
-    return with_ball(source, reduction(source, operators, diagram))
-
-
 def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
-    """What the damper of a scene feels on a plate that may carry others."""
+    """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
     damper = source.scene.damper
     if damper is None:
         raise ValueError("the scene has no [damper]")

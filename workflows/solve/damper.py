@@ -181,7 +181,7 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
 def particle_damper(
     scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
 ) -> damper.ParticleDamper:
-    """The damper of a scene on the structure of a speed point; `only`: see `felt.structure`."""
+    """The damper of a scene on the structure of a speed point; `only`: see `coupling.structure`."""
     from damper import Formulation, ParticleDamper
 
     given, reduced = scene.damper, point.reduced

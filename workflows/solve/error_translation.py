@@ -16,7 +16,7 @@ _BORNE = 0.1
 
 
 @contextmanager
-def answering(source: SceneFile) -> Iterator[None]:
+def translated_errors(source: SceneFile) -> Iterator[None]:
     """Say of what has no solution why, in the words of the scene.
 
     Raises:

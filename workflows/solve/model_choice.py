@@ -12,7 +12,7 @@ from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.error_translation import answering
+from workflows.solve.error_translation import translated_errors
 from workflows.solve.results import Theory
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
 
 
 @dataclass(frozen=True, eq=False)
-class Decided:
+class ModelChoice:
     """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file."""
 
     form: Planform | None
@@ -78,7 +78,7 @@ class Decided:
         return self.form, self.theory
 
 
-def decide(source: SceneFile, stages: Stages) -> Decided:
+def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
     """Read the scene's mesh, decide its effects and choose the theory of its plate.
 
     Raises:
@@ -87,16 +87,16 @@ def decide(source: SceneFile, stages: Stages) -> Decided:
     """
     scene = source.scene
     if scene.plate is None:
-        return Decided(None, selection.resolve(scene, source.name))
+        return ModelChoice(None, selection.resolve(scene, source.name))
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
-    with stages("prestress"), answering(source):
+    with stages("prestress"), translated_errors(source):
         found = selection.resolve(scene, source.name, form)
         theory = chosen_theory(scene, form, found["large_deflection"].on)
-    return Decided(form, found, theory, sha256)
+    return ModelChoice(form, found, theory, sha256)
 
 
-def model(source: SceneFile, decided: Decided) -> str:
+def model(source: SceneFile, decided: ModelChoice) -> str:
     """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
     return with_layers(source, *decided.plate)[0]
 

@@ -17,7 +17,7 @@ from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
-    from workflows.solve.model_choice import Decided
+    from workflows.solve.model_choice import ModelChoice
 
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
@@ -135,7 +135,7 @@ def check(source: SceneFile) -> None:
         raise BadInput(_too_much(needed, there, worst.advice), file=source.name, key=worst.key, value=worst.value)
 
 
-def sizes(source: SceneFile, decided: Decided, model: str | None) -> Sizes:
+def sizes(source: SceneFile, decided: ModelChoice, model: str | None) -> Sizes:
     """How large a run of a scene is; `model`: the theory of its plate in `fem`, None without one.
 
     Raises:

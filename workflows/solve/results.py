@@ -6,7 +6,7 @@ Records of the structure and of the damper at one speed have modules of their ow
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
@@ -729,27 +729,13 @@ class Discrete:
     left_out: dict[str, LeftOut] = field(default_factory=dict)
 
 
-def at_speeds(
-    source: SceneFile,
-    discrete: Discrete,
-    diagram: fem.Campbell,
-    reduced: list[Reduced | None],
-    at_cavity: list[tuple[CavityMode, ...]],
-) -> tuple[SpeedPoint, ...]:
-    """Modes and what the damper feels at the scene's own speeds, as far as the sweep has them."""
-    numbers = [int((diagram.omega == omega).argmax()) for omega in source.scene.rotor.speeds if omega in diagram.omega]
-    return points(source, discrete, diagram, numbers, reduced, at_cavity)
-
-
 def points(
     source: SceneFile,
     discrete: Discrete,
     diagram: fem.Campbell,
-    numbers: list[int],
-    reduced: list[Reduced | None],
-    at_cavity: list[tuple[CavityMode, ...]],
+    numbers: Sequence[int],
 ) -> tuple[SpeedPoint, ...]:
-    """Modes and what the damper feels at the speeds of these numbers in the sweep."""
+    """Modes at the speeds of these numbers in the sweep."""
     from fem.accuracy.theory_selection import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
@@ -765,8 +751,6 @@ def points(
                 radius=radius,
                 load_g=omega**2 * radius / rotor.gravity,
                 modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number]),
-                reduced=reduced[number],
-                cavity_modes=at_cavity[number],
             )
         )
     return tuple(found)
@@ -810,7 +794,7 @@ def _share(shifts: Floats | None, k: int) -> float | None:
     return None if shifts is None or not np.isfinite(shifts[k]) else float(shifts[k])
 
 
-def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: list[int], count: int) -> Surface:
+def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 

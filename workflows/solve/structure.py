@@ -1,8 +1,10 @@
-"""The plate's stages: mesh, prestress, modes at every speed, reduction to what the damper feels."""
+"""A scene's structure, for every command that needs one: mesh, prestress, modes at every speed, reduction."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +17,9 @@ from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
-from workflows.solve.error_translation import answering
-from workflows.solve.model_choice import Decided, with_layers
-from workflows.solve.results import Diagram, Discrete, SpeedPoint, Surface, Theory
+from workflows.solve.error_translation import translated_errors
+from workflows.solve.model_choice import ModelChoice, choose_model, with_layers
+from workflows.solve.results import Diagram, Discrete, Results, SpeedPoint, Surface, Theory
 
 if TYPE_CHECKING:
     import fem
@@ -40,69 +42,189 @@ _FOR_BENDING = 4
 """Modes that are looked through for the first bending mode."""
 
 
+_MASSES = 256
+"""Masses of balls for which a plate's points are kept."""
+
+
 @dataclass(frozen=True, eq=False)
-class PlateAnswer:
-    """The plate, solved at every speed."""
+class PlateSolution:
+    """A plate at the speeds of a scene that it has an answer at, for dampers of any mass at one place.
 
+    Attributes:
+        discrete: its matrices; diagram: the sweep over speeds; numbers: of the points in it.
+        points: without a damper.
+        reduction: to the damper's place; None without one.
+    """
+
+    discrete: Discrete
+    diagram: fem.Campbell
+    numbers: tuple[int, ...]
     points: tuple[SpeedPoint, ...]
-    surface: Surface | None
-    theory: Theory
-    diagram: Diagram
+    reduction: fem.Reduction | None
+    _coupled: dict[tuple[float | None, float | None, bool], tuple[SpeedPoint, ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+
+    def with_ball(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
+        """The points with the structure as the damper of this scene meets it, which may be another than at first.
+
+        Raises:
+            BadInput: too few modes to find the bending mode among.
+        """
+        damper, modal = source.scene.damper, effects["structural_modes"].on
+        if damper is None or self.reduction is None:
+            return self.points
+        key = (damper.balls, damper.mass_ratio, modal)
+        if key not in self._coupled:
+            if len(self._coupled) >= _MASSES:
+                self._coupled.clear()
+            operators = self.discrete.choice.operators
+            reduced = coupling.with_ball(source, self.reduction)
+            at_cavity = coupling.cavity_modes(source, effects, operators, self.diagram, reduced)
+            self._coupled[key] = tuple(
+                replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
+                for point, number in zip(self.points, self.numbers, strict=True)
+            )
+        return self._coupled[key]
+
+    def surface(self, speeds: int | None = None, modes: int = 1) -> Surface:
+        """The mid-surface with mode shapes of the first speeds; None: of all."""
+        return results.surface(self.discrete.choice.operators, self.diagram, self.numbers[:speeds], modes)
 
 
-def solve(
-    source: SceneFile,
-    decided: Decided,
-    stages: Stages,
-    *,
-    shapes: bool = True,
-    size: int | None = None,
-) -> PlateAnswer:
-    """Solve the plate of a scene at all its speeds; with `shapes` its surface and mode shapes are kept.
+@dataclass(frozen=True, eq=False)
+class StructureState:
+    """The structure of a scene at its speeds, as a damper meets it.
 
-    `decided`: what the scene calls for. `size` is that of a mesh of its planform's ladder; without it, the accuracy
-    asked for chooses.
-
-    Speeds at which the plate diverges have no point, as long as any speed has one.
-
-    Raises:
-        BadInput: the theory or a place on the plate is no good.
-        NoAnswer: the plate diverges at all speeds, or is too thin for its theory in double precision.
+    Attributes:
+        source: the scene, with these speeds; effects: of plate and damper.
+        points: one for each speed that has an answer; plate: None where the structure is given.
+        surface: of the plate, as far as it is kept; diagram: what a Campbell diagram has beside the points.
     """
-    with answering(source), stages("modes"):
-        discrete = discretise(source, decided, stages, size)
-    points, diagram, numbers = points_on(source, decided, discrete, stages)
-    asked = source.scene.rotor.speeds
-    with stages("modes"):
-        surface = (
-            results.surface(discrete.choice.operators, diagram, numbers, source.scene.rotor.modes) if shapes else None
+
+    source: SceneFile
+    effects: dict[str, Effect]
+    points: tuple[SpeedPoint, ...]
+    plate: PlateSolution | None = None
+    surface: Surface | None = None
+    diagram: Diagram | None = None
+    mesh_sha256: str | None = None
+
+    @property
+    def theory(self) -> Theory | None:
+        """The plate's."""
+        return None if self.plate is None else self.plate.discrete.theory
+
+    @cached_property
+    def by_speed(self) -> dict[float, SpeedPoint]:
+        """The points by their speed [rad/s]."""
+        return {point.omega: point for point in self.points}
+
+    def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
+        """A run's results at these points, or at all of them."""
+        return Results(
+            scene=self.source.scene,
+            effects=self.effects,
+            speeds=self.points if points is None else points,
+            surface=self.surface,
+            theory=self.theory,
+            diagram=self.diagram,
+            mesh_sha256=self.mesh_sha256,
+            notes=self.source.remarks,
+            timings={} if stages is None else stages.timings(),
         )
-        beyond = results.diagram_of(discrete, diagram, source.scene.rotor.modes, asked)
-    return PlateAnswer(points, surface, discrete.theory, beyond)
+
+    def pictured(self, *, shapes: bool = True) -> StructureState:
+        """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
+        if self.plate is None:
+            return self
+        rotor, plate = self.source.scene.rotor, self.plate
+        surface = plate.surface(modes=rotor.modes) if shapes else None
+        diagram = results.diagram_of(plate.discrete, plate.diagram, rotor.modes, rotor.speeds)
+        return replace(self, surface=surface, diagram=diagram)
 
 
-def points_on(
-    source: SceneFile, decided: Decided, discrete: Discrete, stages: Stages
-) -> tuple[tuple[SpeedPoint, ...], fem.Campbell, list[int]]:
-    """What is found at the speeds of a scene on matrices that are known; the sweep, and their numbers in it.
+class StructureSolver:
+    """Solves the structure of a scene, on one mesh, at whatever speeds are asked for."""
 
-    Raises:
-        BadInput, NoAnswer: see :func:`solve`.
-    """
-    with answering(source):
-        with stages("modes", counted(source.scene, discrete.choice.operators)) as step:
-            diagram = sweep(source, discrete, step)
-        with stages("reduction"):
-            reduced, at_cavity = coupling.felt(source, decided.effects, discrete.choice.operators, diagram)
-    known = {float(omega): number for number, omega in enumerate(diagram.omega)}
-    numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
-    with stages("modes"):
-        return results.points(source, discrete, diagram, numbers, reduced, at_cavity), diagram, numbers
+    def __init__(
+        self, source: SceneFile, stages: Stages, choice: ModelChoice | None = None, size: int | None = None
+    ) -> None:
+        """Settle mesh, effects and theory, and assemble the plate's matrices.
+
+        Args:
+            source: the scene.
+            stages: the clock.
+            choice: what the scene calls for, where that is known.
+            size: that of a mesh of its planform's sequence; without it, the accuracy asked for chooses.
+
+        Raises:
+            BadInput: the theory or a place on the plate is no good.
+            NoAnswer: the plate is too thin for its theory in double precision.
+        """
+        self.source, self.stages = source, stages
+        self.choice = choose_model(source, stages) if choice is None else choice
+        self.discrete: Discrete | None = None
+        if self.choice.form is not None:
+            with translated_errors(source), stages("modes"):
+                self.discrete = discretise(source, self.choice, stages, size)
+
+    @property
+    def solves_each_speed(self) -> bool:
+        """Whether every speed of the plate is solved by itself, so that more of them cost more."""
+        return self.discrete is not None and one_by_one(self.source.scene, self.discrete.choice.operators)
+
+    def at(self, speeds: Iterable[float] | None = None) -> StructureState:
+        """The structure at speeds [rad/s], or at those of its scene.
+
+        Speeds at which the plate diverges have no point, as long as any speed has one.
+
+        Raises:
+            BadInput: a place on the plate, or too few modes to find the bending mode among.
+            NoAnswer: the plate diverges at all speeds.
+        """
+        source, effects = self.source, self.choice.effects
+        if speeds is not None:
+            update = {"speeds": tuple(float(speed) for speed in speeds)}
+            source = source.changed(rotor=source.scene.rotor.model_copy(update=update))
+        if self.discrete is None:
+            points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
+            return StructureState(source, effects, points)
+        plate = self._plate(source, self.discrete)
+        with translated_errors(source), self.stages("reduction"):
+            points = plate.with_ball(source, effects)
+        return StructureState(source, effects, points, plate, mesh_sha256=self.choice.mesh_sha256)
+
+    def plate(self) -> PlateSolution:
+        """The plate at the speeds of its scene, for other dampers too.
+
+        Raises:
+            ValueError: it has none.
+            BadInput, NoAnswer: see :meth:`at`.
+        """
+        if self.discrete is None:
+            raise ValueError("the scene has no plate")
+        return self._plate(self.source, self.discrete)
+
+    def _plate(self, source: SceneFile, discrete: Discrete) -> PlateSolution:
+        operators = discrete.choice.operators
+        with translated_errors(source):
+            with self.stages("modes", counted(source.scene, operators)) as step:
+                diagram = sweep(source, discrete, step)
+            with self.stages("reduction"):
+                damper = source.scene.damper
+                reduction = None if damper is None else coupling.reduction(source, operators, diagram)
+        known = {float(omega): number for number, omega in enumerate(diagram.omega)}
+        numbers = tuple(known[omega] for omega in source.scene.rotor.speeds if omega in known)
+        with self.stages("modes"):
+            return PlateSolution(
+                discrete, diagram, numbers, results.points(source, discrete, diagram, numbers), reduction
+            )
 
 
 def discretise(
     source: SceneFile,
-    decided: Decided,
+    decided: ModelChoice,
     stages: Stages,
     size: int | None = None,
 ) -> Discrete:

@@ -18,11 +18,11 @@ def check(
     from workflows.results import provenance
     from workflows.scene import load as scene_file
     from workflows.solve import resources
-    from workflows.solve.model_choice import decide, model
+    from workflows.solve.model_choice import choose_model, model
 
     source = scene_file.load(scene)
     resources.check(source)
-    decided = decide(source, Stages(visible=False))
+    decided = choose_model(source, Stages(visible=False))
     given = None if source.mesh is None else decided.form
     sizes = resources.sizes(source, decided, None if decided.form is None else model(source, decided))
     if json:

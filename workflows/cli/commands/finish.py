@@ -19,7 +19,6 @@ from workflows.results import serialise as results_json
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
 from workflows.solve import results as records
-from workflows.solve.model_choice import decide
 
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
@@ -33,11 +32,10 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         stages = stack.enter_context(Stages())
         drawn = out is not None and source.scene.plate is not None
         artist = stack.enter_context(Artist()) if drawn else None
-        decided = decide(source, stages)
-        found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
-        if artist is not None and found.plate is not None and found.plate.surface is not None:
-            artist.draw(found.plate.surface, records.shown(found.points))
-        results = remarked(pipeline.results(pipeline.damped(found, stages), stages))
+        state = pipeline.structure(source, stages, shapes=drawn)
+        if artist is not None and state.surface is not None:
+            artist.draw(state.surface, records.shown(state.points))
+        results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
         if out is not None:
             from workflows.report.page import publish
 

@@ -25,16 +25,17 @@ from workflows.scene.scene import FLAT, Excitation, Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import SpeedPoint
+from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
 from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
 from workflows.studies.response import study
 from workflows.studies.response.results import HELPS
-from workflows.studies.response.study import Solved, checked, shaken
+from workflows.studies.response.study import across, checked, shaken
 from workflows.studies.sweep import axes as keys
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep.axes import Axis, Spread
-from workflows.studies.sweep.evaluate import QUICK, Placed, Plates, Reasons, measured
+from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, Reasons, measured
 
 if TYPE_CHECKING:
     from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
@@ -58,7 +59,7 @@ class LeastDamping:
     speeds: tuple[float, ...]
     said: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
 
-    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at every speed."""
         low, high = self.low, self.high
         dampers = [(each, each.judged) for each in placed]
@@ -416,7 +417,7 @@ class LeastAmplitude:
         """Of the crossings [rad/s], each once."""
         return tuple(sorted({crossing.omega for crossing in self.met}))
 
-    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at every crossing."""
         found = []
         for each in placed:
@@ -442,8 +443,8 @@ class LeastAmplitude:
             grows=lines.grows,
         )
 
-    def _at(self, placed: Placed, crossing: Crossing, *, quick: bool) -> list[tuple[float, Crossed, Linear]]:
-        here = crossing_objective(placed.scene, placed.carried.effects, placed.point, crossing, *self.ends)
+    def _at(self, placed: DamperCase, crossing: Crossing, *, quick: bool) -> list[tuple[float, Crossed, Linear]]:
+        here = crossing_objective(placed.scene, placed.state.effects, placed.point, crossing, *self.ends)
         if here is None:
             return []
         lines = linear(here)
@@ -490,16 +491,17 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     if given.damping_ratio == 0:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
         raise BadInput(problem, file=source.name, key="[damper] damping_ratio", value=0)
-    solved = Solved(source, stages)
+    solver = StructureSolver(source, stages)
+    points = across(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
-    met = crossings.of_points(solved.across(), excitation.orders)
+    met = crossings.of_points(points, excitation.orders)
     if not met:
-        raise crossings.unmet(solved.across(), excitation.orders, source.name)
+        raise crossings.unmet(points, excitation.orders, source.name)
     alone = []
     for crossing in met:
-        (point,) = solved.at(np.array([crossing.omega]))
-        here = crossing_objective(source.scene, solved.decided.effects, point, crossing, low, high)
+        (point,) = solver.at([crossing.omega]).points
+        here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
         problem = (
@@ -562,12 +564,12 @@ def _axis(name: str, given: tuple[Any, ...]) -> Axis:
     return Axis(key, tuple(values))
 
 
-def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list[Scored]:
+def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Scored]:
     """The designs at rows of shares; `quick` where a few percent do not count."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
     rows, reasons = evaluate.empty(plans.size(plan)), Reasons()
-    placed: list[list[Placed]] = [[] for _ in shares]
+    placed: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
         placed[each.number // speeds].append(each)
     found = []
@@ -580,7 +582,7 @@ def scored(space: Space, shares: Floats, plates: Plates, *, quick: bool) -> list
     return found
 
 
-def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
+def _one(space: Space, placed: list[DamperCase], *, quick: bool) -> Scored:
     """A design on its structure at every speed."""
     scene = placed[0].scene
     mass = max(each.damper.ball_mass for each in placed)
@@ -596,7 +598,7 @@ def _one(space: Space, placed: list[Placed], *, quick: bool) -> Scored:
     return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
 
 
-def _no_verdict(space: Space, placed: list[Placed]) -> Obstacle | None:
+def _no_verdict(space: Space, placed: list[DamperCase]) -> Obstacle | None:
     """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
     slowest, fastest = (end(placed, key=lambda each: each.point.omega) for end in (min, max))
     if limits.weight_governs(slowest.point):

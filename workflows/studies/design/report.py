@@ -30,7 +30,7 @@ from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep import report as maps
 from workflows.studies.sweep.axes import Spread
-from workflows.studies.sweep.evaluate import Plates, Reasons, measured
+from workflows.studies.sweep.evaluate import PlateCache, Reasons, measured
 from workflows.studies.sweep.report import Picture
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
     plan = space.plan(np.asarray(found.shares)[None])
     size = plans.size(plan)
-    placed = evaluate.all_placed(space.source, plan, 0, Plates(), evaluate.empty(size), Reasons())
+    placed = evaluate.all_placed(space.source, plan, 0, PlateCache(), evaluate.empty(size), Reasons())
     curves = []
     for each in placed:
         damper = each.judged

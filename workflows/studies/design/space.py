@@ -15,7 +15,7 @@ from workflows.scene.scene import FLAT, Design, Scene
 from workflows.studies.sweep import axes as keys
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep.axes import SPEEDS, Axis, Value
-from workflows.studies.sweep.evaluate import Placed
+from workflows.studies.sweep.evaluate import DamperCase
 
 if TYPE_CHECKING:
     import numpy as np
@@ -109,7 +109,7 @@ class Goal(Protocol):
     def speeds(self) -> tuple[float, ...]:
         """At which a design is looked at, ascending [rad/s]."""
 
-    def worth(self, placed: list[Placed], *, quick: bool) -> Scored:
+    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at these speeds; `quick`: to a few percent."""
 
 

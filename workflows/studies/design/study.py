@@ -16,14 +16,14 @@ from workflows.progress import Stages
 from workflows.results import provenance
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
-from workflows.solve.model_choice import decide
+from workflows.solve.model_choice import choose_model
 from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
 from workflows.studies.design.space import Found, Scored, Space
 from workflows.studies.response.study import respond
 from workflows.studies.sweep import executor, plan
-from workflows.studies.sweep.evaluate import Plates
+from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Crew
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ _PART = 4
 _MAP = 12
 """Values of each range in the map around the best."""
 
-_plates = Plates()
+_plates = PlateCache()
 """Of this process."""
 
 
@@ -240,5 +240,5 @@ def _around(space: Space, found: Found, score: Score) -> Grid | None:
 
 
 def _toml(best: SceneFile) -> str:
-    decided = decide(best, Stages(visible=False))
+    decided = choose_model(best, Stages(visible=False))
     return provenance.as_toml(best.scene, decided.effects, decided.theory) + "\n"

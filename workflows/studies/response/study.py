@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,14 +15,11 @@ from workflows.progress import Stages
 from workflows.results import crossings
 from workflows.results.crossings import Crossing
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import Excitation, Scene
+from workflows.scene.scene import Excitation
 from workflows.solve import coupling, limits, resources
 from workflows.solve import damper as damper_stage
-from workflows.solve import results as plate_records
-from workflows.solve import structure as plate
-from workflows.solve.error_translation import answering
-from workflows.solve.model_choice import Decided, decide
-from workflows.solve.results import CavityMode, Discrete, Floats, Results, SpeedPoint, Surface, rpm
+from workflows.solve.results import CavityMode, Floats, SpeedPoint, rpm
+from workflows.solve.structure import StructureSolver, StructureState
 from workflows.studies.response.results import Path, Response, Through
 
 if TYPE_CHECKING:
@@ -138,48 +136,10 @@ def shaken(source: SceneFile) -> SceneFile:
     return source.changed(effects=effects)
 
 
-class Solved:
-    """The structure of a scene at whatever speeds, on one mesh."""
-
-    def __init__(self, source: SceneFile, stages: Stages) -> None:
-        self.source, self.stages = source, stages
-        self.decided: Decided = decide(source, stages)
-        self.discrete: Discrete | None = None
-        if self.decided.form is not None:
-            with answering(source), stages("modes"):
-                self.discrete = plate.discretise(source, self.decided, stages)
-        self.surface: Surface | None = None
-
-    @property
-    def scene(self) -> Scene:
-        """What is asked."""
-        return self.source.scene
-
-    @property
-    def dear(self) -> bool:
-        """Whether every speed of the plate is solved by itself."""
-        return self.discrete is not None and plate.one_by_one(self.scene, self.discrete.choice.operators)
-
-    def across(self) -> tuple[SpeedPoint, ...]:
-        """The structure over the whole range of speeds."""
-        speeds = self.scene.rotor.speeds
-        return self.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if self.dear else _ACROSS))
-
-    def at(self, omega: Floats) -> tuple[SpeedPoint, ...]:
-        """Modes and what the damper feels at speeds [rad/s]."""
-        if self.discrete is None:
-            return tuple(coupling.known_structure(self.scene, float(speed)) for speed in omega)
-        speeds = tuple(float(speed) for speed in omega)
-        source = self.source.changed(rotor=self.scene.rotor.model_copy(update={"speeds": speeds}))
-        points, diagram, numbers = plate.points_on(source, self.decided, self.discrete, self.stages)
-        if self.surface is None:
-            self.surface = plate_records.surface(self.discrete.choice.operators, diagram, numbers[:1], 1)
-        return points
-
-    def damper(self, point: SpeedPoint, only: Sequence[CavityMode] | None) -> damper.ParticleDamper:
-        """The damper of the scene at a point, on some of the plate's modes."""
-        with read_from(self.source.name):
-            return damper_stage.particle_damper(self.scene, self.decided.effects, point, only)
+def across(solver: StructureSolver) -> StructureState:
+    """The structure over the whole range of a scene's speeds."""
+    speeds = solver.source.scene.rotor.speeds
+    return solver.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if solver.solves_each_speed else _ACROSS))
 
 
 SPEEDS, FEW_SPEEDS = 60, 20
@@ -210,28 +170,24 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     resources.check(source)
     stages = stages or Stages()
     source = shaken(source)
-    solved = Solved(source, stages)
-    points = solved.across()
+    solver = StructureSolver(source, stages)
+    state = across(solver)
+    points = state.points
     met = crossings.of_points(points, excitation.orders)
     if not met:
         raise crossings.unmet(points, excitation.orders, source.name)
     passed, idle = [], []
     for crossing in met:
         with during(f"order {crossing.order} at {whole(crossing.rpm)} rpm"):
-            found = _through(solved, crossing, excitation)
+            found = _through(solver, crossing, excitation)
         if isinstance(found, str):
             idle.append((crossing, found))
         else:
             passed.append(found)
-    results = Results(
+    results = replace(
+        state.results(stages=stages),
         scene=source.scene,
-        effects=solved.decided.effects,
-        speeds=points,
-        surface=solved.surface,
-        theory=solved.decided.theory,
-        mesh_sha256=solved.decided.mesh_sha256,
-        notes=source.remarks,
-        timings=stages.timings(),
+        surface=None if state.plate is None else state.plate.surface(speeds=1),
     )
     return Response(results, excitation, tuple(passed), tuple(idle), limits.root_strain(results, 1.0))
 
@@ -257,22 +213,22 @@ def checked(source: SceneFile) -> Excitation:
     return scene.excitation
 
 
-def _through(solved: Solved, crossing: Crossing, excitation: Excitation) -> Through | str:
+def _through(solver: StructureSolver, crossing: Crossing, excitation: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
-    (at,) = solved.at(np.array([crossing.omega]))
+    (at,) = solver.at([crossing.omega]).points
     modes = modes_of(at, branch_of((at,), crossing))
     if modes is not None and (idle := idle_structure(modes, excitation)):
         return idle
     axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
     leads = modes is None or coupling.leading(at.cavity_modes, 0) is modes[0]
-    omega = _speeds(solved, crossing, at)
-    dampers, harmonics = _driven(solved, crossing, excitation, omega)
-    states = _followed(solved, crossing, dampers, harmonics, axis)
+    omega = _speeds(solver, crossing, at)
+    dampers, harmonics = _driven(solver, crossing, excitation, omega)
+    states = _followed(solver, crossing, dampers, harmonics, axis)
     forces = len(excitation.levels)
     shape, levels = (len(omega), forces), np.tile(excitation.levels, len(omega))
     middle = dampers[len(omega) // 2 * forces]
     top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
-    with solved.stages("damper"):
+    with solver.stages("damper"):
         short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads)
         return Through(
             crossing=crossing,
@@ -287,31 +243,33 @@ def _through(solved: Solved, crossing: Crossing, excitation: Excitation) -> Thro
         )
 
 
-def _speeds(solved: Solved, crossing: Crossing, at: SpeedPoint) -> Floats:
+def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
-    reduced, given, speeds = at.reduced, solved.scene.damper, solved.scene.rotor.speeds
+    reduced, given, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if given is None else given.damping_ratio
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
-    return gathered(crossing.omega, *ends, FEW_SPEEDS if solved.dear else SPEEDS)
+    return gathered(crossing.omega, *ends, FEW_SPEEDS if solver.solves_each_speed else SPEEDS)
 
 
 def _driven(
-    solved: Solved, crossing: Crossing, excitation: Excitation, omega: Floats
+    solver: StructureSolver, crossing: Crossing, excitation: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
-    dampers, harmonics, points = [], [], solved.at(omega)
-    branch = branch_of(points, crossing)
+    dampers, harmonics, points = [], [], solver.at(omega).points
+    branch, source = branch_of(points, crossing), solver.source
     for point in points:
         own = modes_of(point, branch)
-        system = solved.damper(point, None if own is None else kept(point, own))
+        only = None if own is None else kept(point, own)
+        with read_from(source.name):
+            system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         dampers += [system] * len(excitation.levels)
         harmonics += [harmonic_of(system, crossing, point, excitation, level) for level in excitation.levels]
     return dampers, harmonics
 
 
 def _followed(
-    solved: Solved,
+    solver: StructureSolver,
     crossing: Crossing,
     dampers: list[damper.ParticleDamper],
     harmonics: list[damper.Harmonic],
@@ -321,7 +279,7 @@ def _followed(
     from damper import Start, forced
 
     starts = tuple(Start)
-    with solved.stages("damper", len(dampers) * len(starts)) as step:
+    with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
         def progress(number: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import OrderedDict
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -20,12 +20,11 @@ from workflows.progress import Stages
 from workflows.results.serialise import headlines
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import coupling, limits, structure
+from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
-from workflows.solve import results as plate_records
-from workflows.solve.error_translation import answering
-from workflows.solve.model_choice import decide
-from workflows.solve.results import Discrete, OwnFigures, Results, SpeedPoint, Surface, taken_over
+from workflows.solve.error_translation import translated_errors
+from workflows.solve.results import OwnFigures, Results, SpeedPoint, Surface, taken_over
+from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
 from workflows.studies.sweep import plan as scenes
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plan import Plan
@@ -33,7 +32,6 @@ from workflows.studies.sweep.plan import Plan
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    import fem
     from damper import Batch, ParticleDamper, Working
     from fem.meshes.mesh_sequence import Planform
 
@@ -45,34 +43,29 @@ QUICK = {"sweeps": 4, "stay": 60}
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
-    """What carries a damper: its effects, a point for each speed that has an answer, and the plate's surface."""
-
-    effects: dict[str, Effect]
-    points: dict[float, SpeedPoint]
-    surface: Surface | None
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """The damper of a point on the structure that carries it."""
+class DamperCase:
+    """The damper of a point of a sweep on the structure at a speed; `number`: of its row."""
 
     number: int
-    scene: Scene
-    carried: Carried
+    state: StructureState
     point: SpeedPoint
     damper: ParticleDamper
     release: tuple[float, float]
 
     @property
+    def scene(self) -> Scene:
+        """What is asked."""
+        return self.state.source.scene
+
+    @property
     def judged(self) -> ParticleDamper:
         """The damper that a verdict speaks of."""
-        return damper_stage.judged(self.scene, self.carried.effects, self.point)
+        return damper_stage.judged(self.scene, self.state.effects, self.point)
 
     @property
     def results(self) -> Results:
         """A run at this point alone, without the damper's own figures."""
-        return Results(self.scene, self.carried.effects, (self.point,), surface=self.carried.surface)
+        return self.state.results((self.point,))
 
 
 def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:
@@ -85,77 +78,57 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how
     return known[bare]
 
 
-_KEPT, _MASSES = 4, 256
-"""Plates that are kept at a time, and balls' masses of each."""
+_KEPT = 4
+"""Plates that are kept at a time."""
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
-    """A plate at all speeds: its effects and matrices, its modes, and the points of the speeds it has an answer at."""
+class _Plate:
+    """A plate with its planform, its effects, and its surface where it is of a mesh file."""
 
     form: Planform | None
     effects: dict[str, Effect]
-    discrete: Discrete
-    diagram: fem.Campbell
-    reduction: fem.Reduction
-    points: tuple[SpeedPoint, ...]
-    numbers: tuple[int, ...]
+    solution: PlateSolution
     surface: Surface | None
-    carrying: dict[tuple[float | None, float | None, bool], tuple[SpeedPoint, ...]] = field(default_factory=dict)
-
-    def with_ball(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
-        """The points with what a damper of the mass in this scene feels."""
-        damper, modes = source.scene.damper, effects["structural_modes"].on
-        key = (None, None, modes) if damper is None else (damper.balls, damper.mass_ratio, modes)
-        if key not in self.carrying:
-            if len(self.carrying) >= _MASSES:
-                self.carrying.clear()
-            operators = self.discrete.choice.operators
-            with answering(source):
-                reduced = coupling.with_ball(source, self.reduction)
-                at_cavity = coupling.cavity_modes(source, effects, operators, self.diagram, reduced)
-            self.carrying[key] = tuple(
-                replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
-                for point, number in zip(self.points, self.numbers, strict=True)
-            )
-        return self.carrying[key]
 
 
-class Plates:
+class PlateCache:
     """The plates that were solved last, for as long as their dampers need them; for several threads."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[str, Solved] = OrderedDict()
+        self._known: OrderedDict[str, _Plate] = OrderedDict()
         self._lock = Lock()
 
-    def carry(self, source: SceneFile) -> Carried:
+    def state(self, source: SceneFile) -> StructureState:
         """The structure of a scene at all its speeds.
 
         Raises:
-            BadInput, NoAnswer: see :func:`workflows.solve.structure.solve`.
+            BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
         """
-        scene = source.scene
-        if scene.plate is None:
-            effects = selection.resolve(scene, source.name)
-            known = {omega: coupling.known_structure(scene, omega) for omega in scene.rotor.speeds}
-            return Carried(effects, known, None)
-        solved = self._solved(source)
-        effects = solved.effects | of_the_damper(scene, solved.form)
-        points = {point.omega: point for point in solved.with_ball(source, effects)}
-        return Carried(effects, points, solved.surface)
+        if source.scene.plate is None:
+            return StructureSolver(source, Stages(visible=False)).at()
+        plate = self._plate(source)
+        effects = plate.effects | of_the_damper(source.scene, plate.form)
+        with translated_errors(source):
+            points = plate.solution.with_ball(source, effects)
+        return StructureState(source, effects, points, plate.solution, plate.surface)
 
-    def _solved(self, source: SceneFile) -> Solved:
+    def _plate(self, source: SceneFile) -> _Plate:
         key = plate_key(source.scene)
         with self._lock:
             if key in self._known:
                 self._known.move_to_end(key)
                 return self._known[key]
-        found = solve(source)
+        solver = StructureSolver(source, Stages(visible=False))
+        solution = solver.plate()
+        surface = None if source.mesh is None else solution.surface(speeds=1)
+        effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
+        plate = _Plate(solver.choice.form, effects, solution, surface)
         with self._lock:
-            self._known[key] = found
+            self._known[key] = plate
             while len(self._known) > _KEPT:
                 self._known.popitem(last=False)
-        return found
+        return plate
 
 
 def plate_key(scene: Scene) -> str:
@@ -164,25 +137,6 @@ def plate_key(scene: Scene) -> str:
     damper = scene.damper
     place = None if damper is None else {"at": damper.at, "housing": damper.housing}
     return json.dumps(data | {"damper": place}, sort_keys=True)
-
-
-def solve(source: SceneFile) -> Solved:
-    """Solve a plate at all speeds of a scene."""
-    quiet = Stages(visible=False)
-    decided = decide(source, quiet)
-    with answering(source):
-        discrete = structure.discretise(source, decided, quiet)
-        diagram = structure.sweep(source, discrete)
-        known = {float(omega): number for number, omega in enumerate(diagram.omega)}
-        numbers = [known[omega] for omega in source.scene.rotor.speeds if omega in known]
-        none: list[None] = [None] * diagram.omega.size
-        points = plate_records.points(source, discrete, diagram, numbers, [*none], [() for _ in none])
-        reduction = coupling.reduction(source, discrete.choice.operators, diagram)
-        surface = None
-        if source.mesh is not None:
-            surface = plate_records.surface(discrete.choice.operators, diagram, numbers[:1], 1)
-    effects = {name: decided.effects[name] for name in OF_THE_PLATE}
-    return Solved(decided.form, effects, discrete, diagram, reduction, points, tuple(numbers), surface)
 
 
 def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
@@ -290,7 +244,7 @@ def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]
         rows["cutoff_ratio"] = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
 
 
-def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
+def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`."""
     rows, reasons = empty(end - begin), Reasons()
     placed = list(all_placed(source, plan, begin, plates, rows, reasons))
@@ -304,8 +258,8 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *
 
 
 def all_placed(
-    source: SceneFile, plan: Plan, begin: int, plates: Plates, rows: Rows, reasons: Reasons
-) -> Iterator[Placed]:
+    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: Reasons
+) -> Iterator[DamperCase]:
     """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
     end = begin + len(rows)
     columns = plan.columns(begin, end)
@@ -322,30 +276,30 @@ def all_placed(
         try:
             changed = scenes.with_values(data, dict(zip(others, given, strict=True)))
             found = scenes.of_a_point(source, changed, every)
-            carried = plates.carry(found)
+            state = plates.state(found)
         except SpindampError as error:
             rows["reason"][mine] = reasons.number(said(error, source))
             continue
         for number in mine:
             omega = float(columns[SPEEDS][number])
             try:
-                yield place(number, found.scene, carried, omega, rows[number])
+                yield place(number, state, omega, rows[number])
             except SpindampError as error:
                 rows["reason"][number] = reasons.number(said(error, source))
 
 
-def place(number: int, scene: Scene, carried: Carried, omega: float, row: Any) -> Placed:
+def place(number: int, state: StructureState, omega: float, row: Any) -> DamperCase:
     """The damper of a scene at a speed, the structure's numbers filled into its row.
 
     Raises:
         BadInput: the structure has no answer at this speed, or the damper makes no sense on it.
     """
-    point = carried.points.get(omega)
+    scene, point = state.source.scene, state.by_speed.get(omega)
     if point is None or point.reduced is None:
         raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
-    damper = damper_stage.particle_damper(scene, carried.effects, point)
+    damper = damper_stage.particle_damper(scene, state.effects, point)
     of_the_structure(row, point, damper.ball_mass)
-    return Placed(number, scene, carried, point, damper, coupling.released_at(scene, point))
+    return DamperCase(number, state, point, damper, coupling.released_at(scene, point))
 
 
 def said(error: SpindampError, source: SceneFile) -> str:
@@ -353,15 +307,15 @@ def said(error: SpindampError, source: SceneFile) -> str:
     return one_line(str(error).removeprefix(f"{source.name}: "))
 
 
-def _measure(row: Any, each: Placed, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
+def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     figures = taken_over(OwnFigures, measured(each.judged, known, **how))
     point = replace(each.point, working=figures)
     damper_quantities(row, replace(each.results, speeds=(point,)), point)
 
 
-def _ring_down(rows: Rows, placed: list[Placed]) -> None:
+def _ring_down(rows: Rows, placed: list[DamperCase]) -> None:
     """Ring all dampers down from their scenes' releases, in batches of those that can go together."""
-    groups: dict[Any, list[Placed]] = {}
+    groups: dict[Any, list[DamperCase]] = {}
     for each in placed:
         groups.setdefault(_together(each), []).append(each)
     for group in groups.values():
@@ -372,7 +326,7 @@ def _ring_down(rows: Rows, placed: list[Placed]) -> None:
         rows[mine] = filled
 
 
-def _together(each: Placed) -> Any:
+def _together(each: DamperCase) -> Any:
     """What the dampers of a batch have in common."""
     damper, release = each.damper, each.scene.release
     cycles = "auto" if release is None else release.cycles
@@ -380,7 +334,7 @@ def _together(each: Placed) -> Any:
     return damper.formulation, damper.modes, damper.floor_friction is None, damper.floor_radius is None, most, cycles
 
 
-def _batch(group: list[Placed]) -> Any:
+def _batch(group: list[DamperCase]) -> Any:
     from damper import ringdowns
     from damper.model import PARAMETERS
 

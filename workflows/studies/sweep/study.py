@@ -27,7 +27,7 @@ from workflows.studies.sweep import executor as kernels
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep import plan as scenes
 from workflows.studies.sweep import sensitivity as doubts
-from workflows.studies.sweep.evaluate import Block, Plates
+from workflows.studies.sweep.evaluate import Block, PlateCache
 from workflows.studies.sweep.executor import Crew
 from workflows.studies.sweep.plan import Plan
 from workflows.studies.sweep.store import Folder
@@ -42,7 +42,7 @@ DATA = "sweep.zarr"
 
 _GOES_ON = "what is finished stays; the same command goes on"
 
-_plates = Plates()
+_plates = PlateCache()
 """Of this process; every task looks here first."""
 
 

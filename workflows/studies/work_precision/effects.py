@@ -16,7 +16,7 @@ from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.solve import structure as plate
-from workflows.solve.model_choice import decide
+from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, machine
 
@@ -192,11 +192,11 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
     """Run a scene with each effect the other way, on one mesh.
 
     Raises:
-        BadInput, NoAnswer: see :func:`workflows.solve.structure.solve`.
+        BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
     stages = stages or Stages()
     quiet = Stages(visible=False)
-    settled = decide(source, quiet)
+    settled = choose_model(source, quiet)
     decided, called = settled.effects, selection.called_for(source.scene, settled.form)
     size = None if settled.form is None else plate.discretise(source, settled, quiet).choice.size
     with stages("effects", len(decided) + 1) as step:

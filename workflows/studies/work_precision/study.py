@@ -21,7 +21,7 @@ from workflows.solve import coupling
 from workflows.solve import damper as ringdowns
 from workflows.solve import results as records
 from workflows.solve import structure as plate
-from workflows.solve.model_choice import Decided, decide
+from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint
 from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung, measure
 
@@ -384,7 +384,7 @@ def pipeline_ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[
     """A ladder for each headline number that the scene has; none without a plate, where there is nothing to choose."""
     if source.scene.plate is None:
         return [], {}
-    known = decide(source, Stages(visible=False)).theory
+    known = choose_model(source, Stages(visible=False)).theory
     theory = None if known is None else known.name
     step.advance("reference")
     finest = pipeline.run(_asking(source, FINEST, theory), Stages(visible=False))
@@ -737,20 +737,20 @@ def study(source: SceneFile, stages: Stages | None = None) -> Costs:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
-        BadInput: see :func:`workflows.solve.structure.solve`.
+        BadInput: see :class:`workflows.solve.structure.StructureSolver`.
         NoAnswer: see there; or the scene has nothing whose accuracy costs anything.
     """
     stages = stages or Stages()
     ladders: list[Ladder] = []
     chosen: dict[str, Picked] = {}
-    decided = decide(source, Stages(visible=False))
+    decided = choose_model(source, Stages(visible=False))
     if decided.form is not None:
         found, picked = _plate(source, decided, stages)
         ladders += found
         chosen |= picked
     if source.scene.damper is not None:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
-            points = pipeline.structure(source, Stages(visible=False), shapes=False, decided=decided).points
+            points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
             point = points[records.shown(points)]
             system = level(ringdowns.particle_damper(source.scene, decided.effects, point))
             ladder, exact = damper_ladder(system, coupling.released_at(source.scene, point), point, step)
@@ -764,7 +764,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Costs:
     return Costs(source.scene.title, asked, (*ladders, *whole), chosen | picked)
 
 
-def _plate(source: SceneFile, decided: Decided, stages: Stages) -> tuple[list[Ladder], dict[str, Picked]]:
+def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[Ladder], dict[str, Picked]]:
     (form, _), solver = decided.plate, plate.discretise(source, decided, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
