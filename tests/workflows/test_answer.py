@@ -275,7 +275,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 def test_a_verdict_on_rolling_says_what_it_rests_on(tmp_path: Path) -> None:
     """Slippery walls; little load, or a vibration of 1 GHz, where no floor keeps the ball rolling."""
     rests = "Modestly, if the ball rolls without slip, which at the amplitude of its best takes a friction of "
-    slides = "No verdict: the ball would slide, for to roll takes a friction of "
+    slides = "No verdict: the ball would slide, since rolling requires a friction of "
     for speeds, frequency, friction, says in (
         ('"3500 rpm"', "269.5 Hz", 0.1, rests),
         ('"100 rpm"', "269.5 Hz", 0.3, slides),

@@ -147,7 +147,10 @@ def test_the_plates_thickness_is_room():
         ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the plate's root by over 0.4 %"),
         ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
         ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is left out, is more than"),
-        ({"rotor__speeds": ["700 rpm"]}, "at 700 rpm every ball would slide, for to roll takes a friction of 2.1 at"),
+        (
+            {"rotor__speeds": ["700 rpm"]},
+            "at 700 rpm every ball would slide, since rolling requires a friction of 2.1 at",
+        ),
         ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is left out, is more than the load"),
     ],
 )

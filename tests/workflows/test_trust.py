@@ -51,5 +51,5 @@ def test_where_nothing_would_do_it_says_what_can_be_had(paper: Scene) -> None:
     found = _with_basis(workflows.run(_plate(paper, plate__theory="mindlin", accuracy__frequency=4e-3)), 6.2e-3)
     said = remarks.sentence(found)
     assert said is not None
-    assert said.endswith("no key would mend that: [accuracy] frequency = 0.009 can be had.")
+    assert said.endswith("no setting achieves this, but [accuracy] frequency = 0.009 would be met.")
     assert max(mode.whole for mode in remarks.worst(found)) <= 9e-3

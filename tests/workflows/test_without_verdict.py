@@ -45,8 +45,8 @@ def test_a_ball_that_slides_supplies_no_best() -> None:
     assert [point.verdict.grade for point in found.speeds] == ["unknown", "unknown", "yes"]
     said = answer(found)
     assert said.verdict == (
-        "Yes from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, for to roll"
-        f" takes a friction of {needed(found, 1):.2g} to {needed(found, 0):.2g} at the amplitude of its best"
+        "Yes from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, since rolling"
+        f" requires a friction of {needed(found, 1):.2g} to {needed(found, 0):.2g} at the amplitude of its best"
     )
     told = " ".join(said.sentences)
     assert "At its best, at 3500 rpm" in told
@@ -56,7 +56,7 @@ def test_a_ball_that_slides_supplies_no_best() -> None:
 
 def test_where_all_slide_there_is_one_reason() -> None:
     said = answer(at(80, 100))
-    assert said.verdict.startswith("No verdict: the ball would slide, for to roll takes a friction of")
+    assert said.verdict.startswith("No verdict: the ball would slide, since rolling requires a friction of")
     assert said.sentences == ()
 
 

@@ -125,6 +125,7 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     return (
         f"a ball of radius {significant(1e3 * damper.radius)} mm and {significant(1e3 * one)} g would be"
         f" {significant(density / OSMIUM, 2)} times as dense as osmium, and nothing is denser",
-        f"The figures are those of as heavy balls as can be had, such as {math.ceil(together / (steel * volume))} of"
-        " steel ([damper] count), each in a cavity of its own, moving in step.",
+        "The figures are those of feasible balls of the same total mass, such as"
+        f" {math.ceil(together / (steel * volume))} of steel ([damper] count), each in a cavity"
+        " of its own, moving in step.",
     )

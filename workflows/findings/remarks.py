@@ -30,14 +30,14 @@ _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
 
 
-def rung_down(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
+def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
     """The speeds at which the damper was simulated."""
     return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
 
 
 def level_floor(results: Results) -> str | None:
     """A scene that keeps the floor level, and what its tilt does to the cut-off, simulated."""
-    rung = [(p, d) for p, _, d in rung_down(results) if p.tilted is not None and p.load_g > 0]
+    rung = [(p, d) for p, _, d in ring_downs(results) if p.tilted is not None and p.load_g > 0]
     if not rung:
         return None
     found = [(p.tilted.ratio, d.cutoff_ratio) for p, d in rung if p.tilted is not None]
@@ -46,7 +46,7 @@ def level_floor(results: Results) -> str | None:
         "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
         " figures are those of a floor that tilts as the structure bends"
     )
-    if results.scene.damper is not None and results.scene.damper.formulation == "printed":
+    if limits.is_printed(results):
         text = "The printed equations keep the cavity's floor level"
     if tilted and level:
         text += (
@@ -68,12 +68,12 @@ def turning_floor(results: Results) -> str | None:
     if damper is None or not results.effects["floor_tilt"].on:
         return None
     share = max(
-        (0.4 * damper.radius * abs(r.floor_tilt) for p, r, _ in rung_down(results) if p.load_g > 0), default=0.0
+        (0.4 * damper.radius * abs(r.floor_tilt) for p, r, _ in ring_downs(results) if p.load_g > 0), default=0.0
     )
     if share <= asked:
         return None
     return (
-        f"As the floor turns it turns the ball too, which is left out: {significant(100 * share, 2)} % of the ball's"
+        f"As the floor turns it turns the ball too, which is left out: {percent(share)} % of the ball's"
         " drive, two fifths of its radius times the floor's slope over the displacement."
     )
 
@@ -85,7 +85,7 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> str | None:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    known = [p for p, _, _ in rung_down(results) if p.pendulum is not None and p.load_g > 0]
+    known = [p for p, _, _ in ring_downs(results) if p.pendulum is not None and p.load_g > 0]
     if damper is None or damper.floor_radius is None or not known:
         return None
     pendulum = known[0].pendulum
@@ -111,7 +111,7 @@ def pendulum(results: Results) -> str | None:
 def scattered(results: Results) -> str | None:
     """Energy that hits leave in modes beyond those that the release sets going."""
     shares = []
-    for point, _, damping in rung_down(results):
+    for point, _, damping in ring_downs(results):
         leaders = {m.number for axis in range(2) if (m := coupling.leading(point.cavity_modes, axis)) is not None}
         rest = sum(e for number, e in damping.modal_energies.items() if number not in leaders)
         if damping.energy.initial > 0 and damping.impacts > 0:
@@ -120,7 +120,7 @@ def scattered(results: Results) -> str | None:
     if share <= results.scene.accuracy.damping:
         return None
     return (
-        f"Hits scatter energy into modes that do not lead the motion: {significant(100 * share, 2)} % of the initial"
+        f"Hits scatter energy into modes that do not lead the motion: {percent(share)} % of the initial"
         f" energy is left there at the end at {whole(rpm)} rpm."
     )
 
@@ -129,7 +129,7 @@ def modes_left_out(results: Results) -> str | None:
     """Modes that hits feed but for which there is no room, or that were not looked for."""
     scene = results.scene
     worst = 0.0
-    for point, reduced, damping in rung_down(results):
+    for point, reduced, damping in ring_downs(results):
         kept = set(damping.modal_energies)
         ball = reduced.M1 - reduced.M2
         left = [ball * math.hypot(*m.shape) ** 2 for m in point.cavity_modes if m.number not in kept]
@@ -138,29 +138,29 @@ def modes_left_out(results: Results) -> str | None:
         return None
     return (
         "Modes that hits feed are left out, for want of room: each changes the damping by about"
-        f" {significant(100 * worst, 2)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for;"
-        f" [accuracy] damping = {upwards(worst)} can be had."
+        f" {percent(worst)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for;"
+        f" [accuracy] damping = {upwards(worst)} is attainable."
     )
 
 
 def still_across(results: Results) -> str | None:
     """No mode that was looked for moves the cavity across."""
-    rung = [p for p, _, _ in rung_down(results) if p.cavity_modes]
+    rung = [p for p, _, _ in ring_downs(results) if p.cavity_modes]
     if not rung or any(coupling.leading(p.cavity_modes, 1) is not None for p in rung):
         return None
     return (
-        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, which there is still:"
-        " its lag modes lie higher."
+        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, so the cavity is treated as"
+        " fixed in that direction: its lag modes lie higher."
     )
 
 
 def leaning_load(results: Results) -> str | None:
     """A load that does not point along the plate at the cavity, whose floor is taken to face it."""
     scene = results.scene
-    if scene.damper is None or scene.damper.at is None or scene.plate is None or not rung_down(results):
+    if scene.damper is None or scene.damper.at is None or scene.plate is None or not ring_downs(results):
         return None
     across = abs(scene.damper.at[1] * math.cos(scene.rotor.stagger))
-    point = max((p for p, _, _ in rung_down(results)), key=lambda p: p.load_g)
+    point = max((p for p, _, _ in ring_downs(results)), key=lambda p: p.load_g)
     lean, rolls = across / point.radius, scene.damper.rolling_friction / scene.damper.radius
     if point.load_g == 0 or lean <= 0.1 * rolls:
         return None
@@ -175,7 +175,7 @@ def leaning_load(results: Results) -> str | None:
 def level_structure(results: Results) -> str | None:
     """What a scene without a plate does not tell."""
     structure = results.scene.structure
-    if structure is None or any(structure.floor_tilt) or not any(p.load_g > 0 for p, _, _ in rung_down(results)):
+    if structure is None or any(structure.floor_tilt) or not any(p.load_g > 0 for p, _, _ in ring_downs(results)):
         return None
     return (
         "This [structure] does not say how the cavity's floor tilts as it bends (floor_tilt), which on a plate raises"
@@ -187,20 +187,17 @@ def level_structure(results: Results) -> str | None:
 def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with the answer."""
     shares = [p.tilt_share for p in points]
-    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
-    if printed or max(map(abs, shares)) < _NOTABLE_TILT:
+    if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
     sizes = sorted(map(abs, shares))
-    percent, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{as_it_moves(results)}, the cavity's floor tilts"
+    share, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{as_it_moves(results)}, the cavity's floor tilts"
     if max(shares) <= 0:
-        return f"{begin} the other way, and the slope adds {percent} to the ball's drive, which these figures count in."
+        return f"{begin} the other way, and the slope adds {share} to the ball's drive, which these figures count in."
     if min(shares) > 1:
-        return (
-            f"{begin} so far that it is the slope that drives the ball, with a pull of {percent} of the motion's own."
-        )
+        return f"{begin} so far that it is the slope that drives the ball, with a pull of {share} of the motion's own."
     beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
     return (
-        f"{begin} and the load pulls the ball back down the slope: these figures count in the {percent} of the ball's"
+        f"{begin} and the load pulls the ball back down the slope: these figures count in the {share} of the ball's"
         f" drive that this opposes{beyond}."
     )
 
@@ -222,7 +219,7 @@ _NOTHING = 1e-9
 
 def weight(results: Results) -> str | None:
     """The ball's own weight, where it is not small beside the load."""
-    points = [p for p, _, _ in rung_down(results) if 0 < p.load_g < _LIGHT]
+    points = [p for p, _, _ in ring_downs(results) if 0 < p.load_g < _LIGHT]
     if not points:
         return None
     light = sorted(points, key=lambda point: point.load_g)
@@ -240,7 +237,7 @@ def weight(results: Results) -> str | None:
 
 def at_rest(results: Results) -> str | None:
     """Where nothing turns there is no load: what works by it does nothing, and the answer leaves that speed out."""
-    damper, loads = results.scene.damper, [p.load_g for p, _, _ in rung_down(results)]
+    damper, loads = results.scene.damper, [p.load_g for p, _, _ in ring_downs(results)]
     if damper is None or 0.0 not in loads:
         return None
     idle = [key for key in ("rolling_friction", "floor_radius") if getattr(damper, key)]
@@ -258,23 +255,22 @@ def lost_at_most(damping: Damping) -> float | None:
 
 def lent(results: Results) -> str | None:
     """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
-    damper = results.scene.damper
-    if damper is None or damper.formulation == "printed":
+    if limits.is_printed(results):
         return None
-    borrowed = [(_share(d), p) for p, _, d in rung_down(results) if lost_at_most(d) != d.peak_sdc and d.impacts]
+    borrowed = [(_share(d), p) for p, _, d in ring_downs(results) if lost_at_most(d) != d.peak_sdc and d.impacts]
     if borrowed:
         share, point = max(borrowed, key=lambda pair: pair[0])
         return (
             f"Ball and structure exchange energy, and the ball loses none: at {whole(point.rpm)} rpm it takes up to"
-            f" {significant(100 * share, 2)} % in a cycle and gives it back later. The table leaves that out; the curve"
+            f" {percent(share)} % in a cycle and gives it back later. The table leaves that out; the curve"
             " over amplitude has it, as the paper's definition does."
         )
-    found = [(_share(d), steady, p) for p, _, d in rung_down(results) if p.load_g > 0 and (steady := _steady(p)) > 0]
+    found = [(_share(d), steady, p) for p, _, d in ring_downs(results) if p.load_g > 0 and (steady := _steady(p)) > 0]
     most = max(found, key=lambda each: each[0] / each[1], default=None)
     if most is None or most[0] <= _MORE * most[1]:
         return None
     share, steady, point = most
-    ball, mean = (significant(100 * each, 2) for each in (share, steady))
+    ball, mean = (percent(each) for each in (share, steady))
     return (
         f"At {whole(point.rpm)} rpm a cycle of the ring-down loses up to {ball} % to the ball, more than the {mean} %"
         " of a steady vibration at its best: a cycle's capacity counts all that the ball took from the structure in it,"
@@ -290,7 +286,7 @@ def _share(damping: Damping) -> float:
 def _steady(point: SpeedPoint) -> float:
     """What the ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
     own = point.level or point.working
-    return 0.0 if own is None or not own.peak > 0 else -math.expm1(-4 * math.pi * own.peak)
+    return 0.0 if own is None or not own.peak > 0 else limits.energy_loss(own.peak)
 
 
 def _holds_for(scene: Scene) -> str:
@@ -447,7 +443,7 @@ def errors(results: Results) -> str | None:
 
 
 def cure(results: Results) -> str:
-    """Which keys would bring every error within the accuracy asked for; or, where none would, what can be had.
+    """Which keys would bring every error within the accuracy asked for; or, where none would, what is attainable.
 
     The mesh is only as fine as what the rest leaves of the accuracy makes worth while, and else would be finer.
     """
@@ -463,7 +459,8 @@ def cure(results: Results) -> str:
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
         return f"{' and '.join(keys)} would do"
-    return f"no key would mend that: [accuracy] frequency = {upwards(max(mode.whole for mode in modes))} can be had"
+    attainable = upwards(max(mode.whole for mode in modes))
+    return f"no setting achieves this, but [accuracy] frequency = {attainable} would be met"
 
 
 _DEFLECTED = "[effects] large_deflection = true"
@@ -533,7 +530,7 @@ def stiffness_with_ball(results: Results) -> str | None:
     if abs(change) < _NO_REMARKS * results.scene.accuracy.frequency:
         return None
     return (
-        f"With the ball stuck to it, the plate's effective stiffness changes by up to {significant(100 * change, 2)} %"
+        f"With the ball stuck to it, the plate's effective stiffness changes by up to {percent(change)} %"
         " (K1 against K2), mostly by the ball's own centrifugal pull; the damper uses K1."
     )
 
@@ -573,7 +570,7 @@ def real_modes(results: Results) -> str | None:
     if abs(most) <= results.scene.accuracy.frequency:
         return None
     return (
-        f"Coriolis forces move the first bending mode by {significant(100 * most, 2)} %. What the damper feels (M1, K1,"
+        f"Coriolis forces move the first bending mode by {percent(most)} %. What the damper feels (M1, K1,"
         " M2, K2) is of a real mode, and without them."
     )
 
@@ -632,7 +629,7 @@ def remarks(results: Results) -> tuple[str, ...]:
 
 def _capped(results: Results) -> str | None:
     """All speeds whose ring-down ended before its ball did."""
-    rung = [(p, d) for p, _, d in rung_down(results)]
+    rung = [(p, d) for p, _, d in ring_downs(results)]
     ended = dict.fromkeys(d.outcome for _, d in rung if "cap" in d.outcome)
     parts = []
     for outcome in ended:
@@ -645,7 +642,7 @@ def _capped(results: Results) -> str | None:
 
 def _nothing_released(results: Results) -> str | None:
     release = results.scene.release
-    still = [p.rpm for p, _, _ in rung_down(results) if p.load_g == 0]
+    still = [p.rpm for p, _, _ in ring_downs(results) if p.load_g == 0]
     if release is None or release.ratio is None or not still:
         return None
     return f"At {whole(still[0])} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
@@ -653,7 +650,7 @@ def _nothing_released(results: Results) -> str | None:
 
 def _held(results: Results) -> str | None:
     """Ring-downs in which the release is too small to set the ball rolling."""
-    rung = [(p, d, p.level or p.working) for p, _, d in rung_down(results) if p.load_g > 0 and d.events == 0]
+    rung = [(p, d, p.level or p.working) for p, _, d in ring_downs(results) if p.load_g > 0 and d.events == 0]
     held = [(p, d, own) for p, d, own in rung if own is not None and own.peak > 0]
     if not held:
         return None
@@ -667,24 +664,22 @@ def _held(results: Results) -> str | None:
 
 
 def _books(results: Results) -> str | None:
-    shares = [d.energy.residual / d.energy.initial for _, _, d in rung_down(results) if d.energy.initial > 0]
+    shares = [d.energy.residual / d.energy.initial for _, _, d in ring_downs(results) if d.energy.initial > 0]
     worst = max(shares, key=abs, default=0.0)
     if abs(worst) <= EXPLAINED:
         return None
     what = "appears from nowhere" if worst < 0 else "is lost without a cause"
-    printed = results.scene.damper is not None and results.scene.damper.formulation == "printed"
-    why = ": the printed equations do not conserve energy" if printed else ""
-    return f"Up to {significant(100 * abs(worst), 2)} % of the initial energy {what}{why}."
+    why = ": the printed equations do not conserve energy" if limits.is_printed(results) else ""
+    return f"Up to {percent(abs(worst))} % of the initial energy {what}{why}."
 
 
 def _work_bound(results: Results) -> str | None:
     from damper import work_bound
 
-    damper = results.scene.damper
-    if damper is None or damper.formulation == "printed":
+    if limits.is_printed(results):
         return None  # the bound rests on conservation of energy
     bounds = []
-    for point, _, damping in rung_down(results):
+    for point, _, damping in ring_downs(results):
         if damping.cutoff_g:
             system = ringdowns.particle_damper(results.scene, results.effects, point)
             amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
@@ -692,10 +687,7 @@ def _work_bound(results: Results) -> str | None:
             bounds.append((bound, point.rpm))
     if all(bound > 1 for bound, _ in bounds):
         return None  # nothing takes more than all there is
-    values = [
-        f"{f'{significant(100 * bound, 2)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm"
-        for bound, rpm in bounds
-    ]
+    values = [f"{f'{percent(bound)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm" for bound, rpm in bounds]
     ends = values if len(values) == 1 else [values[0], values[-1]]
     return (
         "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
@@ -705,7 +697,7 @@ def _work_bound(results: Results) -> str | None:
 
 
 def _assumed_damping(results: Results) -> str | None:
-    damper, rung = results.scene.damper, rung_down(results)
+    damper, rung = results.scene.damper, ring_downs(results)
     if damper is None or damper.damping_ratio == 0 or not rung:
         return None
     share = significant(100 * rung[0][2].intrinsic_sdc)
@@ -744,7 +736,7 @@ def _rows(results: Results) -> str | None:
 
 def _rolling(results: Results) -> str | None:
     damper = results.scene.damper
-    rolled = [(p, math.hypot(*d.release), demand) for p, _, d in rung_down(results) if (demand := _demand(d)) > 0]
+    rolled = [(p, math.hypot(*d.release), demand) for p, _, d in ring_downs(results) if (demand := _demand(d)) > 0]
     if damper is None:
         return None
     beyond = [each for each in rolled if each[2] > damper.friction]
@@ -765,7 +757,7 @@ def _demand(damping: Damping) -> float:
 
 
 def _release_stress(results: Results) -> str | None:
-    material, rung = results.scene.material, rung_down(results)
+    material, rung = results.scene.material, ring_downs(results)
     if material is None or not rung:
         return None
     lift = max(abs(damping.release[0]) for _, _, damping in rung)
@@ -781,7 +773,7 @@ def _release_stress(results: Results) -> str | None:
 
 
 def _two_axes(results: Results) -> str | None:
-    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in rung_down(results)):
+    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in ring_downs(results)):
         return None
     if results.effects["structural_modes"].on:
         return None

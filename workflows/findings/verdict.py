@@ -117,7 +117,7 @@ def _where_none(results: Results, points: Sequence[SpeedPoint]) -> tuple[list[st
 _OUTSIDE: dict[str, Callable[[Results, Sequence[SpeedPoint]], str]] = {
     Reason.WEIGHT: lambda *_: phrases.WEIGHT,
     Reason.SLIP: lambda results, points: (
-        "the ball would slide, for to roll takes a friction of"
+        "the ball would slide, since rolling requires a friction of"
         f" {_frictions(results, points)} at the amplitude of its best"
     ),
 }
@@ -183,9 +183,7 @@ def answer(results: Results) -> Answer:
     loaded = [p for p in points if p.load_g > 0] or points
     judged = [p for p in loaded if _rank(p) >= 0]
     dense = phrases.too_dense(results)
-    damper = results.scene.damper
-    printed = damper is not None and damper.formulation == "printed"
-    refused = phrases.PRINTED if printed else None if dense is None else dense[0]
+    refused = phrases.PRINTED if limits.is_printed(results) else None if dense is None else dense[0]
     if not judged and refused is None:
         texts, alone = _where_none(results, loaded)
         return Answer(f"No verdict: {alone}" if alone else f"No verdict {'; none '.join(texts)}", ())
@@ -243,11 +241,10 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
     if not found:
         return None
     top, at = max(found, key=lambda pair: pair[0].damping_ratio)
-    share = -math.expm1(-4 * math.pi * top.damping_ratio)
     text = (
-        f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball damps"
-        f" like a damping ratio of {percent(top.damping_ratio)} %{known_within(at)}: it takes"
-        f" {percent(share)} % of the vibration's energy in a cycle."
+        f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball adds"
+        f" an equivalent damping ratio of {percent(top.damping_ratio)} %{known_within(at)}: it takes"
+        f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration's energy in a cycle."
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import math
 import os
 import secrets
 from collections.abc import Callable, Iterator, Mapping
@@ -202,7 +201,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "mark": phrases.mark(results, point),
         "cutoff": limits.cutoff(results, point),
         "cutoff_mark": phrases.cutoff_mark(results, point),
-        "share": -math.expm1(-4 * math.pi * point.working.peak) if point.working else 0.0,
+        "share": limits.energy_loss(point.working.peak) if point.working else 0.0,
         "damping": point.damping,
         "lost": None if point.damping is None else remarks.lost_at_most(point.damping),
     }

@@ -91,12 +91,21 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
 
 def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
     """Why there is no verdict at a speed whatever the damper does there; None where there may be one."""
-    damper = results.scene.damper
-    if damper is not None and damper.formulation == "printed":
+    if is_printed(results):
         return Reason.PRINTED
     if is_too_dense(ball_density(results, point)):
         return Reason.DENSITY
     return Reason.ROOT_STRESS if is_torn(results, point) else None
+
+
+def energy_loss(damping_ratio: float) -> float:
+    """Share of a vibration's energy that a damping ratio takes in a cycle."""
+    return -math.expm1(-4 * math.pi * damping_ratio)
+
+
+def is_printed(results: Results) -> bool:
+    """Whether the damper follows the equations as printed, which do not conserve energy."""
+    return results.scene.damper is not None and results.scene.damper.formulation == "printed"
 
 
 def _idle(results: Results, point: SpeedPoint) -> Reason:

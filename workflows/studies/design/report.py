@@ -392,7 +392,7 @@ def obstacle(scored: Scored) -> str:
         "root_stress": phrases.torn_at(why.rpm, why.value) if why.kind == "root_stress" else "",
         "strain": f"the least of its amplitudes would {endured}",
         "deflection": f"the least of its amplitudes would {endured}",
-        "slip": f"{at} every ball would slide, for to roll takes a friction of {significant(why.value, 2)} at the"
+        "slip": f"{at} every ball would slide, since rolling requires a friction of {significant(why.value, 2)} at the"
         " greatest of its amplitudes",
     }.get(why.kind, why.text)
 
