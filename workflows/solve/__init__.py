@@ -1,4 +1,4 @@
-"""The stages of a run: what is settled first, plate, damper; what they need of the machine, the records they hand on.
+"""The stages of a run: what is settled first, structure, damper, limits; what they need of the machine, their records.
 
 May import effects and scene, `fem` and `damper`.
 """

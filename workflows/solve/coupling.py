@@ -1,4 +1,4 @@
-"""The structure as a ball in its cavity feels it: from a speed point to the arguments of a `damper.ParticleDamper`."""
+"""The structure at the cavity: from a speed point to the arguments of a `damper.ParticleDamper`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The damper's stage: reduced structure and scene in, one ring-down per speed out."""
+"""The damper at the speeds of a run: ring-downs, the ball's path, the damper's own figures."""
 
 from __future__ import annotations
 

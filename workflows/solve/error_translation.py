@@ -1,4 +1,4 @@
-"""Why a plate has no solution, in the words of its scene."""
+"""Why a plate has no solution, in the terms of its scene."""
 
 from __future__ import annotations
 

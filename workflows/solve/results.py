@@ -1,6 +1,6 @@
 """What a run hands on: frozen records, SI inside, from the stages to the writers.
 
-Records of the structure and of the damper at one speed have modules of their own and are had from here.
+Each number has its unit and meaning in its annotation, which JSON, netCDF, schema and sweeps follow.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""The goal of a scene with a range of amplitudes: the least damping ratio over them, at the speed where it is least.
+"""What designs are worth, by one of two goals.
 
-Where the load holds the ball at rest within these amplitudes, it is worth nothing; what is compared then is how far
-the cut-off lies above the least amplitude.
+:class:`LeastDamping`: the least damping ratio over a range of amplitudes, at the speed where it is least. Where the
+load holds the ball at rest within these, it is worth nothing; what is compared then is how far the cut-off lies above
+the least amplitude. :class:`LeastAmplitude`: the greatest amplitude at the crossings of engine orders with modes.
 """
 
 from __future__ import annotations
@@ -230,11 +231,9 @@ def crossing_objective(
     None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
     """
     excitation = scene.excitation
-    modes = study.modes_of(point, study.branch_of((point,), crossing))
+    modes, axis, leads = study.crossed(point, crossing)
     if excitation is None or (modes is not None and study.idle_structure(modes, excitation)):
         return None
-    axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    leads = axis == 0 and (modes is None or coupling.leading(point.cavity_modes, 0) is modes[0])
     kept = None if modes is None else study.kept(point, modes)
     system = damper_stage.particle_damper(scene, effects, point, kept)
     harmonic = study.harmonic_of(system, crossing, point, excitation, max(excitation.levels))
@@ -391,8 +390,6 @@ _CYCLES, _FEW_CYCLES = 10_000, 4000
 
 _ACROSS = 9
 """Speeds over the whole range at which a ball in a hollow floor is looked at besides."""
-
-"""What a design loses whose ball nothing drives."""
 
 
 @dataclass(frozen=True)

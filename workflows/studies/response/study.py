@@ -73,6 +73,15 @@ def modes_of(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
     return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
 
 
+def crossed(point: SpeedPoint, crossing: Crossing) -> tuple[list[CavityMode] | None, int, bool]:
+    """The modes of :func:`modes_of`, the axis along which the first moves the cavity, and whether it leads along x."""
+    modes = modes_of(point, branch_of((point,), crossing))
+    if modes is None:
+        return None, 0, True
+    axis = int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
+    return modes, axis, axis == 0 and coupling.leading(point.cavity_modes, 0) is modes[0]
+
+
 def kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
     """The mode crossed and those that yield most along either axis, ascending."""
     leaders = [coupling.leading(point.cavity_modes, axis) for axis in range(2)]
@@ -216,11 +225,9 @@ def checked(source: SceneFile) -> Excitation:
 def _through(solver: StructureSolver, crossing: Crossing, excitation: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     (at,) = solver.at([crossing.omega]).points
-    modes = modes_of(at, branch_of((at,), crossing))
+    modes, axis, leads = crossed(at, crossing)
     if modes is not None and (idle := idle_structure(modes, excitation)):
         return idle
-    axis = 0 if modes is None else int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    leads = modes is None or coupling.leading(at.cavity_modes, 0) is modes[0]
     omega = _speeds(solver, crossing, at)
     dampers, harmonics = _driven(solver, crossing, excitation, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
@@ -229,7 +236,7 @@ def _through(solver: StructureSolver, crossing: Crossing, excitation: Excitation
     middle = dampers[len(omega) // 2 * forces]
     top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
     with solver.stages("damper"):
-        short = _short(middle, dampers, harmonics, states, speaks=axis == 0 and leads)
+        short = _short(middle, dampers, harmonics, states, speaks=leads)
         return Through(
             crossing=crossing,
             axis=axis,
