@@ -106,6 +106,31 @@ def test_a_step_between_two_loads_is_named() -> None:
     assert [p.verdict.grade for p in found.speeds] == ["modest", "negligible"]
 
 
+def test_the_verdict_in_numbers() -> None:
+    """The record at each speed says what the answer says."""
+    found = results(speeds='"3500 rpm", "17500 rpm"')
+    for point, speed in zip(found.speeds, workflows.document(found)["speeds"], strict=True):
+        own, verdict = point.working, speed["verdict"]
+        assert verdict.pop("grade") == ("modest" if own.peak >= limits.AIR[0] / 10 else "negligible")
+        figures = {"damping_ratio": own.peak, "amplitude": own.peak_amplitude, "useful_range": list(own.half)}
+        assert verdict == figures | {"reason": ""}
+
+
+@pytest.mark.parametrize(
+    ("changes", "grade", "reason", "ratio"),
+    [
+        ({"count": "1"}, "inadmissible", "ball_density", None),
+        ({"cavity": '"2 mm", "2 mm"'}, "locked", "filled_cavity", 0.0),
+        ({"speeds": '"100 rpm", "3500 rpm"'}, "unknown", "slip", None),
+        ({"speeds": '"0 rpm", "3500 rpm"'}, "unknown", "ball_weight", None),
+    ],
+)
+def test_no_verdict_has_no_figures(changes: dict[str, str], grade: str, reason: str, ratio: float | None) -> None:
+    verdict = workflows.document(results(**changes))["speeds"][0]["verdict"]
+    nothing = {"damping_ratio": ratio, "amplitude": None, "useful_range": [None, None]}
+    assert verdict == nothing | {"grade": grade, "reason": reason}
+
+
 def test_a_slow_speed_is_not_called_a_standstill(paper: Scene) -> None:
     plate_alone = {table: paper[table] for table in ("title", "plate", "material", "rotor")}
     found = workflows.run(changed(plate_alone, rotor__speeds=["0.001 rpm", "0.25 rpm"]))
@@ -358,6 +383,7 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert "no verdict from 38000 rpm on: there the centrifugal pull at the root, 2490 MPa on average" in verdict
     assert "38000" not in " ".join(answer(found).sentences)
     assert [limits.is_torn(found, point) for point in found.speeds] == [False, False, True]
+    assert [point.verdict.reason for point in found.speeds[1:]] == ["out_of_reach", "root_stress"]
     torn = workflows.run(changed(scene, rotor__speeds=["38000 rpm"]))
     assert answer(torn).verdict.startswith("No verdict from 38000 rpm on")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
