@@ -1,4 +1,4 @@
-"""Specific damping capacity, cut-off, and what bounds them."""
+"""Specific damping capacity of ring-downs, its cut-off and its bounds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Time histories, made afterwards from the event table at any resolution."""
+"""Motion at any time, from the event table of a ring-down."""
 
 from __future__ import annotations
 
