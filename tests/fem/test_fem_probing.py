@@ -6,12 +6,23 @@ import scipy.linalg
 from fem_cases import STEEL, rpm
 from scipy.sparse import csc_array
 
-from fem import Divergence, Effects, Given, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
+from fem import (
+    Divergence,
+    Effects,
+    Given,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    choose_mesh,
+    rectangle,
+    solve_modes,
+    statics,
+)
 from fem.accuracy.trial_meshes import alone, complete, probe
-from fem.linalg.eigensolvers import factorise, lowest_modes
+from fem.linalg import factorise, lowest_modes
 from fem.operators.assembly import transfer
-from fem.statics import equilibrium as statics
-from fem.theory.tabulated_element import together
+from fem.theory.kirchhoff import together
 
 COUNT, EXACT = 6, 1e-7
 
@@ -122,7 +133,7 @@ def test_a_divergence_that_the_start_does_not_lead_to_is_noticed():
 
 
 def test_speeds_that_do_not_settle_are_solved_by_themselves(monkeypatch):
-    monkeypatch.setattr("fem.linalg.eigensolvers.ROUNDS", 1)
+    monkeypatch.setattr("fem.linalg.ROUNDS", 1)
     operators, top = plate(), rpm(20000.0)
     assert probe(operators, (0.0, top), COUNT, EXACT)[1][0] == pytest.approx(
         solve_modes(operators, top, COUNT).eigenvalues, rel=1e-10

@@ -6,7 +6,7 @@ import scipy.linalg as la
 from scipy.sparse import csc_array
 
 from fem import Effects, Material, Plate, Rotor, assemble, rectangle, solve_modes
-from fem.linalg.eigensolvers import orthonormal
+from fem.linalg import orthonormal
 
 STEEL = Material(200e9, 0.3, 7850.0)
 

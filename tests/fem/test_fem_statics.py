@@ -20,9 +20,9 @@ from fem import (
     equilibrium,
     rectangle,
     solve_modes,
+    statics,
 )
-from fem.statics import equilibrium as statics
-from fem.statics.equilibrium import _stressed, _unbalanced, tangent
+from fem.statics import _stressed, _unbalanced, tangent
 
 BENT = Effects(large_deflection=True)
 
