@@ -81,11 +81,12 @@ def fused(function: _F) -> _F:
     return _compiled(function, fastmath={"contract", "reassoc"}, forceinline=True)
 
 
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
+_OPTIONS: Any = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 def _compiled(function: _F, **more: object) -> _F:
-    return cast("_F", nb.njit(cache=CACHED, **_OPTIONS, **more)(function))
+    options: dict[str, Any] = {"cache": CACHED, **_OPTIONS, **more}
+    return cast("_F", nb.njit(**options)(function))
 
 
 def by_flights(level: Any, linear: Any) -> Callable[[_F], _F]:
