@@ -263,7 +263,7 @@ class Reference:
                 self.rolling += self.m * self.a_r * abs(new[self.s[i]] - self.x[self.s[i]])
         if self.harmonic is not None:
             pieces = max(1, math.ceil(lag * self.rate * 1.3))
-            nodes, weights = np.polynomial.legendre.leggauss(12)
+            nodes, weights = np.polynomial.legendre.leggauss(16)
             for n in range(pieces):
                 x = expm(a * lag * ((n + 0.5 + 0.5 * nodes) / pieces)[:, None, None]) @ self.x
                 power = x[:, self.wave] * (x[:, self.k + 2 : 2 * self.k + 4] @ self.push)
