@@ -1,4 +1,4 @@
-"""Ring-downs that are led down through the amplitudes, cycle by cycle."""
+"""Kernels of sweeps through the amplitudes: ring-downs led down cycle by cycle."""
 
 from __future__ import annotations
 

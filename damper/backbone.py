@@ -1,4 +1,4 @@
-"""The short way to an amplitude at resonance: damping and frequency of free vibration, against amplitude.
+"""Amplitude at resonance without a simulation: damping and frequency of free vibration.
 
 In a cycle of amplitude A a force of height F, a quarter of a period ahead, puts in pi F A; free vibration loses
 K A^2 Lambda(A) / 2. Where the motion stays near to one vibration of slowly varying amplitude the two are equal; off

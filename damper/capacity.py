@@ -1,4 +1,4 @@
-"""Specific damping capacity, cut-off, and what bounds them."""
+"""Specific damping capacity of ring-downs, its cut-off and its bounds."""
 
 from __future__ import annotations
 
@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from damper import laws
-from damper.model import number, pair, whole
+from damper.model import Floats, number, pair, whole
 from damper.motion import Outcome, RingDown
 
 if TYPE_CHECKING:
     from damper.model import ParticleDamper
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

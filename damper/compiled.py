@@ -1,4 +1,4 @@
-"""The one decorator of the compiled kernels.
+"""The decorators of compiled kernels, and the folder that keeps their code.
 
 The compiler's cache knows the file of a kernel but not those of the kernels it calls, so a change in one file would
 leave stale code in the others. Importing this module drops every cache entry that is older than any kernel source.
@@ -8,6 +8,7 @@ Where neither the sources' folder nor the user's can be written, every start com
 from __future__ import annotations
 
 import contextlib
+import functools
 import platform
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -15,7 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import llvmlite
 import numba as nb
 import numpy as np
-from llvmlite.binding import get_host_cpu_name as host
+from llvmlite.binding import get_host_cpu_name
+from numba.extending import overload
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -60,7 +62,7 @@ def fresh() -> bool:
 
 def versions() -> tuple[str, ...]:
     """Versions of what compiles the kernels, and the processor that they are compiled for."""
-    return (platform.python_version(), np.__version__, nb.__version__, llvmlite.__version__, host())
+    return (platform.python_version(), np.__version__, nb.__version__, llvmlite.__version__, get_host_cpu_name())
 
 
 _F = TypeVar("_F", bound="Callable[..., object]")
@@ -79,6 +81,35 @@ def fused(function: _F) -> _F:
     return _compiled(function, fastmath={"contract", "reassoc"}, forceinline=True)
 
 
+_OPTIONS: Any = {"error_model": "numpy", "nogil": True, "_nrt": False}
+
+
 def _compiled(function: _F, **more: object) -> _F:
-    options: dict[str, Any] = {"cache": CACHED, "error_model": "numpy", "nogil": True, "_nrt": False, **more}
+    options: dict[str, Any] = {"cache": CACHED, **_OPTIONS, **more}
     return cast("_F", nb.njit(**options)(function))
+
+
+def by_flights(level: Any, linear: Any) -> Callable[[_F], _F]:
+    """Have a function be one kernel for runs in closed form and another for runs in linear flights.
+
+    The type of the run, its first argument, decides: only runs in closed form have `laws`.
+    """
+
+    def decorate(head: _F) -> _F:
+        @functools.wraps(head)
+        def chosen(it: Any, *more: Any) -> Any:
+            return (level if "laws" in it.dtype.names else linear)(it, *more)
+
+        def typed(it: Any, *more: Any) -> Any:
+            one = level if "laws" in it.fields else linear
+
+            def impl(it: Any, *more: Any) -> Any:
+                return one(it, *more)
+
+            return impl
+
+        if COMPILES:
+            overload(chosen, jit_options=_OPTIONS)(typed)
+        return cast("_F", chosen)
+
+    return decorate

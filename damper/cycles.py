@@ -1,8 +1,12 @@
-"""The structure's velocity maxima where flights are series; what a cycle is, `damper.cycles` says.
+"""Vibration cycles: the structure's velocity maxima, and the damping from one to the next.
 
-Where hits feed modes beside one along each axis, these come and go in the cavity's speed. What a cycle has lost is then
-told by the energy E of all modes with the ball riding along: the speed recorded is sqrt(2 E / M1), which a single mode
-has at its maximum. While the ball is stuck that keeps, however the modes exchange it.
+A cycle runs from one velocity maximum to the next, about a period later. Each maximum is the largest speed of the
+cavity in a window of time, which opens a little before it is due. `watch` looks through a window while the flights
+last; `close` ends a cycle there and keeps the largest damping capacity and the last cycle in which the ball moved.
+
+Further modes, which hits excite, come and go in the cavity's speed. Where there are any, a cycle is judged by the
+energy E of all modes with the ball riding along: the speed recorded is sqrt(2 E / M1), which a single mode has at its
+maximum. It stays the same while the ball is stuck, however the modes exchange energy.
 """
 
 from __future__ import annotations
@@ -10,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from damper.compiled import kernel
+from damper.compiled import by_flights, kernel
 from damper.flight import increment, rates, slope, velocity
 from damper.state import STUCK
 
@@ -19,8 +23,8 @@ if TYPE_CHECKING:
 
 
 @kernel
-def level_watch(it: Record, begin: float, end: float) -> bool:
-    """Look for the window's largest speed while both axes fly from time `begin` to `end`.
+def watch(it: Record, begin: float, end: float) -> bool:
+    """Look for the window's largest speed from time `begin` to `end`, on which all axes fly.
 
     Returns True when the window closed, `cycle.time` and `cycle.speed` then hold the peak; call again with the time
     at which it closed until it returns False.
@@ -29,17 +33,37 @@ def level_watch(it: Record, begin: float, end: float) -> bool:
     low, high = max(begin, cycle.opens), min(end, cycle.closes)
     if low <= high:
         pieces = 1 + int(8 * (high - low) / cycle.period)
-        t, (f, g) = low, _level_speed(it, low)
-        take(cycle, t, f)
+        t, (f, g) = low, _speed(it, low)
+        _take(it, t, f)
         for i in range(pieces):
             t_next = low + (high - low) * (i + 1) / pieces
-            f_next, g_next = _level_speed(it, t_next)
-            take(cycle, t_next, f_next)
+            f_next, g_next = _speed(it, t_next)
+            _take(it, t_next, f_next)
             if g > 0.0 > g_next:
-                top = _level_stationary(it, (t, t_next), (g, g_next))
-                take(cycle, top, _level_speed(it, top)[0])
+                top = _stationary(it, (t, t_next), (g, g_next))
+                _take(it, top, _speed(it, top)[0])
             t, g = t_next, g_next
     return bool(end >= cycle.closes)
+
+
+@kernel
+def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, float]) -> float:
+    """Zero of the rate between two times of opposite sign, by the Illinois rule."""
+    low, high = times
+    g_low, g_high = slopes
+    t = low
+    for _ in range(60):
+        t = high - g_high * (high - low) / (g_high - g_low)
+        g = _speed(it, t)[1]
+        if g == 0.0 or abs(high - low) < 1e-8 * it.cycle.period:
+            break
+        if (g > 0.0) == (g_high > 0.0):
+            high, g_high = t, g
+            g_low *= 0.5
+        else:
+            low, g_low = high, g_high
+            high, g_high = t, g
+    return t
 
 
 @kernel
@@ -84,17 +108,16 @@ def pass_time(it: Record, time: float) -> None:
 
 
 @kernel
-def take(cycle: Record, time: float, square: float) -> None:
-    """Take a time and the square of the speed then for the window's largest, if they are."""
-    speed = math.sqrt(square)
+def _level_take(it: Record, time: float, square: float) -> None:
+    """`_take` in closed form."""
+    cycle, speed = it.cycle, math.sqrt(square)
     if speed > cycle.speed:
-        cycle.speed = speed
-        cycle.time = time
+        cycle.speed, cycle.time = speed, time
 
 
 @kernel
 def _level_speed(it: Record, time: float) -> tuple[float, float]:
-    """Speed squared and half its rate."""
+    """`_speed` in closed form."""
     square = rate = 0.0
     for i in range(2):
         axis = it.axes[i]
@@ -106,51 +129,11 @@ def _level_speed(it: Record, time: float) -> tuple[float, float]:
 
 
 @kernel
-def _level_stationary(it: Record, times: tuple[float, float], slopes: tuple[float, float]) -> float:
-    """Zero of the rate between two times of opposite sign, by the Illinois rule."""
-    low, high = times
-    g_low, g_high = slopes
-    t = low
-    for _ in range(60):
-        t = high - g_high * (high - low) / (g_high - g_low)
-        g = _level_speed(it, t)[1]
-        if g == 0.0 or abs(high - low) < 1e-8 * it.cycle.period:
-            break
-        if (g > 0.0) == (g_high > 0.0):
-            high, g_high = t, g
-            g_low *= 0.5
-        else:
-            low, g_low = high, g_high
-            high, g_high = t, g
-    return t
-
-
-@kernel
-def watch(it: Record, begin: float, end: float) -> bool:
-    """Look for the window's largest speed from time `begin` to `end`; True when it closed, as `damper.cycles.watch`."""
-    cycle = it.cycle
-    low, high = max(begin, cycle.opens), min(end, cycle.closes)
-    if low <= high:
-        pieces = 1 + int(8 * (high - low) / cycle.period)
-        t, (f, g) = low, _speed(it, low)
-        _take(it, t, f)
-        for i in range(pieces):
-            t_next = low + (high - low) * (i + 1) / pieces
-            f_next, g_next = _speed(it, t_next)
-            _take(it, t_next, f_next)
-            if g > 0.0 > g_next:
-                top = _stationary(it, (t, t_next), (g, g_next))
-                _take(it, top, _speed(it, top)[0])
-            t, g = t_next, g_next
-    return bool(end >= cycle.closes)
-
-
-@kernel
-def _take(it: Record, time: float, square: float) -> None:
-    """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
+def _linear_take(it: Record, time: float, square: float) -> None:
+    """`_take` in linear flights."""
     cycle = it.cycle
     if not it.system.several:
-        take(cycle, time, square)
+        _level_take(it, time, square)
     elif square > cycle.square:
         cycle.square, cycle.time = square, time
         cycle.speed = math.sqrt(_twice_the_energy(it, time) / (it.ball.host_mass + it.ball.mass))
@@ -175,8 +158,8 @@ def _twice_the_energy(it: Record, time: float) -> float:
 
 
 @kernel
-def _speed(it: Record, time: float) -> tuple[float, float]:
-    """Speed squared and half its rate."""
+def _linear_speed(it: Record, time: float) -> tuple[float, float]:
+    """`_speed` in linear flights."""
     system, square, rate = it.system, 0.0, 0.0
     for g in range(system.groups):
         span, cavity = system.span[g], system.high[g] - system.low[g]
@@ -188,21 +171,12 @@ def _speed(it: Record, time: float) -> tuple[float, float]:
     return square, rate
 
 
-@kernel
-def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, float]) -> float:
-    """Zero of the rate between two times of opposite sign, by the Illinois rule."""
-    low, high = times
-    g_low, g_high = slopes
-    t = low
-    for _ in range(60):
-        t = high - g_high * (high - low) / (g_high - g_low)
-        g = _speed(it, t)[1]
-        if g == 0.0 or abs(high - low) < 1e-8 * it.cycle.period:
-            break
-        if (g > 0.0) == (g_high > 0.0):
-            high, g_high = t, g
-            g_low *= 0.5
-        else:
-            low, g_low = high, g_high
-            high, g_high = t, g
-    return t
+@by_flights(_level_take, _linear_take)
+def _take(it: Record, time: float, square: float) -> None:
+    """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
+
+
+@by_flights(_level_speed, _linear_speed)
+def _speed(it: Record, time: float) -> tuple[float, float]:
+    """Square of the cavity's speed at a time, and half its rate."""
+    raise NotImplementedError

@@ -1,4 +1,4 @@
-"""The damping ratio over amplitude, from samples of sweeps through the amplitudes, and what is read off it."""
+"""Points of a damping curve, from samples of sweeps through the amplitudes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The event loop: detect, propagate, resolve, record."""
+"""The event loop: find the next event, fly to it, resolve it, record it.
+
+`level_run` follows one ring-down in closed form, `run` one in linear flights; `level_run_block` and `run_block`
+follow many. Both loops share what they record (`write_event`, `write_peak`) and when a run ends (`end_cycle`).
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.cycles import close, level_watch, pass_time, resume, watch
+from damper.cycles import close, pass_time, resume, watch
 from damper.events import account, look, schedule, seek, strongest_drive
 from damper.flight import begin, expand, increments, structure, travel, viscous_loss
 from damper.impacts import let_go, level_hit, level_rub, level_settle, read, resolve, roll, roll_on, slip
@@ -229,7 +233,7 @@ def _restart(i: int, kind: int, before: float, it: Record, tables: Tables) -> No
 @kernel
 def _level_observe(it: Record, tables: Tables, time: float) -> bool:
     """Seek velocity maxima up to `time`; False if their table is full."""
-    while level_watch(it, it.clock.watched, time):
+    while watch(it, it.clock.watched, time):
         if not end_cycle(it, tables, _strongest_drive(it)):
             return False
     pass_time(it, time)

@@ -25,7 +25,7 @@ from damper.state import ROLLING, STUCK
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.model import Floats, Harmonic, Mode, Parameters, ParticleDamper
+    from damper.model import Floats, Mode, Parameters, ParticleDamper
 
 
 class Structures(NamedTuple):

@@ -1,7 +1,13 @@
-"""When the next event of a group comes, from guards on its series.
+"""The next event of a flight: when it ends, and how.
 
-A guard is what has to reach zero: the way to a wall, the relative velocity, the rolling threshold less the drive of a
-stuck ball, the sliding of the contact. Its first zero in the step is proved to be the first (`damper.events`).
+An event is a zero of a guard: the distance to a wall, the relative velocity, the rolling threshold less the drive of
+a stuck ball, the sliding speed of the contact. Three parts:
+
+- `first_zero`: the first zero of a power series, proved to be the first;
+- linear flights: `seek` finds the next event of a group of coordinates, `departure` the direction in which a ball at
+  rest sets off, `settled` whether it ever will, `account` the friction that rolling demands of the floor;
+- closed form: `schedule` and `look` find the next event of an axis on pieces of the flight on which the acceleration is
+  monotone; `level_departure` is their `departure`.
 
 Ties: a hit comes before a reversal in the same instant, x before y.
 """

@@ -1,9 +1,14 @@
-"""Closed-form flight: where structure and ball are, a time tau after an event.
+"""Flights between events: in closed form, or as power series.
 
-The structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a C + b S) with
-C = cos(omega tau) and S = sin(omega tau) / omega, which stays good as damping nears its critical value and omega zero;
-the ball follows as  s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its inertia and f
-of the rolling resistance; slipping, with beta = 1 and f of the sliding friction.
+In closed form the structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a C + b S)
+with C = cos(omega tau) and S = sin(omega tau) / omega, which stays accurate as damping nears its critical value and
+omega zero; the ball follows as s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its
+inertia and f of the rolling resistance; slipping, with beta = 1 and f of the sliding friction.
+
+Linear flights are taken in steps, on which every coordinate is a power series of `damper.state.TERMS` terms. `expand`
+makes the series of a group from its state, `travel` moves the group on and books the work by Lobatto's rule. Series
+are computed eight numbers at a time (`load`, `store`, `fill`, `times`, `add_times`, `total`): vectors for the
+compiler, arrays in plain Python.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Time histories, made afterwards from the event table at any resolution."""
+"""Motion at any time, from the event table of a ring-down."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from damper.model import Floats
 from damper.state import AXIS, balls_of, laws_of
 
 if TYPE_CHECKING:
     from damper.model import Record, Records
     from damper.motion import RingDown
-
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""States between events, from the flights that the event table holds."""
+"""Kernels that evaluate the motion between the events of a table."""
 
 from __future__ import annotations
 

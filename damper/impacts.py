@@ -1,6 +1,7 @@
-"""What events do to the motion: impulses at the walls, sticking, setting off, slip.
+"""What an event does to the motion: hits, wall friction, sticking, setting off, slip.
 
-An impulse along one axis moves the cavity along the other too where a mode does.
+Functions whose name begins with `level` act on an axis in closed form. The others act on linear flights, where an
+impulse along one axis moves the cavity along the other too if a mode couples them; `resolve` is their entry.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Laws that every figure obeys before it is published, whatever computed it.
+"""Physical laws that every result must obey before it is returned.
 
 Each follows from the equations of motion for all dampers that it is applied to, so that a violation is a defect: of the
 kernels, or of what compiled them. Tolerances are some thousand times the rounding seen in 10⁴ random dampers.
@@ -236,7 +236,7 @@ def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes
     most = np.where(consistent, np.sqrt(riding) * speed * (1 + EXACT), np.inf)
     require("no velocity exceeds what all energy gives", "velocity maximum [m/s]", extremes.velocity, most, where)
     if damper.modes is not None and structures.dashpot.any():
-        return  # the last term of `damper.laws` has no bound there
+        return  # the last term of the bound on the work has no bound there
     with np.errstate(invalid="ignore"):
         path = bounds.damped * np.sqrt(run.duration * losses["structure"] + 0 * present)[:, None]
     most = bounds.work(speed, run.duration, np.where(path > 0, path, np.inf)) + extremes.ball_energy + 2 * bounds.bowl

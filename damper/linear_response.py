@@ -1,6 +1,6 @@
-"""The linear answer to a harmonic force: of the structure with the ball at rest in it, and without the ball.
+"""Linear response to a harmonic force: of the structure with the ball at rest in it, and without it.
 
-Amplitudes are complex: what is z there moves as the real part of z exp(i frequency t).
+Amplitudes are complex: a coordinate of amplitude z moves as the real part of z exp(i frequency t).
 """
 
 from __future__ import annotations

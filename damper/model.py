@@ -1,4 +1,8 @@
-"""The particle damper: what it is made of, in SI, validated once."""
+"""The particle damper: its parameters in SI, validated once, and what follows from them.
+
+`ParticleDamper`, the structural `Mode` and the exciting `Harmonic` are the inputs. Inside, dampers are rows of one
+table (`PARAMETERS`), so that many are computed at once: derived quantities and checks are functions of such rows.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +11,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    pass
-
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Integers: TypeAlias = npt.NDArray[np.int64]

@@ -1,4 +1,8 @@
-"""Dampers on linear flights about to start: their systems, and the motion of structure and ball."""
+"""Ring-downs before and after the event loop: how they begin, and what they leave.
+
+`prepare` turns initial states into runs in closed form; `kinds` says which flights a damper needs, and `flights`
+turns prepared runs into runs in linear flights. `RingDown` is the result, with its `Outcome` and its `EnergyBooks`.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +22,7 @@ from damper.state import LEVEL, LINEAR, SHARED, STUCK, balls_of, laws_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-
-    from damper.model import Floats, Harmonic, Integers, Parameters, ParticleDamper, Records
+    from damper.model import Integers, Parameters, ParticleDamper
     from damper.setup import Systems
 
 

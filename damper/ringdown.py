@@ -1,4 +1,7 @@
-"""One ring-down: a damper released from rest, run to its end."""
+"""One ring-down: structure and ball released and followed until the ball rests.
+
+`Course` is what a ring-down needs of the event loop, in closed form or in linear flights.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,6 @@ if TYPE_CHECKING:
 
     from damper.model import Floats, Harmonic, ParticleDamper, Record, Records
     from damper.motion import Flights, Prepared
-    from damper.state import Tables
 
 
 class Course(Protocol):

@@ -3,11 +3,10 @@
 Each family of kernels is checked once, when its first result is about to leave; a stamp beside the compiled code tells
 later starts, until the sources, the versions of what compiles them or the processor change.
 
-The digits of `level floor` and `printed equations` come from an independent dense solution that agrees with itself to
-1e-11, all others from the integrators of `tests/damper` (`reference.py`: matrix exponentials; `lagrangian.py`: DOP853
-at a tolerance of 1e-13), which share no code with the kernels: `python -m tests.damper.digits` computes each with two
-steps, which agree in the digits given. All motions end before chaos takes digits from them, and the steady state
-attracts its neighbours.
+The digits come from the reference of the tests (`tests/damper/reference.py`: matrix exponentials of equations that are
+derived from the Lagrangian), which shares no code with the kernels: `python -m tests.damper.digits` computes each at
+two samplings, which agree in the digits given. All motions end before chaos takes digits from them, and the steady
+state attracts its neighbours.
 """
 
 from __future__ import annotations

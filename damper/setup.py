@@ -1,6 +1,8 @@
-"""Dampers on structures as the kernels take them: constants, and the terms of their flights.
+"""Linear flights set up: constants of the systems, and the terms of their power series.
 
-Axes that no mode and no load couples fall into groups of coordinates that fly on their own.
+`systems_of` makes both for dampers on structural modes. Axes that neither a mode nor the load couples fall into two
+groups of coordinates that fly on their own. `flows_of` has the terms for each regime, `swinging` the bounds on the
+drive of a stuck ball.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from damper.state import MODES, STEP, SYSTEM, TERMS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.equations import Equations, Structures
+    from damper.equations import Structures
     from damper.model import Floats, Harmonic, Integers, Parameters, Records
 
 

@@ -1,4 +1,4 @@
-"""Motions under a harmonic force about to start."""
+"""Motions under a harmonic force at their start: initial states, and their linear response."""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The few flat records that the compiled engine works on."""
+"""The records that the compiled kernels work on, and the physical constants in them.
+
+Regimes and kinds of event; oscillators (`LAW`, `laws_of`), ball (`BALL`, `balls_of`), axes, energy books, cycles and
+clock of a run; runs in closed form (`LEVEL`), in linear flights (`LINEAR`) and under a harmonic force (`DRIVEN`); the
+tables that a run may fill.
+"""
 
 from __future__ import annotations
 

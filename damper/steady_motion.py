@@ -1,11 +1,11 @@
-"""Driven motion followed cycle by cycle of the force until it is steady, by a criterion that has a figure.
+"""Motion under a harmonic force, followed cycle by cycle until it is steady.
 
 Each cycle begins at time 0, where the force begins anew, so that a motion that repeats itself does so to the last bit.
 The run is doubled until its second half, the window, passes:
 
 - the ball rests, and nothing that is left of the structure's own motion can move it again: locked;
 - the motion comes back to where it was in the last batch of the window, and what is then left to go, by the rate at
-  which it came closer since the middle, is at most `damper.steady_motion.REPEATED`: periodic;
+  which it came closer since the middle, is at most `REPEATED`: periodic;
 - or it comes no closer and does not calm down, and the window's mean amplitude is known to the accuracy asked for, by
   its standard error, by the drift from its first to its second half, and by the balance of power: aperiodic.
 

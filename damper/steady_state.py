@@ -1,4 +1,4 @@
-"""What a harmonic force or a moving base leads to: the steady state, by following the motion until it is there."""
+"""Steady states under a harmonic force or a moving base, found by following the motion."""
 
 from __future__ import annotations
 

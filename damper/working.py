@@ -1,4 +1,4 @@
-"""What a damper does to a steady vibration: equivalent damping ratio against amplitude, and where it works.
+"""The damping curve of a damper: equivalent damping ratio against amplitude.
 
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A

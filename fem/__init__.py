@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.accuracy.error_estimates import estimate_error
     from fem.accuracy.mesh_selection import Choice, choose_mesh
     from fem.accuracy.theory_selection import choose_theory
-    from fem.linalg.eigensolvers import NotConverged, SingularMatrix
+    from fem.linalg import NotConverged, SingularMatrix
     from fem.meshes.mesh_sequence import Given, Rectangle
     from fem.meshes.planform import MeshError, PlaceError, rectangle
     from fem.meshes.read import read_mesh
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem.reduction.modal import ModesAtPlace, modes_at
     from fem.reduction.single_mode import NoFlapMode, Reduced, Reduction, reduce_at, reduce_over
     from fem.rotor import Effects, Rotor
-    from fem.statics.equilibrium import NoEquilibrium, Unresolved, equilibrium
+    from fem.statics import NoEquilibrium, Unresolved, equilibrium
     from fem.sweep.campbell import Campbell, Veering, campbell
     from fem.sweep.laws import LawViolation
 
@@ -46,9 +46,9 @@ _HOMES = {
     "MeshError": "fem.meshes.planform",
     "Modes": "fem.modes.real",
     "ModesAtPlace": "fem.reduction.modal",
-    "NoEquilibrium": "fem.statics.equilibrium",
+    "NoEquilibrium": "fem.statics",
     "NoFlapMode": "fem.reduction.single_mode",
-    "NotConverged": "fem.linalg.eigensolvers",
+    "NotConverged": "fem.linalg",
     "Operators": "fem.operators.assembly",
     "PlaceError": "fem.meshes.planform",
     "Plate": "fem.plate",
@@ -56,8 +56,8 @@ _HOMES = {
     "Reduced": "fem.reduction.single_mode",
     "Reduction": "fem.reduction.single_mode",
     "Rotor": "fem.rotor",
-    "SingularMatrix": "fem.linalg.eigensolvers",
-    "Unresolved": "fem.statics.equilibrium",
+    "SingularMatrix": "fem.linalg",
+    "Unresolved": "fem.statics",
     "Veering": "fem.sweep.campbell",
     "assemble": "fem.operators.assembly",
     "campbell": "fem.sweep.campbell",
@@ -65,7 +65,7 @@ _HOMES = {
     "choose_theory": "fem.accuracy.theory_selection",
     "critical_speed": "fem.modes.gyroscopic",
     "displacement": "fem.output",
-    "equilibrium": "fem.statics.equilibrium",
+    "equilibrium": "fem.statics",
     "estimate_error": "fem.accuracy.error_estimates",
     "families": "fem.modes.real",
     "modes_at": "fem.reduction.modal",

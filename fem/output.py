@@ -1,4 +1,4 @@
-"""Shapes as displacements between the mesh's vertices too: on cells in parts, for pictures of coarse meshes."""
+"""Mode shapes as displacements, at mesh vertices and between them, for pictures."""
 
 from __future__ import annotations
 

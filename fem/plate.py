@@ -1,4 +1,4 @@
-"""What is given: the material and the plate."""
+"""The plate: material, mid-surface, thickness, tip mass and elastic root."""
 
 from __future__ import annotations
 

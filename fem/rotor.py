@@ -1,4 +1,4 @@
-"""How the plate spins, and which effects of spinning are counted."""
+"""The rotor: spin axis, hub and blade angles, and which effects of spinning count."""
 
 from __future__ import annotations
 

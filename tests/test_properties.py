@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from damper import Formulation, Outcome, ringdown
 from fem import solve_modes
 from tests.compiler import COMPILED
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 from tests.soak import plates, rings
 
 T = TypeVar("T")

@@ -1,10 +1,13 @@
-"""What Coriolis forces would do to the modes of a plate found without them.
+"""Effects left out: by how much Coriolis forces and large deflection would shift frequencies.
 
-Two modes of rates a and b, coupled by g = phi_a' G phi_b, have together the rates w of
+Coriolis forces (`turned`): two modes of rates a and b, coupled by g = phi_a' G phi_b, have together the rates w of
     (w² - a²) (w² - b²) = (Omega g w)²,
 far from one another a shift of second order in Omega, where they nearly coincide one of first order, Omega g / 2. Modes
-beyond those found take part by their static answer to the Coriolis forces of these. On a coarse mesh rates are off by
+beyond those found take part by their static response to the Coriolis forces of these. On a coarse mesh rates are off by
 more than modes may be apart: the shift is the largest that their distance, as uncertain as it is, allows.
+
+Large deflection (`bent`): the static state at the highest speed, and by how much it shifts the frequencies; a coarse
+mesh is enough for the difference.
 """
 
 from __future__ import annotations
@@ -14,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg.eigensolvers import orthonormal
+from fem.linalg import orthonormal
 from fem.modes.real import Divergence, solve_real
 from fem.modes.solve import solve_modes
 from fem.operators.assembly import assemble
-from fem.statics.equilibrium import NoEquilibrium, linearise, settle, tangent
+from fem.statics import NoEquilibrium, linearise, settle, tangent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,4 +1,8 @@
-"""The cheapest theory whose frequencies are as close to a solid's as is asked."""
+"""The cheapest plate theory whose frequencies agree with a solid's within a tolerance.
+
+`theory_errors` estimates how far the frequencies of a theory are from a solid's, from the strains in its modes: at
+one speed, `over_speeds` at all speeds of a diagram. `choose_theory` picks the cheapest theory by these estimates.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,7 @@ import numpy as np
 
 from fem.accuracy.tolerances import Budget
 from fem.meshes.planform import root_facets
-from fem.meshes.thickness import SLOPE as SLOPING
-from fem.meshes.thickness import of, slope
+from fem.meshes.thickness import SLOPE, of, slope
 from fem.modes.real import Divergence, solve_real
 from fem.operators.assembly import assemble
 from fem.rotor import Effects, Rotor
@@ -43,7 +46,7 @@ MARGIN = 1.25
 LEFT = {"kirchhoff": (1.2, 1.2 * STRETCHED), "mindlin": (1.2, 1.2 * STRETCHED), "mindlin/held": (0.22, 0.5)}
 """Part of what the clamp does, in bending and in stretching, that a theory lacks at most."""
 
-STRETCH, SLOPE, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
+STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
 
 
@@ -89,7 +92,7 @@ def sloping(operators: Operators) -> float:
     plate = operators.plate
     if kind(operators.model.theory) is Kind.SOLID:
         return 0.0
-    return SLOPING * slope(plate.thickness, plate.mesh) ** 2
+    return SLOPE * slope(plate.thickness, plate.mesh) ** 2
 
 
 def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
@@ -135,7 +138,7 @@ def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     """The twist in the layers along free edges: (r, r)."""
     facets = np.setdiff1d(model.mesh.boundary_facets(), root_facets(model.mesh))
     lengths, tangent = _along(model, facets)
-    (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPE])
+    (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPES])
     x, y = tangent[:, :, None]
     twist = 0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y
     nu, h = plate.material.poissons_ratio, _heights(model, plate).mean(axis=1)[model.mesh.f2t[0, facets]]

@@ -1,4 +1,4 @@
-"""Who may add how much to the error of a result: one record that every choice of a discretisation goes by."""
+"""Error budget: how much each step of a computation may add to the error of a frequency."""
 
 from __future__ import annotations
 

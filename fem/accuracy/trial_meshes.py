@@ -1,4 +1,4 @@
-"""The meshes of a planform that have been tried: their matrices and frequencies at a few speeds."""
+"""Trial meshes of a planform: their matrices and frequencies at a few speeds."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from fem.accuracy.edge_layer import drift, folds
 from fem.accuracy.theory_selection import layers
-from fem.linalg.eigensolvers import factorise, lowest_modes
+from fem.linalg import factorise, lowest_modes
 from fem.modes.real import Divergence, Modes, check_count, solve_real
 from fem.modes.solve import solve_modes
 from fem.operators.assembly import transfer
-from fem.statics.equilibrium import NoEquilibrium, linearise, settle, tangent
+from fem.statics import NoEquilibrium, linearise, settle, tangent
 from fem.theory.registry import Kind, kind
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg.eigensolvers import Factor
+    from fem.linalg import Factor
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]

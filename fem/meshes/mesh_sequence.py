@@ -1,4 +1,4 @@
-"""A planform as a ladder of meshes, coarse to fine, and the order at which errors fall along it.
+"""Sequences of meshes of a planform, coarse to fine, and the order at which errors fall along them.
 
 Where a clamped edge meets a free one the stress is singular, and along the free edges of a plate with shear there is a
 layer as wide as the plate is thick, which carries the twisting moment: even meshes converge slowly for their sake. A

@@ -1,4 +1,4 @@
-"""Planforms: the rectangle, and what every mesh of a plate's mid-surface must satisfy."""
+"""Planforms: the rectangle, the checks of a mid-surface mesh, and where a point lies in it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modes with Coriolis forces: (K + i w Omega G - w² M) x = 0.
+"""Modes with Coriolis forces, (K + i w Omega G - w² M) x = 0, and the critical speed.
 
 Davidson's method: a space that begins with the plate's own modes takes in the residuals, solved for with the factor of
 K, until these are small. Residuals are those of the full matrices, so that nothing hangs on the rounding of a
@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fem.linalg import eigensolvers as solver
-from fem.linalg.eigensolvers import NotConverged, SingularMatrix, factorise, krylov, orthonormal, random_block, rounding
+from fem import linalg
+from fem.linalg import NotConverged, SingularMatrix, factorise, krylov, orthonormal, random_block, rounding
 from fem.modes.real import Modes, solve_real
-from fem.statics.equilibrium import check_rest
+from fem.statics import check_rest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
-    from fem.linalg.eigensolvers import Factor
+    from fem.linalg import Factor
 
 
 EXTRA = 4
@@ -116,7 +116,7 @@ def _undamped(
         far = ~settled & (rates * (1.0 - energy) <= rates[:count][-1])
         if not far.any():
             return rates[:count], _turned(shapes[:, :count], mass)
-        if span.vectors.shape[1] >= solver.LARGEST[0] + solver.LARGEST[1] * count:
+        if span.vectors.shape[1] >= linalg.LARGEST[0] + linalg.LARGEST[1] * count:
             worst = float(energy[:count].max())
             raise NotConverged(f"{span.vectors.shape[1]} vectors leave {worst:.2g} of the energy of {count} modes")
         more = np.hstack([step[:, far].real, step[:, far].imag])

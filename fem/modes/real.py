@@ -1,4 +1,8 @@
-"""Modes without Coriolis forces: what they are, and how a stiffness has them."""
+"""Modes without Coriolis forces, and the families that they belong to.
+
+`solve_real` finds the lowest modes under a stiffness; `families` tells flap, twist, lag and chord modes apart by
+where their energy is.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.eigensolvers import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
-from fem.statics.equilibrium import LOST, check_rest
+from fem.linalg import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
+from fem.statics import LOST, check_rest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.modes.gyroscopic import solve_gyroscopic
 from fem.modes.real import Modes, check_count, check_damping, solve_real
-from fem.statics.equilibrium import linearise
+from fem.statics import linearise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,7 +33,7 @@ def solve_modes(
     start: the state at a neighbouring speed, to warm-start a large deflection. state: that at this speed, if known.
     damping_ratio: viscous damping of each mode of the plate, below 1, which Coriolis forces then share out.
 
-    Rounding takes some digits of a thin plate, most of its lowest frequency. `fem.linalg.eigensolvers.rounding`
+    Rounding takes some digits of a thin plate, most of its lowest frequency. `fem.linalg.rounding`
     estimates how much, some twenty times too cautiously, and the `bounds` of `campbell` contain it. On a square of 8
     x 8 cells it is 1e-5 for a solid of h/L = 1e-4, and grows with (L/h)²; for Mindlin's plates it is below 1e-6, for
     Kirchhoff's below 1e-10, at any thickness. Finer meshes, strips, and speeds next to the critical one lose more.

@@ -1,4 +1,8 @@
-"""From a plate on a rotor to its matrices: everything that does not depend on the speed, made once."""
+"""Matrices of a plate on a rotor: everything that does not depend on the speed.
+
+`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `point_rows` reads displacements at a point,
+and `transfer` carries shapes from one mesh to another.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.eigensolvers import factorise
+from fem.linalg import factorise
 from fem.meshes.planform import locate, root
 from fem.meshes.thickness import of
 from fem.theory import forms
@@ -19,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg.eigensolvers import Factor
+    from fem.linalg import Factor
     from fem.plate import Plate
     from fem.rotor import Effects, Rotor
     from fem.theory.discretisation import Discretisation

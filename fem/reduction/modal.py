@@ -19,7 +19,7 @@ import numpy as np
 from fem.meshes import thickness
 from fem.modes.real import Divergence
 from fem.operators.assembly import point_rows, with_point_mass
-from fem.statics.equilibrium import linearise
+from fem.statics import linearise
 from fem.sweep.campbell import campbell
 from fem.theory.forms import uniform_load
 

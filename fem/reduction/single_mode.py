@@ -2,7 +2,8 @@
 
 phi is the fundamental flap mode scaled to w = 1 at the damper. Ball in flight: M2 = phi' M phi and
 K2 = omega_2² M2. Ball stuck: a point mass that has inertia, pulls on the plate and softens like all mass;
-omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1.
+omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1. `reduce_at` reduces at one
+speed, `reduce_over` at all speeds of a diagram.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import eigh
 
-from fem.linalg.eigensolvers import SingularMatrix, factorise, lanczos, most_alike, refine, rounding
+from fem.linalg import SingularMatrix, factorise, lanczos, most_alike, refine, rounding
 from fem.meshes.planform import PlaceError
 from fem.modes.real import Divergence, Modes, families, lowest, solve_real
 from fem.operators.assembly import point_rows, with_point_mass
-from fem.statics.equilibrium import linearise
+from fem.statics import linearise
 from fem.sweep.campbell import campbell
 from fem.sweep.laws import EXACT, require
 

@@ -1,8 +1,9 @@
-"""The Campbell diagram: frequencies over speed, for about the price of one modal analysis.
+"""The Campbell diagram: frequencies over speed, and modes followed through crossings.
 
 With a linear prestress every speed is answered by a reduced basis (`fem.sweep.greedy_basis`) with a bound on the error
 of every frequency. With large deflection the modes are solved speed by speed, each from the state before; so they are
-for many modes at few speeds.
+for many modes at few speeds. `follow` pairs the modes of neighbouring speeds by their likeness, through crossings and
+veerings.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg.eigensolvers import CONVERGED, rounding
+from fem.linalg import CONVERGED, rounding
 from fem.modes.gyroscopic import critical_speed
 from fem.modes.real import FAMILIES, Divergence, Modes, check_count, check_damping, energy_shares
 from fem.modes.solve import solve_modes
-from fem.statics.equilibrium import NoEquilibrium, tangent
+from fem.statics import NoEquilibrium, tangent
 from fem.sweep.greedy_basis import Swept, answer
 from fem.sweep.laws import check_diagram
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.statics.equilibrium import linearise
+from fem.statics import linearise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import polar
 
-from fem.linalg.eigensolvers import orthonormal, rounding
+from fem.linalg import orthonormal, rounding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,7 +7,8 @@ and, of second order in z, d,a . d,b / 2, whose part that is even over the thick
 stretched gets thinner: bending strains are multiplied by what plane stress leaves of the thickness, whose square is
 1 - 2 nu / (1 - nu) (E_xx + E_yy) of the membrane's; in shear, small beside them, that is left out. At small rotations
 this is `fem.theory.mindlin`; a director may turn by up to 90 degrees. The strains are those of Simo and Fox, Comput.
-Methods Appl. Mech. Engng 72 (1989) 267. Shear is in `fem.theory.finite_rotation`.
+Methods Appl. Mech. Engng 72 (1989) 267. `Section` has the membrane and bending strains, `Shear`
+the transverse shear.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ import numpy as np
 from fem.theory.fields import Block, Fields
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from fem.plate import Material
-    from fem.theory.fields import Fields
     from fem.theory.strains import Terms
 
     Array = NDArray[np.float64]
-    from collections.abc import Iterator
 
 
 TURNS = (6, 9)

@@ -2,7 +2,8 @@
 
 U = (u - z theta_x, v - z theta_y, w). Direct strains in plane stress; transverse shear g = grad w - theta
 with the correction factor 5/6 (Reissner 1945; Mindlin, J. Appl. Mech. 18 (1951) 31). Quadrilaterals carry Q2
-throughout, triangles P2 with a cubic bubble in the rotations; see `fem.theory.mindlin` for the shear.
+throughout, triangles P2 with a cubic bubble in the rotations. The shear strains are sampled at the
+points of a `Tying` and interpolated from there, which keeps thin plates from locking.
 """
 
 from __future__ import annotations
@@ -22,8 +23,6 @@ from fem.theory.fields import Block, Fields
 from fem.theory.sections import layers, stretched, weighed
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fem.plate import Plate
 
     Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The plate theories by name."""
+"""Plate theories by name, and what kind of body each takes a plate for."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Layer:
     """One point of the integration through the thickness.
 
     z and weight in m (for solids 0 and 1); where the thickness varies z is (ncell, npoint) and the weight a part of it,
-    see `fem.theory.sections`.
+    see the top of this module.
 
     Attributes:
         displacement: T, (3, nfield).

@@ -8,17 +8,17 @@ beside it; ratios are taken between runs that follow each other in one process. 
 
 from __future__ import annotations
 
-import math
 import os
 import statistics
 import time
 from collections.abc import Callable
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
-from damper import Formulation, ParticleDamper, ringdown, ringdowns
-from tests.damper.reference import Axis, Reference
+from damper import ParticleDamper, ringdown, ringdowns
+from tests.damper.reference import Reference
+from tests.damper.scenes import paper
+from workflows.studies.work_precision.study import by_ivp
 
 RELEASE = (20e-3, 5e-3)
 CYCLES = 200
@@ -26,54 +26,7 @@ CYCLES = 200
 
 def scene() -> ParticleDamper:
     """The paper's damper at 21,932 g on a structure of 1 kg and 269.5 Hz."""
-    stiffness = 1.006 * (2 * math.pi * 269.5) ** 2
-    return ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(stiffness, stiffness),
-        ball_mass=0.006,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=219320.0,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-        formulation=Formulation.CONSISTENT,
-    )
-
-
-class SolveIvp(Reference):
-    """The same ring-down with scipy's DOP853, rtol 1e-9, and its event functions."""
-
-    def schedule(self, axis: Axis) -> None:
-        """Integrate until an event function of this axis turns positive."""
-        for kind, value in self.tests(axis, axis.x).items():
-            if value > 0 or (kind == "hit" and value == 0):
-                return self.plan(axis, 0.0, kind)
-        end = 2 * math.pi * self.cycles - axis.start
-        if end <= 0:
-            return self.plan(axis, math.inf, "")
-        kinds = list(self.tests(axis, axis.x))
-        a = self.matrix(axis)
-        solution = self._solve(a, axis.x, end, [self._event(axis, kind) for kind in kinds])
-        found = [(t[0], kind) for t, kind in zip(solution.t_events, kinds, strict=True) if len(t)]
-        return self.plan(axis, *min(found, default=(math.inf, "")))
-
-    def fly(self, axis: Axis, time: float) -> None:
-        """Integrate to a time that is known."""
-        if time > axis.start:
-            axis.x = self._solve(self.matrix(axis), axis.x, time - axis.start, []).y[:, -1]
-        axis.start = time
-
-    def _event(self, axis: Axis, kind: str) -> Callable[[float, np.ndarray], float]:
-        def event(t: float, x: np.ndarray) -> float:
-            return float(self.tests(axis, x)[kind])
-
-        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-        return event
-
-    @staticmethod
-    def _solve(a: np.ndarray, x: np.ndarray, end: float, events: list) -> object:
-        return solve_ivp(lambda t, y: a @ y, (0, end), x, "DOP853", rtol=1e-9, atol=1e-13, events=events)
+    return paper()
 
 
 def timed(work: Callable[[], object], repeats: int) -> tuple[float, float, float]:
@@ -103,8 +56,8 @@ def main() -> None:
     dense = Reference(damper, RELEASE, CYCLES)
     exact = dense.final / dense.initial
     ours = timed(lambda: ringdown(damper, RELEASE, CYCLES), 50)
-    peer = timed(lambda: SolveIvp(damper, RELEASE, CYCLES), 3)
-    run, other = ringdown(damper, RELEASE, CYCLES), SolveIvp(damper, RELEASE, CYCLES)
+    peer = timed(lambda: by_ivp(damper, RELEASE, CYCLES, "DOP853", 1e-9), 3)
+    run, other = ringdown(damper, RELEASE, CYCLES), by_ivp(damper, RELEASE, CYCLES, "DOP853", 1e-9)
     error, other_error = abs(run.energy.final / run.energy.initial - exact), abs(other.final / other.initial - exact)
     print(f"{CYCLES} cycles, exact events {ours[0]:12.3g} s   error in energy {error:.1e}")
     print(f"{CYCLES} cycles, DOP853       {peer[0]:12.3g} s   error in energy {other_error:.1e}")

@@ -13,46 +13,26 @@ from dataclasses import replace
 import numpy as np
 
 from damper import Harmonic, Mode, ParticleDamper, ringdowns
+from tests.damper.scenes import paper
 
 RELEASES = 64
-OMEGA = 2 * np.pi * 269.5
-MASS = 0.316
-
-
-def level() -> ParticleDamper:
-    """The paper's damper at 10000 rpm."""
-    stiffness = 1.006 * MASS * OMEGA**2
-    return ParticleDamper(
-        modal_mass=MASS,
-        stiffness=(stiffness, stiffness),
-        ball_mass=0.006 * MASS,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=219325.0,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-        damping_ratio=1e-3,
-    )
+LEVEL = paper(damping_ratio=1e-3)
 
 
 def with_modes(count: int) -> ParticleDamper:
     """Modes along x and y, and further ones along x, six times as fast each and hardly fed."""
-    base = level()
-    modes = [
-        Mode(MASS, base.stiffness[0], (1.0, 0.0), (6.9, 0.0)),
-        Mode(MASS, base.stiffness[1], (0.0, 1.0), (0.0, 6.9)),
-    ]
-    modes += [Mode(MASS, base.stiffness[0] * (1.0 + 0.3 * k) ** 2, (0.3, 0.0), (2.0, 0.0)) for k in range(1, count - 1)]
-    return replace(base, modes=tuple(modes))
+    stiffness = LEVEL.stiffness[0]
+    modes = [Mode(1.0, stiffness, (1.0, 0.0), (6.9, 0.0)), Mode(1.0, stiffness, (0.0, 1.0), (0.0, 6.9))]
+    modes += [Mode(1.0, stiffness * (1.0 + 0.3 * k) ** 2, (0.3, 0.0), (2.0, 0.0)) for k in range(1, count - 1)]
+    return replace(LEVEL, modes=tuple(modes))
 
 
 CASES = {
-    "level": (level(), None),
-    "tilt": (replace(level(), floor_tilt=(6.9, 6.9)), None),
-    "hollow": (replace(level(), floor_radius=(16e-3, 16e-3)), None),
-    "tilt and hollow": (replace(level(), floor_tilt=(6.9, 6.9), floor_radius=(16e-3, 16e-3)), None),
-    "driven": (level(), Harmonic(OMEGA, (1.0, 0.0))),
+    "level": (LEVEL, None),
+    "tilt": (replace(LEVEL, floor_tilt=(6.9, 6.9)), None),
+    "hollow": (replace(LEVEL, floor_radius=(16e-3, 16e-3)), None),
+    "tilt and hollow": (replace(LEVEL, floor_tilt=(6.9, 6.9), floor_radius=(16e-3, 16e-3)), None),
+    "driven": (LEVEL, Harmonic(LEVEL.stuck_frequency, (3.0, 0.0))),
     "2 modes": (with_modes(2), None),
     "3 modes": (with_modes(3), None),
     "4 modes": (with_modes(4), None),

@@ -1,300 +1,388 @@
-"""A slow reference for the ring-down, written from the equations of motion and sharing no code with the engine.
+"""A slow reference for motions of structure and ball, from the Lagrangian; it shares no code with the engine.
 
-Each axis is the linear system x' = A x for x = (u, v, s, w, 1, spin), with one A per regime; x is stepped densely with
-matrix exponentials, every sign change of an event function between two samples is narrowed down. What it can miss, two
-roots within one sample, it misses differently at another sampling: run it at two and compare.
-
-Units: time in 1/omega_1 and length in the largest release, so that all numbers are of order one.
+The coordinates z = (q, s) are the structure's modes and the ball's place in its cavity. The mass matrix is assembled
+from the velocities, the forces are gradients of the potentials, a stuck ball is a constraint, an impact an impulse on
+s; only the paper's printed equations, which have no Lagrangian, are written as they stand. Between events all is
+linear: each flight is stepped densely with matrix exponentials, and every sign change of a guard between two samples is
+narrowed down. What it can miss, two roots within one sample, it misses differently at another sampling: run it at two
+and compare.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
 
-from damper import Formulation, ParticleDamper
+from damper import Formulation, Harmonic, Mode, ParticleDamper, RingDown
 
 CHUNK = 64
+KINDS = {1: "start", 2: "reversal", 3: "hit", 5: "grip"}
+Event = tuple[float, int, str]
+"""Time [periods 2 pi / omega_1], axis and kind."""
 
 
-@dataclass
-class Axis:
-    stiffness: float
-    gap: float
-    x: np.ndarray  # u, v, s, w, 1, spin
-    direction: int = 0
-    slips: bool = False
-    start: float = 0.0
-    next: float = math.inf
-    kind: str = ""
-    heading: int = 0
+class Guard(NamedTuple):
+    """Its event happens along an axis once the least of `rows @ x` exceeds `threshold`."""
+
+    axis: int
+    kind: str
+    heading: int
+    rows: np.ndarray
+    threshold: float
+
+    def happened(self, x: np.ndarray) -> np.ndarray:
+        return (x @ self.rows.T).min(axis=-1) > self.threshold
 
 
 @dataclass
 class Reference:
-    """Runs `cycles` periods on construction; read `events` (time, axis, kind), `impacts`, `final`, `initial`."""
+    """Runs for `cycles` periods on construction; read `events`, `impacts`, `rolling`, `work`, `final`, `initial`."""
 
     damper: ParticleDamper
-    release: tuple[float, float]
+    release: tuple[float, ...]  # amplitudes of the modes
     cycles: float
     samples: int = 1024
-    events: list[tuple[float, int, str]] = field(default_factory=list)
+    harmonic: Harmonic | None = None
+    most: int = sys.maxsize
+    place: tuple[float, float] = (0.0, 0.0)  # of the ball at the release
+    events: list[Event] = field(default_factory=list)
     impacts: int = 0
     rolling: float = 0.0
+    work: float = 0.0
 
     def __post_init__(self) -> None:
         d = self.damper
-        self.length = max(map(abs, self.release))
-        self.rate = math.sqrt(d.stiffness[0] / (d.modal_mass + d.ball_mass))
-        self.beta = (
-            1.0 if d.centrifugal_acceleration == 0 else (5 / 7 if d.formulation is Formulation.CONSISTENT else 5 / 2)
+        modes = d.modes or (
+            Mode(d.modal_mass, d.stiffness[0], (1.0, 0.0), (d.floor_tilt[0], 0.0)),
+            Mode(d.modal_mass, d.stiffness[1], (0.0, 1.0), (0.0, d.floor_tilt[1])),
         )
-        self.printed = d.formulation is Formulation.PRINTED
-        self.m, self.big = d.ball_mass / d.modal_mass, 1.0  # masses in units of M2
-        self.total = self.m + self.big
-        self.threshold = d.rolling_friction / d.ball_radius * d.centrifugal_acceleration / (self.length * self.rate**2)
-        self.grip = (d.floor_friction or 0.0) * d.centrifugal_acceleration / (self.length * self.rate**2)
-        scale = d.modal_mass * self.rate**2
-        self.axes = [
-            Axis(
-                d.stiffness[i] / scale,
-                (d.cavity[i] / 2 - d.ball_radius) / self.length,
-                np.array([self.release[i] / self.length, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            )
-            for i in range(2)
-        ]
-        self.initial = self.energy()
-        self.run()
-        self.final = self.energy()
+        self.k = k = len(modes)
+        self.m, self.load, self.printed = d.ball_mass, d.centrifugal_acceleration, d.formulation is Formulation.PRINTED
+        self.spring, masses = (np.array([getattr(mode, name) for mode in modes]) for name in ("stiffness", "mass"))
+        zeta = np.array([d.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes])
+        self.dashpot = 2 * zeta * np.sqrt(self.spring * masses)
+        self.stuck_dashpot = 2 * zeta * np.sqrt(self.spring * (masses + (self.m if self.printed else 0.0)))
+        self.shape, self.slope, drawn = (
+            np.array([getattr(mode, name) for mode in modes]).T for name in ("shape", "slope", "participation")
+        )
+        ride = np.hstack([self.shape, np.eye(2)])  # velocity of the ball's centre
+        self.mass = self.m * ride.T @ ride
+        self.mass[range(k), range(k)] += masses
+        self.push = np.zeros(k + 2)
+        if (h := self.harmonic) is not None:
+            self.push[:k] = np.array(h.force) @ self.shape - np.array(h.base) @ drawn + np.array(h.modal or 0.0)
+            self.push -= self.m * np.array(h.base) @ ride
+        unit = np.eye(k + 2)
+        v = [[self.potential(a + b) - self.potential(a) - self.potential(b) for b in unit] for a in unit]
+        self.gradient = np.array(v)  # the potential is a quadratic form
+        self.a_r = d.rolling_friction / d.ball_radius * self.load
+        self.grip = (d.floor_friction or 0.0) * self.load
+        self.gap = [c / 2 - d.ball_radius for c in d.cavity]
+        self.rate = math.sqrt(d.stiffness[0] / (d.modal_mass + d.ball_mass))
+        self.floor = 1e-9 * self.rate * float(np.abs(self.shape @ self.release).max())
+        self.regime, self.direction = ["stuck", "stuck"], [0, 0]
+        self.s, self.w, self.spin = ([start, start + 1] for start in (k, 2 * k + 2, 2 * k + 4))
+        self.one, self.wave = 2 * k + 6, 2 * k + 7
+        phase = 0.0 if h is None else h.phase
+        turn = [1.0, math.cos(phase), math.sin(phase)]
+        self.known: dict[tuple[object, ...], np.ndarray] = {}
+        self.x = np.concatenate([self.release, self.place, np.zeros(k + 2 + 2), turn])
+        self.time, self.initial = 0.0, self.energy()
+        for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
+            self.settle(i)
+        self.go_on()
 
-    # equations of motion -------------------------------------------------------------------------------------
+    @property
+    def final(self) -> float:
+        return self.energy()
 
-    def dashpot(self, axis: Axis, *, stuck: bool) -> float:
-        mass = self.total if stuck and self.printed else self.big
-        return 2 * self.damper.damping_ratio * math.sqrt(axis.stiffness * mass)
+    def potential(self, z: np.ndarray) -> float:
+        """Of the structure, the load on the tilting and curved floor, and the spin in its plane of rotation."""
+        d, q, s = self.damper, z[: self.k], z[self.k :]
+        v = 0.5 * self.spring @ q**2 + self.m * self.load * (self.slope @ q) @ s
+        if d.floor_radius is not None:
+            v += 0.5 * self.m * self.load * sum(s[i] ** 2 / (d.floor_radius[i] - d.ball_radius) for i in range(2))
+        out = self.outward(self.shape @ q + s) - self.outward(self.shape @ q)  # the rest is in the stiffness
+        return float(v - 0.5 * self.m * d.rotation**2 * out)
 
-    def matrix(self, axis: Axis) -> np.ndarray:
-        a = np.zeros((6, 6))
-        a[0, 1] = 1.0
-        if axis.direction == 0:
-            a[1, 0], a[1, 1] = -axis.stiffness / self.total, -self.dashpot(axis, stuck=True) / self.total
-            if axis.x[5] != 0.0:  # pressed against a wall, spinning
-                a[5, 4] = -2.5 * math.copysign(self.grip, axis.x[5])
-            return a
-        if axis.slips:
-            friction = -axis.direction * self.grip  # on the ball, per unit of its mass
-            a[1] = [
-                -axis.stiffness / self.big,
-                -self.dashpot(axis, stuck=False) / self.big,
-                0,
-                0,
-                -self.m * friction / self.big,
-                0,
-            ]
-            a[2, 3] = 1.0
-            a[3] = -a[1]
-            a[3, 4] += friction
-            a[5, 4] = -2.5 * friction
-            return a
-        sigma = -axis.direction
-        if self.printed:
-            mass, force = self.big, -self.m * self.threshold * sigma
-        else:
-            mass, force = self.big + (1 - self.beta) * self.m, -self.beta * self.m * self.threshold * sigma
-        a[1] = [-axis.stiffness / mass, -self.dashpot(axis, stuck=False) / mass, 0, 0, force / mass, 0]
-        a[2, 3] = 1.0
-        a[3] = -self.beta * a[1]
-        a[3, 4] += self.beta * self.threshold * sigma
-        a[5] = a[3]  # rolling, the spin is the relative velocity
-        return a
-
-    # event functions: positive means it has happened ---------------------------------------------------------
-
-    def drives(self, axis: Axis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """-acceleration by the stuck law and by the rolling law (where rolling would just begin)."""
-        u, v = x[..., 0], x[..., 1]
-        return tuple((axis.stiffness * u + self.dashpot(axis, stuck=stuck) * v) / self.total for stuck in (True, False))
-
-    def tests(self, axis: Axis, x: np.ndarray) -> dict[str, np.ndarray]:
-        if axis.slips:
-            return {
-                "hit+": x[..., 2] - axis.gap,
-                "hit-": -x[..., 2] - axis.gap,
-                "grip": -axis.direction * (x[..., 3] - x[..., 5]),
-            }
-        if axis.direction == 0 and axis.x[5] != 0.0:
-            side = math.copysign(1.0, axis.x[2])
-            acceleration = -self.drives(axis, x)[0]
-            push = math.copysign(self.grip, axis.x[5])
-            return {"away": side * (acceleration - push), "grip": -math.copysign(1.0, axis.x[5]) * x[..., 5]}
-        if axis.direction != 0:
-            return {
-                "hit": axis.direction * x[..., 2] - axis.gap,
-                "reversal": -axis.direction * x[..., 3],
-            }
-        stuck, rolling = self.drives(axis, x)
-        found = {}
-        for d in (-1, 1):
-            if d * axis.x[2] < axis.gap:
-                found[f"start{d:+d}"] = np.minimum(d * stuck, d * rolling) - self.threshold
-        return found
-
-    # detection -----------------------------------------------------------------------------------------------
-
-    def schedule(self, axis: Axis) -> None:
-        a = self.matrix(axis)
-        dt = 2 * math.pi / self.samples
-        powers = _powers(a.tobytes(), dt)
-        x, t0 = axis.x, 0.0
-        end = 2 * math.pi * self.cycles - axis.start
-        previous = self.tests(axis, x)
-        # just after a start or a rebound the function that fired is zero: it must first move away
-        if axis.direction == 0:
-            for kind, value in previous.items():
-                if value > 0 and kind != "grip":
-                    return self.plan(axis, 0.0, kind)
-        elif not axis.slips and previous["hit"] >= 0:
-            return self.plan(axis, 0.0, "hit")
-        while t0 < end:
-            block = powers @ x
-            values = self.tests(axis, block)
-            best: tuple[float, str] = (math.inf, "")
-            for kind, f in values.items():
-                k = int(np.argmax(f > 0)) if (f > 0).any() else -1
-                if k >= 0:
-                    base = x if k == 0 else block[k - 1]
-                    lag = self.narrow(axis, a, base, dt, kind)
-                    best = min(best, (t0 + k * dt + lag, kind))
-            if best[0] < math.inf:
-                return self.plan(axis, *best)
-            x, t0 = block[-1], t0 + CHUNK * dt
-        return self.plan(axis, math.inf, "")
-
-    def plan(self, axis: Axis, lag: float, kind: str) -> None:
-        axis.next, axis.kind = axis.start + lag, kind
-
-    def narrow(self, axis: Axis, a: np.ndarray, base: np.ndarray, dt: float, kind: str) -> float:
-        """When the first sign change within dt of base happens: its interval cut into CHUNK parts, again and again."""
-        low = 0.0
-        while dt > 4e-16 * max(low, 1e-3):
-            dt /= CHUNK
-            block = _powers(a.tobytes(), dt) @ base
-            happened = self.tests(axis, block)[kind] > 0
-            k = int(np.argmax(happened)) if happened.any() else CHUNK - 1
-            low, base = low + k * dt, base if k == 0 else block[k - 1]
-        return low + dt
-
-    # resolution ----------------------------------------------------------------------------------------------
-
-    def fly(self, axis: Axis, time: float) -> None:
-        new = expm(self.matrix(axis) * (time - axis.start)) @ axis.x
-        if axis.direction != 0:
-            self.rolling += self.m * self.threshold * abs(new[2] - axis.x[2])
-        axis.x, axis.start = new, time
-
-    def settle(self, axis: Axis) -> None:
-        axis.x[3] = axis.x[5] = 0.0
-        axis.direction, axis.slips = 0, False
-        for kind, value in self.tests(axis, axis.x).items():
-            if value > 0:
-                axis.direction = int(kind.removeprefix("start"))
-                return
-
-    def slip(self, axis: Axis) -> None:
-        axis.slips = True
-        axis.direction = int(math.copysign(1.0, axis.x[3] - axis.x[5]))
-
-    def hit(self, axis: Axis, other: Axis, time: float) -> None:
-        d, m, big = self.damper, self.m, self.big
-        mbar = m * big / (m + big)
-        side = math.copysign(1.0, axis.x[2])
-        axis.x[2] = side * axis.gap
-        u_n, p_n = axis.x[1], axis.x[1] + axis.x[3]
-        closing = u_n - p_n
-        axis.x[1] = u_n - mbar * (1 + d.restitution) * closing / big
-        axis.x[3] = p_n + mbar * (1 + d.restitution) * closing / m - axis.x[1]
-        axis.direction, axis.slips = int(-side), False
-        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
-            lift = min(d.friction * mbar * (1 + d.restitution) * abs(closing) / m, 2 / 7 * abs(axis.x[5]))
-            axis.x[5] -= math.copysign(2.5 * lift, axis.x[5])
-        floor = 1e-9
-        if abs(axis.x[3]) <= max(d.sticking_ratio * abs(axis.x[1]), floor):
-            common = (big * axis.x[1] + m * (axis.x[1] + axis.x[3])) / (m + big)
-            axis.x[1], axis.x[3], axis.direction = common, 0.0, 0
-        elif self.grip > 0:
-            self.slip(axis)
-        if self.grip == 0:
-            axis.x[5] = axis.x[3]
-        if other.direction != 0 and d.friction > 0:
-            self.fly(other, time)
-            u_t, p_t = other.x[1], other.x[1] + other.x[3]
-            slide = u_t - p_t
-            if slide != 0 and closing != 0:
-                cap = abs(slide / (closing * (1 + d.restitution)))
-                mu = math.copysign(min(d.friction, cap), slide / closing)
-                other.x[1] = u_t - mu * mbar * (1 + d.restitution) * closing / big
-                other.x[3] = p_t + mu * mbar * (1 + d.restitution) * closing / m - other.x[1]
-                if self.grip == 0:
-                    other.x[5] = other.x[3]
-                if d.friction >= cap:
-                    other.x[3] = 0.0
-                if self.grip > 0 and other.x[3] != other.x[5]:
-                    self.slip(other)
-                elif d.friction >= cap:
-                    self.settle(other)
-            self.schedule(other)
-
-    def run(self) -> None:
-        end = 2 * math.pi * self.cycles
-        for axis in self.axes:
-            self.settle(axis)
-            self.schedule(axis)
-        while True:
-            i = 0 if self.axes[0].next <= self.axes[1].next else 1
-            axis, other = self.axes[i], self.axes[1 - i]
-            time, kind = axis.next, axis.kind
-            if time >= end:
-                break
-            self.events.append((time / (2 * math.pi), i, kind.split("+")[0].split("-")[0]))
-            self.fly(axis, time)
-            if kind.startswith("hit"):
-                self.impacts += 1
-                self.hit(axis, other, time)
-            elif kind == "reversal":
-                self.settle(axis)
-            elif kind == "away":
-                self.slip(axis)
-            elif kind == "grip":
-                axis.x[5] = axis.x[3]
-                axis.slips = False
-                axis.direction = int(np.sign(axis.x[3]))
-            else:
-                axis.direction = int(kind.removeprefix("start"))
-            self.schedule(axis)
-        for axis in self.axes:
-            self.fly(axis, end)
+    def outward(self, at: np.ndarray) -> float:
+        """Square of the distance from the axis of rotation in x (flap) and y (chord)."""
+        z, y, sine, cosine = *at, math.sin(self.damper.stagger), math.cos(self.damper.stagger)
+        return float(y**2 * cosine**2 + z**2 * sine**2 - 2 * y * z * sine * cosine)
 
     def energy(self) -> float:
-        spin = 0.0 if self.printed or self.beta == 1.0 else 0.4 * self.m
-        return sum(
-            0.5 * a.stiffness * a.x[0] ** 2
-            + 0.5 * self.big * a.x[1] ** 2
-            + 0.5 * self.m * (a.x[1] + a.x[3]) ** 2
-            + 0.5 * spin * a.x[5] ** 2
-            for a in self.axes
-        )
+        """Of structure and ball [J]."""
+        z, rate, spin = np.split(self.x[: self.one], [self.k + 2, 2 * self.k + 4])
+        turning = 0.0 if self.load == 0 or self.printed else 0.2 * self.m * float(spin @ spin)
+        return float(0.5 * rate @ self.mass @ rate) + self.potential(z) + turning
+
+    def accelerations(self, regime: list[str]) -> np.ndarray:
+        """Rows of z'' over x."""
+        k, n, mass = self.k, self.k + 2, self.mass.copy()
+        force = self.forces()
+        for i in range(2):
+            if regime[i] == "roll":
+                mass[k + i, k + i] += 0.0 if self.load == 0 else 0.4 * self.m
+                force[k + i, self.one] -= self.m * self.a_r * self.direction[i]
+            elif regime[i] == "slide":
+                force[k + i, self.one] -= self.m * self.grip * self.direction[i]
+        free = [*range(k), *(k + i for i in range(2) if regime[i] != "stuck")]
+        rows = np.zeros((n, len(self.x)))
+        rows[free] = np.linalg.solve(mass[np.ix_(free, free)], force[free])
+        if self.printed:
+            beta = 1.0 if self.load == 0 else 2.5
+            for i in range(2):
+                rows[[i, k + i]] = 0.0
+                held, push = regime[i] == "stuck", self.a_r * self.direction[i]
+                rows[i, i], rows[i, n + i] = -self.spring[i], -(self.stuck_dashpot if held else self.dashpot)[i]
+                rows[i, self.one] = 0.0 if held else self.m * push
+                rows[i] /= self.damper.modal_mass + (self.m if held else 0.0)
+                if not held:
+                    rows[k + i] = -beta * rows[i]
+                    rows[k + i, self.one] -= beta * push
+        return rows
+
+    def forces(self) -> np.ndarray:
+        """Rows of the generalised forces on z over x, without what floor and walls do to the ball."""
+        n = self.k + 2
+        rows = np.zeros((n, len(self.x)))
+        rows[:, :n] = -self.gradient
+        rows[range(self.k), range(n, n + self.k)] = -self.dashpot
+        rows[:, self.wave] = self.push
+        return rows
+
+    def pull(self, i: int) -> np.ndarray:
+        """Rows of the force on s, per unit of the ball's mass, that would hold a ball stuck."""
+        regime = list(self.regime)
+        regime[i] = "stuck"
+        key = (i, *regime, *self.direction)
+        if key not in self.known:
+            self.known[key] = self.held(i, regime)
+        return self.known[key]
+
+    def held(self, i: int, regime: list[str]) -> np.ndarray:
+        if self.printed:  # by the stuck and by the rolling law's dashpot
+            rows = np.zeros((2, len(self.x)))
+            rows[:, i], rows[:, self.k + 2 + i] = self.spring[i], (self.stuck_dashpot[i], self.dashpot[i])
+            return rows / (self.damper.modal_mass + self.m)
+        row = self.forces()[self.k + i] - self.mass[self.k + i] @ self.accelerations(regime)
+        return row[None] / self.m
+
+    def matrix(self) -> np.ndarray:
+        """A in x' = A x."""
+        key = (*self.regime, *self.direction, *np.sign(self.x[self.spin]))
+        if key in self.known:
+            return self.known[key]
+        n, a = self.k + 2, np.zeros((len(self.x), len(self.x)))
+        a[:n, n : 2 * n] = np.eye(n)
+        a[n : 2 * n] = self.accelerations(self.regime)
+        for i in range(2):
+            if self.regime[i] == "roll":
+                a[self.spin[i]] = a[self.w[i]]
+            elif self.regime[i] == "slide":
+                a[self.spin[i], self.one] = 2.5 * self.direction[i] * self.grip
+            elif self.x[self.spin[i]] != 0.0:
+                a[self.spin[i], self.one] = -2.5 * math.copysign(self.grip, self.x[self.spin[i]])
+        if self.harmonic is not None:
+            a[self.wave, self.wave + 1], a[self.wave + 1, self.wave] = -self.harmonic.frequency, self.harmonic.frequency
+        self.known[key] = a
+        return a
+
+    def guards(self) -> list[Guard]:
+        """What can end the present flight."""
+        found, unit = [], np.eye(len(self.x))
+        for i in range(2):
+            s, w, spin, d = unit[self.s[i]], unit[self.w[i]], unit[self.spin[i]], self.direction[i]
+            at, turning = self.x[self.s[i]], self.x[self.spin[i]]
+            if self.regime[i] == "stuck" and turning != 0:
+                side = math.copysign(1, at)
+                found.append(Guard(i, "away", 0, -side * self.pull(i), side * math.copysign(self.grip, turning)))
+                found.append(Guard(i, "grip", 0, -math.copysign(1, turning) * spin[None], 0.0))
+            elif self.regime[i] == "stuck":
+                ways = [way for way in (-1, 1) if way * at < self.gap[i]]
+                found += [Guard(i, "start", way, way * self.pull(i), self.a_r) for way in ways]
+            elif self.regime[i] == "roll":
+                found += [Guard(i, "hit", d, d * s[None], self.gap[i]), Guard(i, "reversal", 0, -d * w[None], 0.0)]
+            else:
+                found += [Guard(i, "hit", side, side * s[None], self.gap[i]) for side in (-1, 1)]
+                found.append(Guard(i, "grip", 0, -d * (w - spin)[None], 0.0))
+        return found
+
+    def go_on(self) -> None:
+        """Until the end, or the last event wanted."""
+        period = 2 * math.pi / self.rate
+        end = self.cycles * period
+        while self.time < end and len(self.events) < self.most:
+            guards, a = self.guards(), self.matrix()
+            now = [g for g in guards if g.kind in ("start", "away") and g.happened(self.x)]
+            lag, guard, x = (0.0, now[0], self.x) if now else self.next(a, guards, end - self.time)
+            if guard is None or lag >= end - self.time:
+                self.book(a, end - self.time, expm(a * (end - self.time)) @ self.x)
+                self.time = end
+                return
+            self.book(a, lag, x)
+            self.time += lag
+            self.events.append((self.time / period, guard.axis, guard.kind))
+            self.happen(guard)
+
+    def next(self, a: np.ndarray, guards: list[Guard], left: float) -> tuple[float, Guard | None, np.ndarray]:
+        """When the first guard's event happens, which, and the state then."""
+        dt, x, t = 2 * math.pi / self.rate / self.samples, self.x, 0.0
+        while t < left:
+            block = np.concatenate([x[None], _powers(a.tobytes(), dt) @ x])
+            happened = np.array([guard.happened(block[1:]) for guard in guards])
+            if happened.any():
+                k = int(np.argmax(happened.any(axis=0)))
+                found = [(*self.narrow(a, guards[n], block[k], dt), n) for n in np.flatnonzero(happened[:, k])]
+                lag, x, n = min(found, key=lambda each: each[0])
+                return t + k * dt + lag, guards[n], x
+            x, t = block[-1], t + CHUNK * dt
+        return left, None, x
+
+    def narrow(self, a: np.ndarray, guard: Guard, x: np.ndarray, dt: float) -> tuple[float, np.ndarray]:
+        """When a guard's event happens within dt of x: the interval is cut into CHUNK parts, again and again."""
+        low = 0.0
+        while dt * self.rate > 4e-16 * max(low * self.rate, 1e-3):
+            dt /= CHUNK
+            block = np.concatenate([x[None], _powers(a.tobytes(), dt) @ x])
+            happened = guard.happened(block[1:])
+            k = int(np.argmax(happened)) if happened.any() else CHUNK - 1
+            low, x = low + k * dt, block[k]
+        return low + dt, block[k + 1]
+
+    def book(self, a: np.ndarray, lag: float, new: np.ndarray) -> None:
+        """Take the state after a flight, and the work done on it."""
+        for i in range(2):
+            if self.regime[i] == "roll":
+                self.rolling += self.m * self.a_r * abs(new[self.s[i]] - self.x[self.s[i]])
+        if self.harmonic is not None:
+            pieces = max(1, math.ceil(lag * self.rate * 1.3))
+            nodes, weights = np.polynomial.legendre.leggauss(16)
+            for n in range(pieces):
+                x = expm(a * lag * ((n + 0.5 + 0.5 * nodes) / pieces)[:, None, None]) @ self.x
+                power = x[:, self.wave] * (x[:, self.k + 2 : 2 * self.k + 4] @ self.push)
+                self.work += 0.5 * lag / pieces * float(weights @ power)
+        self.x = new.copy()
+
+    def happen(self, guard: Guard) -> None:
+        i, x = guard.axis, self.x
+        if guard.kind == "hit":
+            self.impacts += 1
+            x[self.s[i]] = guard.heading * self.gap[i]
+            self.hit(i)
+        elif guard.kind == "reversal":
+            self.settle(i)
+        elif guard.kind == "grip":
+            x[self.spin[i]] = x[self.w[i]]
+            if self.regime[i] != "stuck":
+                self.roll(i, int(np.sign(x[self.w[i]])))
+        elif guard.kind == "away":
+            self.slide(i)
+        else:
+            self.roll(i, guard.heading)
+
+    def roll(self, i: int, direction: int) -> None:
+        self.regime[i], self.direction[i] = ("roll" if direction else "stuck"), direction
+
+    def slide(self, i: int) -> None:
+        self.regime[i], self.direction[i] = "slide", 1 if self.x[self.w[i]] > self.x[self.spin[i]] else -1
+
+    def settle(self, i: int) -> None:
+        """Stuck, or off the way that the ball is driven."""
+        self.x[self.w[i]] = self.x[self.spin[i]] = 0.0
+        self.roll(i, 0)
+        for guard in self.guards():
+            if guard.axis == i and guard.happened(self.x):
+                self.roll(i, guard.heading)
+
+    def impulse(self, i: int, w: float) -> float:
+        """Give s_i the velocity w by an impulse on it: the floor has no time to act."""
+        n = self.k + 2
+        jump = np.linalg.solve(self.mass, np.eye(n)[self.k + i])
+        size = (w - self.x[self.w[i]]) / jump[self.k + i]
+        self.x[n : 2 * n] += size * jump
+        self.x[self.w[i]] = w
+        return float(size)
+
+    def hit(self, i: int) -> None:
+        d, k, j, x = self.damper, self.k, 1 - i, self.x
+        moved = x[self.w[j]]
+        normal = abs(self.impulse(i, -d.restitution * x[self.w[i]]))
+        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
+            lift = min(d.friction * normal, 2 / 7 * self.m * abs(x[self.spin[i]]))
+            x[self.spin[i]] -= math.copysign(2.5 * lift / self.m, x[self.spin[i]])
+        if x[self.w[j]] != moved:
+            self.after(j)
+        if self.regime[j] != "stuck" and d.friction > 0:
+            slides = x[self.w[j]]
+            change = d.friction * normal * np.linalg.inv(self.mass)[k + j, k + j]
+            self.impulse(j, 0.0 if change >= abs(slides) else slides - math.copysign(change, slides))
+            if self.grip > 0 and x[self.w[j]] != x[self.spin[j]]:
+                self.slide(j)
+                if x[self.w[j]] == 0 and abs(x[self.s[j]]) >= self.gap[j]:
+                    self.roll(j, 0)
+            else:
+                x[self.spin[j]] = x[self.w[j]]
+                if change >= abs(slides):
+                    self.settle(j)
+        structure = self.shape[i] @ x[k + 2 : 2 * k + 2]
+        if abs(x[self.w[i]]) <= max(d.sticking_ratio * abs(structure), self.floor):
+            moved = x[self.w[j]]
+            self.impulse(i, 0.0)
+            self.roll(i, 0)
+            if self.grip == 0:
+                x[self.spin[i]] = 0.0
+            if x[self.w[j]] != moved:
+                self.after(j)
+        else:
+            self.after(i)
+
+    def after(self, i: int) -> None:
+        """The spin follows at once, or the ball slides."""
+        if self.grip > 0:
+            self.slide(i)
+        else:
+            self.x[self.spin[i]] = self.x[self.w[i]]
+            self.roll(i, int(np.sign(self.x[self.w[i]])))
 
 
 @lru_cache(maxsize=1024)
 def _powers(matrix: bytes, dt: float) -> np.ndarray:
     """exp(A k dt) for k = 1 … CHUNK."""
-    step = expm(np.frombuffer(matrix).reshape(6, 6) * dt)
-    out = np.empty((CHUNK, 6, 6))
+    n = math.isqrt(len(matrix) // 8)
+    step = expm(np.frombuffer(matrix).reshape(n, n) * dt)
+    out = np.empty((CHUNK, n, n))
     out[0] = step
     for k in range(1, CHUNK):
         out[k] = out[k - 1] @ step
     return out
+
+
+def events(run: RingDown) -> list[Event]:
+    """Those of a ring-down, as a `Reference` lists them."""
+    assert run.rows is not None
+    period = 2 * math.pi / run.damper.stuck_frequency
+    names = {**KINDS, "pulled from a wall": "away"}
+    return [
+        (
+            r["time"] / period,
+            int(r["axis"]),
+            names["pulled from a wall" if r["kind"] == 1 and r["regime"] == 2 else r["kind"]],
+        )
+        for r in run.rows
+        if r["kind"] in KINDS
+    ]
+
+
+def agreed(a: list[Event], b: list[Event], tolerance: float = 1e-9) -> int:
+    """How many events of two runs are the same, from the first one on."""
+    for k, (p, q) in enumerate(zip(a, b, strict=False)):
+        if p[1:] != q[1:] or not abs(p[0] - q[0]) < tolerance:
+            return k
+    return min(len(a), len(b))

@@ -1,12 +1,36 @@
-"""Random ring-downs over the sensible ranges, for comparisons and invariants; seeded, so each has a number."""
+"""Dampers that several tests share: the paper's, and random ones over the sensible ranges, each with a number."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from damper import Formulation, ParticleDamper
+
+
+def paper(load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.006, **changes: Any) -> ParticleDamper:
+    """The damper of the paper's Fig. 3 on a structure of 1 kg; load in g of 10 m/s², frequency in Hz."""
+    stiffness = (1 + mass_ratio) * (2 * math.pi * frequency) ** 2
+    base = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(stiffness, stiffness),
+        ball_mass=mass_ratio,
+        ball_radius=1e-3,
+        cavity=(2.5e-3, 2.4e-3),
+        centrifugal_acceleration=10.0 * load,
+        restitution=0.5,
+        friction=0.3,
+        rolling_friction=1e-4,
+    )
+    return replace(base, **changes)
+
+
+def paper_like(formulation: Formulation) -> ParticleDamper:
+    """The same by either formulation."""
+    return paper(formulation=formulation)
 
 
 def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:

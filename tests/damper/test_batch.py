@@ -9,7 +9,7 @@ import pytest
 
 from damper import Batch, Formulation, Mode, capacity, ringdown, ringdowns
 from tests.compiler import COMPILED, needs_compiler
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 N = 150 if COMPILED else 3
 RNG = np.random.default_rng(5)

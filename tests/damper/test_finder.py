@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from damper.events import first_zero
-from tests.compiler import needs_compiler, some
+from tests.compiler import some
 
 TERMS = 19
 
@@ -121,12 +121,3 @@ def test_nothing_beyond_the_end() -> None:
 def test_scale_has_no_part_in_it(scale: float) -> None:
     guard = waves(np.random.default_rng(3))
     assert first_zero(scale * guard, 1.0) == pytest.approx(first_zero(guard, 1.0), rel=1e-12)
-
-
-@needs_compiler
-def test_no_event_is_missed() -> None:
-    """A short form of `python -m tests.damper.flights`."""
-    from tests.damper.flights import soak
-
-    done, bad = soak(400)
-    assert (done, bad) == (400, 0)

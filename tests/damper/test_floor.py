@@ -26,9 +26,7 @@ from damper import (
 )
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler, some
-from tests.damper.scenes import random_scene
-from tests.damper.test_reference import paper_like
-from tests.damper.test_working import paper, two_hits
+from tests.damper.scenes import paper_like, random_scene
 
 PAPER = paper_like(Formulation.CONSISTENT)
 LEVELLING = {
@@ -66,28 +64,6 @@ def test_one_mode_alone() -> None:
     one = ringdown(PAPER, (20e-3, 0.0), 20, keep_events=True)
     bending = replace(PAPER, modes=as_modes(PAPER)[:1])
     same(one, ringdown(bending, (20e-3, 0.0), 20, keep_events=True))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"floor_tilt": (1e30, 0.0)}, "floor_tilt"),
-        ({"modes": as_modes(PAPER)[0]}, "tuple of at least one Mode"),
-        ({"modes": (Mode(1.0, 1e6, (0.0, 0.0)),)}, "none of them moves the cavity"),
-        ({"modes": as_modes(PAPER), "floor_tilt": None}, "floor_tilt"),
-    ],
-)
-def test_what_is_no_floor_and_no_mode(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        replace(PAPER, **changes)
-
-
-def test_what_is_no_harmonic() -> None:
-    wrong: Any = 3.0
-    with pytest.raises(ValueError, match="modal"):
-        Harmonic(10.0, modal=wrong)
-    with pytest.raises(ValueError, match="phase"):
-        Harmonic(10.0, phase=None)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("way", LEVELLING)
@@ -165,19 +141,6 @@ def test_cutoffs_with_tilt(load: int) -> None:
     cycle = math.sqrt(1 - np.nanmax(found.sdc))
     assert expected * (1 - 1e-9) <= ratio <= expected / cycle**1.5
     assert ratio == pytest.approx(published, rel=0.01)  # three digits, another phase of the same decay
-
-
-@pytest.mark.parametrize(
-    ("load", "peak"), [(2687, 0.00339), (5483, 0.00169), (12337, 0.00064), (21932, 0.00027), (67168, 0.000032)]
-)
-def test_working_with_tilt(load: int, peak: float) -> None:
-    """Peaks by a direct integration; where the ball moves at all; and never more than its work can be."""
-    damper = tilted(load)
-    found = working(damper)
-    assert -math.expm1(-4 * math.pi * found.peak) == pytest.approx(peak, rel=0.03)
-    assert found.cutoff == pytest.approx(0.1 / (1 - TABLE_II[load][1]) * 10 * load / damper.stuck_frequency**2)
-    for amplitude, ratio in zip(found.amplitude, found.damping_ratio, strict=True):
-        assert -math.expm1(-4 * math.pi * ratio) <= 1.02 * work_bound(damper, (amplitude, 0.0))
 
 
 def hinged(stagger: float = 0.0) -> ParticleDamper:
@@ -318,25 +281,6 @@ def test_energy_scatters_into_higher_modes() -> None:
     assert abs(run.energy.residual) <= 1e-12 * run.energy.initial
 
 
-@pytest.mark.parametrize(
-    ("lever", "load", "left"),
-    [(0.01, 0.05, 0.30), (0.01, 0.15, 0.10), (0.01, 0.30, 0.05), (0.1, 0.15, 0.90), (0.1, 0.30, 0.50)],
-)
-def test_a_bowl_tuned_to_an_engine_order(lever: float, load: float, left: float) -> None:
-    """Amplitude at resonance over that without a ball, by a direct integration: order 3 of 4261 rpm, two digits."""
-    speed, mass, zeta = 4261 * math.pi / 30, 0.006, 1e-3
-    omega, pull = 3 * speed, 0.2 * speed**2
-    damper = replace(PAPER, stiffness=((1 + mass) * omega**2,) * 2, ball_mass=mass, cavity=(10e-3, 10e-3))
-    damper = replace(damper, centrifugal_acceleration=pull, rolling_friction=lever * 1e-3, damping_ratio=zeta)
-    damper = replace(damper, floor_tilt=(6.8, 6.8), floor_radius=(16.9e-3, 16.9e-3))
-    amplitude = load * pull / omega**2
-    force = amplitude * 2 * zeta * math.sqrt(damper.stiffness[0]) * omega
-    run = ringdown(damper, (0.0, 0.0), 1500, harmonic=Harmonic(omega, (force, 0.0)))
-    reached = math.sqrt(np.mean(run.peak_velocities[-300:] ** 2)) / omega
-    assert reached / amplitude == pytest.approx(left, rel=0.03, abs=0.005)
-    assert abs(run.energy.residual) <= 1e-12 * run.energy.work
-
-
 def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     """Nothing is lost here, and a third mode comes to hold up to a tenth of it: no maximum tells of more than there is.
 
@@ -370,41 +314,6 @@ def test_work_bound_with_tilt(share: float) -> None:
     assert work_bound(replace(damper, floor_radius=(1.0, 1.0)), (5e-3, 0.0)) == pytest.approx(expected, rel=1e-12)
     every = [work_bound(damper, (5e-3 * math.cos(a), 5e-3 * math.sin(a))) for a in np.linspace(0, math.pi / 2, 2001)]
     assert work_bound(damper, 5e-3) == pytest.approx(max(every), rel=1e-6)
-
-
-def free(restitution: float, over_gap: float, ball: float = 1e-7) -> tuple[ParticleDamper, float]:
-    """A floating ball in a much heavier structure, and the amplitude; given as modes, it takes linear flights."""
-    damper = replace(PAPER, ball_mass=ball, centrifugal_acceleration=0.0, restitution=restitution, friction=0.0)
-    stiffness = (1 + ball) * (2 * math.pi * 269.5) ** 2
-    modes = (Mode(1.0, stiffness, (1.0, 0.0)), Mode(1.0, stiffness, (0.0, 1.0)))
-    damper = replace(damper, stiffness=(stiffness, stiffness), modes=modes)
-    return damper, over_gap * damper.half_gap[0]
-
-
-@pytest.mark.parametrize("over_gap", [0.1, 0.209, 0.422])
-def test_two_hits_a_cycle_of_a_free_ball(over_gap: float) -> None:
-    """Psi = 32 (m/M) (1-e)/(1+e) (Theta/xi)²/pi² (Weidemann and others 2025), after the ball has found that orbit."""
-    e, xi = 0.8, over_gap
-    damper, amplitude = free(e, xi)
-    settle, more = (ringdown(damper, (amplitude, 0.0), n, ball_velocity=(1.0, 0.0)) for n in (400, 500))
-    rho = 2 / math.pi * (1 - e) / (1 + e)
-    theta = (1 + math.sqrt((1 + rho**2) * xi**2 - rho**2)) / (1 + rho**2)
-    expected = 32 * damper.ball_mass * (1 - e) / (1 + e) * (theta / xi) ** 2 / math.pi**2
-    assert more.impacts - settle.impacts == 200
-    lost = (more.energy.impact - settle.energy.impact) / 100 / (0.5 * damper.stiffness[0] * amplitude**2)
-    assert lost == pytest.approx(expected, rel=1e-3)
-
-
-@pytest.mark.parametrize("over_gap", [0.35, 0.45, 0.6])
-def test_two_hits_a_cycle_of_a_rolling_ball(over_gap: float) -> None:
-    """The loss of the orbit of a rolling ball, with its rolling resistance, in linear flights."""
-    damper = paper(mass_ratio=1e-7, rolling_friction=1e-8, restitution=0.7, friction=0.0, floor_tilt=(1e-13, 0.0))
-    amplitude = over_gap * damper.half_gap[0]
-    settle, more = (ringdown(damper, (amplitude, 0.0), n, ball_velocity=(0.5, 0.0)) for n in (400, 500))
-    assert more.impacts - settle.impacts == 200
-    lost = more.energy.impact + more.energy.rolling - settle.energy.impact - settle.energy.rolling
-    lost /= 100 * 0.5 * damper.stiffness[0] * amplitude**2
-    assert lost == pytest.approx(-math.expm1(-4 * math.pi * two_hits(damper, amplitude)), rel=1e-3)
 
 
 def test_a_batch_that_shares_what_its_damper_has_not() -> None:
@@ -447,6 +356,10 @@ def _plain(value: np.ndarray) -> float | tuple[float, float]:
 
 
 BAD = [
+    ({"floor_tilt": (1e30, 0.0)}, "floor_tilt"),
+    ({"modes": as_modes(PAPER)[0]}, "tuple of at least one Mode"),
+    ({"modes": (Mode(1.0, 1e6, (0.0, 0.0)),)}, "none of them moves the cavity"),
+    ({"modes": as_modes(PAPER), "floor_tilt": None}, "floor_tilt"),
     ({"floor_tilt": (math.nan, 0.0)}, "floor_tilt must be finite"),
     ({"floor_radius": (1e-3, 1.0)}, "floor_radius must be more than the ball's radius"),
     ({"floor_tilt": (1.0, 0.0), "formulation": Formulation.PRINTED}, "level floor only"),
@@ -476,6 +389,10 @@ def test_bad_runs() -> None:
         stepped_ringdown(replace(PAPER, floor_tilt=(1.0, 0.0)), (1e-3, 0.0), 1)
     with pytest.raises(ValueError, match="frequency must be positive"):
         Harmonic(0.0)
+    with pytest.raises(ValueError, match="modal"):
+        Harmonic(10.0, modal=3.0)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="phase"):
+        Harmonic(10.0, phase=None)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="modal must be"):
         ringdown(PAPER, (1e-3, 0.0), 1, harmonic=Harmonic(10.0, modal=(1.0,)))
     with pytest.raises(ValueError, match="a mode's mass must be positive"):

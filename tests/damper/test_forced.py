@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from damper import Forced, Formulation, Harmonic, Mode, ParticleDamper, Regime, Start, forced, ringdown, sample
 from tests.compiler import needs_compiler, some
+from tests.damper.reference import Reference
+from tests.damper.scenes import paper
 from tests.damper.test_floor import absorber
 from tests.damper.test_linear import scene
-from tests.damper.test_working import paper
 
 ZETA = 1e-3
 
@@ -150,44 +150,23 @@ def test_answers_side_by_side() -> None:
     assert found.mean[0, 1] < 0.6 * found.mean[0, 0]
 
 
-def dense(damper: ParticleDamper, force: float, nu: float, forget: int, cycles: int) -> np.ndarray:
-    """Mean power put into a structure with a free ball, in 16 batches, by DOP853; no code shared with the engine."""
-    m, k, e = damper.ball_mass, damper.stiffness[0], damper.restitution
-    c, period = 2 * damper.damping_ratio * math.sqrt(k), 2 * math.pi / nu
-
-    def rhs(t: float, y: np.ndarray) -> list[float]:
-        push = force * math.cos(nu * t)
-        return [y[1], push - c * y[1] - k * y[0], y[3], 0.0, push * y[1]]
-
-    def right(t: float, y: np.ndarray) -> float:
-        return float(y[2] - y[0] - 1)
-
-    def left(t: float, y: np.ndarray) -> float:
-        return float(y[0] - y[2] - 1)
-
-    right.terminal = left.terminal = True  # type: ignore[attr-defined]
-    right.direction = left.direction = 1.0  # type: ignore[attr-defined]
-    y, t, work = np.array([0.0, 0.0, 0.3, 1.0, 0.0]), 0.0, []
-    for end in (forget + cycles * np.arange(17) / 16) * period:
-        while t < end:
-            run = solve_ivp(rhs, (t, end), y, "DOP853", rtol=1e-8, atol=1e-10, events=(right, left), max_step=1.0)
-            t, y = float(run.t[-1]), run.y[:, -1].copy()
-            if run.status == 1:
-                jump = (1 + e) * (y[3] - y[1]) / (1 + m)
-                y[1] += m * jump
-                y[3] -= jump
-        work.append(y[4])
-    return np.diff(work) / (cycles / 16 * period)
-
-
 @needs_compiler
 @pytest.mark.parametrize(("force", "nu"), [(0.08, 1.01), (0.01, 1.0)])
 def test_chaotic_motion_beside_a_dense_integration(force: float, nu: float) -> None:
     damper = free_ball(0.05, 0.7, 0.01)
-    found = forced(damper, [Harmonic(nu, (force, 0.0))], [Start.DOWN])
+    harmonic = Harmonic(nu, (force, 0.0))
+    found = forced(damper, [harmonic], [Start.DOWN])
     assert found.regime[0, 0] is Regime.CHAOTIC
     assert found.least[0, 0] < found.mean[0, 0] < found.rms[0, 0] < found.greatest[0, 0]
-    powers = dense(damper, force, nu, 60, 320)
+    run = Reference(damper, (0.0, 0.0), 0.0, 128, harmonic, place=(0.3, 0.0))
+    run.x[run.w[0]] = 1.0
+    run.roll(0, 1)
+    work, period = [], damper.stuck_frequency / nu
+    for cycles in 60 + 20 * np.arange(17):
+        run.cycles = cycles * period
+        run.go_on()
+        work.append(run.work)
+    powers = np.diff(work) / (20 * 2 * math.pi / nu)
     error = math.hypot(powers.std(ddof=1) / 4, found.power_error[0, 0])
     assert error < 0.1 * found.power_in[0, 0]
     assert powers.mean() == pytest.approx(found.power_in[0, 0], abs=5 * error)

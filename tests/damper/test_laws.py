@@ -33,8 +33,8 @@ from damper.laws import bounds_of
 from damper.motion import CLOSED_FORM
 from damper.state import HIT, RUB, STUCK, TIRED
 from tests.compiler import needs_compiler
+from tests.damper.scenes import paper_like
 from tests.damper.test_linear import scene
-from tests.damper.test_reference import paper_like
 
 DAMPER = paper_like(Formulation.CONSISTENT)
 RELEASE = (20e-3, 5e-3)

@@ -20,7 +20,7 @@ from damper import (
     two_hit_bound,
     work_bound,
 )
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 BASE = paper_like(Formulation.CONSISTENT)
 OUTSIDE = {

@@ -14,8 +14,8 @@ from damper.flight import begin, first_extremum, structure, viscous_loss
 from damper.motion import prepare
 from damper.slip import drive, first_exceed
 from damper.state import ROLLING
-from tests.damper.reference import Reference
-from tests.damper.test_reference import agreed, events, paper_like
+from tests.damper.reference import Reference, agreed, events
+from tests.damper.scenes import paper_like
 
 ZETAS = [0.6, 0.9, 0.99, 0.999, 0.999999, 1 - 1e-9, 1 - 1e-12, 1 - 2.0**-53]
 

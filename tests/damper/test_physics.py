@@ -21,7 +21,7 @@ from damper import (
 )
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, STUCK
 from tests.compiler import needs_compiler
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 HEAVY = 1e15  # a structure that the ball does not move
 

@@ -3,58 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 
-import numpy as np
 import pytest
 
-from damper import Formulation, ParticleDamper, RingDown, ringdown
+from damper import Formulation, ringdown
 from tests.compiler import some
-from tests.damper.reference import Reference
-from tests.damper.scenes import random_scene
+from tests.damper.reference import Reference, agreed, events
+from tests.damper.scenes import paper_like, random_scene
 
-KINDS = {1: "start", 2: "reversal", 3: "hit", 5: "grip"}
-TIME_TOLERANCE = 1e-9  # of a period
 ENERGY_TOLERANCE = 1e-7
 NUDGE = 1e-12
 """By which releases are moved, relatively, to see how chaotic a motion is."""
-
-
-def paper_like(formulation: Formulation) -> ParticleDamper:
-    """269.5 Hz with the ball stuck, M2 = 1 kg, 21,932 g of 10 m/s^2, the parameters of Fig. 3."""
-    mass, ball = 1.0, 0.006
-    stiffness = (mass + ball) * (2 * math.pi * 269.5) ** 2
-    return ParticleDamper(
-        modal_mass=mass,
-        stiffness=(stiffness, stiffness),
-        ball_mass=ball,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=219320.0,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-        formulation=formulation,
-    )
-
-
-def events(run: RingDown) -> list[tuple[float, int, str]]:
-    assert run.rows is not None
-    period = 2 * math.pi / run.damper.stuck_frequency
-    return [(r["time"] / period, int(r["axis"]), _name(r)) for r in run.rows if r["kind"] in KINDS]
-
-
-def _name(row: np.record) -> str:
-    pulled_from_wall = row["kind"] == 1 and row["regime"] == 2
-    return "away" if pulled_from_wall else KINDS[row["kind"]]
-
-
-def agreed(a: list[tuple[float, int, str]], b: list[tuple[float, int, str]]) -> int:
-    """How many events of two runs are the same, from the first one on."""
-    for k, (p, q) in enumerate(zip(a, b, strict=False)):
-        if p[1:] != q[1:] or not abs(p[0] - q[0]) < TIME_TOLERANCE:
-            return k
-    return min(len(a), len(b))
 
 
 def predictable(theirs: Reference) -> int:
@@ -88,7 +47,7 @@ def test_known_digits(formulation: Formulation, impacts: int, final: float, roll
         assert run.energy.rolling / run.energy.initial == pytest.approx(rolling, abs=6e-12)
 
 
-@pytest.mark.parametrize("seed", some(14, without=2))
+@pytest.mark.parametrize("seed", some(26, without=2))
 @pytest.mark.parametrize("slips", [False, True])
 def test_random_scene(seed: int, slips: bool) -> None:
     """Same events at the same times over 15 cycles; over fewer where the motion is too chaotic for as many."""

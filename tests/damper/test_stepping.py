@@ -9,7 +9,7 @@ import pytest
 
 from damper import Formulation, ringdown, sample, stepped_ringdown
 from tests.compiler import needs_compiler
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 RELEASE = (20e-3, 5e-3)
 
@@ -66,11 +66,3 @@ def test_structure_alone_is_exact_at_any_step() -> None:
         assert stepped.impacts == 0
         assert stepped.final == pytest.approx(run.energy.final, rel=1e-12)
         assert stepped.structure == pytest.approx(stepped.initial - stepped.final, rel=0.1 if n == 3 else 1e-5)
-
-
-def test_bad_input() -> None:
-    damper = paper_like(Formulation.CONSISTENT)
-    with pytest.raises(ValueError, match="at least 1"):
-        stepped_ringdown(damper, RELEASE, 0)
-    with pytest.raises(ValueError, match="no slip"):
-        stepped_ringdown(dataclasses.replace(damper, floor_friction=0.3), RELEASE, 3)

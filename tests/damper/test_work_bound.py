@@ -10,7 +10,7 @@ import pytest
 
 from damper import Formulation, ParticleDamper, ringdown, work_bound
 from tests.compiler import needs_compiler
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 BASE = paper_like(Formulation.CONSISTENT)
 LIGHT = 1e-4

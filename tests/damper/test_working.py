@@ -11,28 +11,7 @@ from scipy.optimize import brentq
 
 from damper import ParticleDamper, Working, ringdown, work_bound, working
 from damper.working import STAY
-
-LOADS = {2687: 208.9, 12337: 241.3, 21932: 269.5}
-"""Loads of the paper's Table II [g, of 10 m/s²] and its frequencies [Hz]."""
-
-
-def paper(
-    load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.006, **changes: object
-) -> ParticleDamper:
-    """The paper's damper on a structure of 1 kg."""
-    stiffness = (1 + mass_ratio) * (2 * math.pi * frequency) ** 2
-    base = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(stiffness, stiffness),
-        ball_mass=mass_ratio,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=10 * load,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-    )
-    return replace(base, **changes)  # type: ignore[arg-type]
+from tests.damper.scenes import paper
 
 
 def at(found: Working, amplitude: float) -> float:

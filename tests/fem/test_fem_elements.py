@@ -93,21 +93,6 @@ def test_no_locking(kind):
     np.testing.assert_allclose(found[1e-2], found[1e-3], rtol=3e-3)  # the true shear effect
 
 
-@pytest.mark.parametrize("kind", MESHES)
-def test_rate(kind):
-    """Errors fall at least with the square of the cell size, and the finest is small (thin plate)."""
-    h, exact = 1e-3, np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
-    bending = STEEL.youngs_modulus * h**3 / 12.0 / (1.0 - STEEL.poissons_ratio**2)
-    unit = np.sqrt(bending / STEEL.density / h) / (2.0 * np.pi)
-    errors = []
-    for n in (4, 8):
-        operators = assemble(Plate(MESHES[kind](n), h, STEEL), Rotor(), Effects())
-        errors.append(solve_modes(operators, 0.0, 6).frequencies_hz / unit / exact - 1.0)
-    coarse, fine = np.abs(errors).max(axis=1)
-    assert np.log2(coarse / fine) > 2.0
-    assert fine < 4e-3
-
-
 @pytest.mark.parametrize("element", ["bfs", "argyris", "morley"])
 def test_memory_of_an_assembly_grows_with_the_cells(element):
     """Four times the cells take four times the memory: nothing is as large as the square of their number."""

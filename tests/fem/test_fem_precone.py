@@ -17,7 +17,7 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
-from fem.linalg.eigensolvers import factorise, lanczos
+from fem.linalg import factorise, lanczos
 from fem.meshes.thickness import Polynomial
 from fem.operators.assembly import point_rows
 from fem.theory.fields import gram

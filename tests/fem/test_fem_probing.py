@@ -2,16 +2,23 @@
 
 import numpy as np
 import pytest
-import scipy.linalg
 from fem_cases import STEEL, rpm
-from scipy.sparse import csc_array
 
-from fem import Divergence, Effects, Given, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
+from fem import (
+    Divergence,
+    Effects,
+    Given,
+    Plate,
+    Rectangle,
+    Rotor,
+    assemble,
+    choose_mesh,
+    rectangle,
+    solve_modes,
+    statics,
+)
 from fem.accuracy.trial_meshes import alone, complete, probe
-from fem.linalg.eigensolvers import factorise, lowest_modes
 from fem.operators.assembly import transfer
-from fem.statics import equilibrium as statics
-from fem.theory.tabulated_element import together
 
 COUNT, EXACT = 6, 1e-7
 
@@ -122,48 +129,8 @@ def test_a_divergence_that_the_start_does_not_lead_to_is_noticed():
 
 
 def test_speeds_that_do_not_settle_are_solved_by_themselves(monkeypatch):
-    monkeypatch.setattr("fem.linalg.eigensolvers.ROUNDS", 1)
+    monkeypatch.setattr("fem.linalg.ROUNDS", 1)
     operators, top = plate(), rpm(20000.0)
     assert probe(operators, (0.0, top), COUNT, EXACT)[1][0] == pytest.approx(
         solve_modes(operators, top, COUNT).eigenvalues, rel=1e-10
     )
-
-
-def test_lowest_modes_of_random_matrices():
-    rng = np.random.default_rng(1)
-    n, k = 60, 4
-    root = rng.standard_normal((n, n))
-    known = root @ root.T + np.diag(np.arange(1.0, n + 1.0) ** 2)
-    change = rng.standard_normal((n, 5))
-    asked, mass = known + change @ change.T, np.diag(rng.uniform(1.0, 2.0, n))
-    start = scipy.linalg.eigh(known, mass)[1][:, :k]
-    found = lowest_modes(csc_array(asked), csc_array(mass), start, factorise(csc_array(known)), 1e-10)
-    assert found is not None
-    values, vectors = found
-    assert values == pytest.approx(scipy.linalg.eigh(asked, mass, eigvals_only=True)[:k], rel=1e-9)
-    np.testing.assert_allclose(vectors.T @ mass @ vectors, np.eye(k), atol=1e-12)
-
-
-def test_a_factor_of_something_else_does_not_settle():
-    n = 200
-    asked, mass = csc_array(np.diag(np.arange(1.0, n + 1.0))), csc_array(np.eye(n))
-    start = np.random.default_rng(0).standard_normal((n, 3))
-    assert lowest_modes(asked, mass, start, factorise(csc_array(np.eye(n))), 1e-12) is None
-
-
-@pytest.mark.parametrize("name", ["ElementQuadBFS", "ElementTriArgyris", "ElementTriMorley"])
-def test_functions_tabulated_together_are_those_of_scikit_fem(name):
-    import skfem
-
-    kind = getattr(skfem, name)
-    mesh = skfem.MeshQuad.init_tensor(np.array([-1.0, 0.0, 0.3, 1.0]), np.array([-1.0, 0.5, 1.0]))
-    mesh = mesh if "Quad" in name else mesh.to_meshtri()
-    ours, theirs = (skfem.Basis(mesh, element, intorder=5) for element in (together(kind), kind()))
-    at, cells = np.array([[0.3], [0.2]])[:, :, None], np.array([3, 1])
-    for i in range(theirs.Nbfun):
-        pairs = [(ours.basis[i][0], theirs.basis[i][0])]
-        pairs += [tuple(basis.elem.gbasis(basis.mapping, at, i, tind=cells)[0] for basis in (ours, theirs))]
-        for mine, other in pairs:
-            for part in ("grad", "hess"):
-                np.testing.assert_allclose(getattr(mine, part), getattr(other, part), atol=1e-9)
-            np.testing.assert_allclose(np.asarray(mine), np.asarray(other), atol=1e-10)

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
-from fem.linalg.eigensolvers import factorise
+from fem.linalg import factorise
 from fem.meshes.thickness import Polynomial
 from fem.operators.assembly import point_rows
 from fem.theory.fields import gram

@@ -19,7 +19,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.linalg.eigensolvers import NotConverged, rounding
+from fem.linalg import NotConverged, rounding
 from fem.sweep.campbell import follow
 
 TOP = rpm(17500)
@@ -238,7 +238,7 @@ def test_sharp_veering_is_flagged(speeds, coriolis):
     ],
 )
 def test_critical_speed_is_the_dense_solver_s(monkeypatch, sides, cells, thickness, stagger, effects):
-    monkeypatch.setattr("fem.linalg.eigensolvers.LARGEST", (120, 10))
+    monkeypatch.setattr("fem.linalg.LARGEST", (120, 10))
     operators = assemble(Plate(rectangle(*sides, *cells), thickness, STEEL), Rotor(stagger=stagger), effects)
     least = scipy.linalg.eigh(operators.spinning.toarray(), operators.stiffness.toarray(), eigvals_only=True)[0]
     assert critical_speed(operators) == pytest.approx((-least) ** -0.5, rel=1e-8)
@@ -246,7 +246,7 @@ def test_critical_speed_is_the_dense_solver_s(monkeypatch, sides, cells, thickne
 
 def test_no_critical_speed_is_soon_found(monkeypatch):
     """On a strip whose stiffening and softening nearly cancel."""
-    monkeypatch.setattr("fem.linalg.eigensolvers.LARGEST", (120, 10))
+    monkeypatch.setattr("fem.linalg.LARGEST", (120, 10))
     operators = assemble(Plate(rectangle(1.0, 0.02, 24, 4), 0.001, STEEL), Rotor(), Effects())
     assert critical_speed(operators) == np.inf
 
@@ -258,7 +258,7 @@ def test_no_critical_speed_is_soon_found(monkeypatch):
 @pytest.mark.parametrize("near", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near, coriolis):
-    monkeypatch.setattr("fem.linalg.eigensolvers.LARGEST", (60, 10))
+    monkeypatch.setattr("fem.linalg.LARGEST", (60, 10))
     effects = Effects(stress_stiffening=False, coriolis=coriolis)
     operators = assemble(Plate(rectangle(0.2, 0.08, 6, 4), 0.004, STEEL), Rotor(stagger=np.pi / 2), effects)
     critical = critical_speed(operators)
@@ -274,7 +274,7 @@ def test_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near, cori
 
 
 def test_lanczos_gives_up_with_a_word(monkeypatch):
-    monkeypatch.setattr("fem.linalg.eigensolvers.LARGEST", (4, 0))
+    monkeypatch.setattr("fem.linalg.LARGEST", (4, 0))
     with pytest.raises(NotConverged, match="Lanczos vectors leave a residual"):
         solve_modes(assemble(paper_plate(8, 4), Rotor(), Effects()), 0.0, 3)
 

@@ -23,7 +23,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.linalg.eigensolvers import factorise
+from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
 from fem.operators.assembly import point_rows, transfer

@@ -11,7 +11,7 @@ import pytest
 from damper import Formulation, Outcome, ParticleDamper, RingDown, capacity, ringdown, sample
 from damper.state import HIT
 from tests.compiler import needs_compiler
-from tests.damper.test_reference import paper_like
+from tests.damper.scenes import paper_like
 
 BASE = paper_like(Formulation.CONSISTENT)
 RELEASE = (20e-3, 5e-3)

@@ -25,8 +25,8 @@ from fem import (
     solve_modes,
 )
 from fem.accuracy.trial_meshes import probe
-from fem.linalg.eigensolvers import rounding
-from fem.statics.equilibrium import linearise
+from fem.linalg import rounding
+from fem.statics import linearise
 from tests.perturbed.changes import Problem, Units
 
 STEEL = Material(2e11, 0.3, 7850.0)

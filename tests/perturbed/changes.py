@@ -100,7 +100,7 @@ def units(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operator
 @contextmanager
 def start(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """Other vectors to start from."""
-    with mock.patch("fem.linalg.eigensolvers.SEED", int(rng.integers(1, 2**31))):
+    with mock.patch("fem.linalg.SEED", int(rng.integers(1, 2**31))):
         yield problem.build(), SI
 
 

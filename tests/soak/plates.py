@@ -18,7 +18,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.linalg.eigensolvers import rounding
+from fem.linalg import rounding
 from tests.soak.dice import Dice, power, sometimes
 
 Scene = dict[str, Any]

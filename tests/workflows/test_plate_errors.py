@@ -138,7 +138,7 @@ def test_a_singular_matrix_is_named() -> None:
     from scipy.sparse import csc_array
 
     from fem import SingularMatrix
-    from fem.linalg.eigensolvers import factorise
+    from fem.linalg import factorise
 
     with pytest.raises(SingularMatrix, match="singular"):
         factorise(csc_array(np.diag([1.0, 0.0])))

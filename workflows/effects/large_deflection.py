@@ -155,5 +155,5 @@ EFFECT = Definition(
     refused=refused,
     part_of="stress_stiffening",
     assumed=assumed,
-    costs=("fem.statics.equilibrium.equilibrium", "fem.statics.equilibrium.newton"),
+    costs=("fem.statics.equilibrium", "fem.statics.newton"),
 )

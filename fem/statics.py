@@ -1,11 +1,11 @@
-"""Static equilibrium with large deflection, and the stiffness about it.
+"""Static equilibrium of the spinning plate, and the stiffness about it.
 
 The strains are the theory's own (`fem.theory.strains`, `fem.theory.finite_rotation`). The centrifugal load is that of
 the displaced mass when softening is counted. Newton's method starts from the stretched plate or from the state at a
 neighbouring speed, and takes the load in parts when that is too far. A thin plate that bends is stretched by far too
 much in a step that is linear, and the stiffness under that stress leads astray: each step's stiffness is therefore
 under the stress that the step before led to, to first order (Magisano, Leonetti and Garcea, Comput. Methods Appl.
-Mech. Engrg 313 (2017) 986).
+Mech. Engrg 313 (2017) 986). `linearise` gives the stiffness that modes at a speed vibrate with, of either deflection.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg.eigensolvers import SingularMatrix, factorise, lanczos, rounding
+from fem.linalg import SingularMatrix, factorise, lanczos, rounding
 from fem.operators.assembly import assemble
 from fem.theory.fields import gram
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg.eigensolvers import Factor
+    from fem.linalg import Factor
     from fem.operators.assembly import Operators
     from fem.plate import ElasticRoot
     from fem.theory.discretisation import Discretisation

@@ -1,8 +1,9 @@
-"""Sparse symmetric factors and the lowest modes by shift-inverted block Lanczos.
+"""Sparse symmetric factors, and the lowest modes by shift-inverted block Lanczos.
 
 The Lanczos basis is kept orthonormal in the mass (twice-repeated Gram-Schmidt), so no mode is found twice;
 blocks of vectors find double eigenvalues, which a square plate has. Sources: Ericsson and Ruhe, Math. Comp.
-35 (1980) 1251; Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228.
+35 (1980) 1251; Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228. `refine` takes one mode further by
+Davidson's method; `rounding` estimates what double precision leaves uncertain. Knows no plate; imports nothing of fem.
 """
 
 from __future__ import annotations

@@ -1,4 +1,0 @@
-"""Sparse factors and eigenvalues, of any matrices.
-
-Knows no plate; imports nothing of fem.
-"""
