@@ -22,7 +22,7 @@ from workflows.scene.rotor import Accuracy
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
-from workflows.studies.work_precision import report, timing
+from workflows.studies.work_precision import effects_report, report, timing
 from workflows.studies.work_precision import study as dampers
 from workflows.studies.work_precision import study as pipelines
 from workflows.studies.work_precision import study as plates
@@ -530,15 +530,15 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
     row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise
-    assert ("within noise" in report.effects_text(Switches("", 1e-3, (row,)))) is noise
-    assert ("within noise" in report.effects(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.text(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.draw(Switches("", 1e-3, (row,)))) is noise
 
 
 def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
-    assert "impacts, 500000 %" in report.effects(Switches("", 1e-3, (row,)))
-    monkeypatch.setattr(report.plot, "svg", lambda figure, *_: figure)
-    figure: Any = report.effects(Switches("", 1e-3, (row,)))
+    assert "impacts, 500000 %" in effects_report.draw(Switches("", 1e-3, (row,)))
+    monkeypatch.setattr(effects_report.plot, "svg", lambda figure, *_: figure)
+    figure: Any = effects_report.draw(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
 
 
@@ -570,7 +570,7 @@ def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
     remark = "cutoff_g is there only with it, at 10000 rpm"
     row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
-    assert remark in report.effects(Switches("", 1e-3, (row,)))
+    assert remark in effects_report.draw(Switches("", 1e-3, (row,)))
 
 
 @pytest.mark.usefixtures("hasty")

@@ -27,6 +27,7 @@ from workflows.report import plots as plot
 from workflows.scene.load import SceneLike
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
+from workflows.studies.work_precision import effects_report
 from workflows.studies.work_precision import report as costs_report
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung
@@ -162,7 +163,7 @@ def costs(captured: list[Any]) -> list[Any]:
         costs_report.ladder_plot(SHORT, "ladder0", 1e-3)
         costs_report.ladder_plot(LADDER, "ladder1", 1e-3)
         costs_report.overview([LADDER, LADDER], 1e-3)
-        costs_report.effects(EFFECTS)
+        effects_report.draw(EFFECTS)
 
     return drawn_by(captured, work)
 
@@ -302,7 +303,7 @@ def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
 
 def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
     """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: costs_report.effects(EFFECTS))
+    figures = drawn_by(captured, lambda: effects_report.draw(EFFECTS))
     left = figures[0].axes[0]
     assert left.get_xlim()[0] == pytest.approx(1e-5)
     ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
@@ -438,8 +439,8 @@ def study() -> Costs:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    costs_report.write_accuracy(study(), folder / "accuracy")
-    costs_report.write_effects(EFFECTS, folder / "effects")
+    costs_report.write(study(), folder / "accuracy")
+    effects_report.write(EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 
