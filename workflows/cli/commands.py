@@ -56,20 +56,21 @@ Uncertain = Annotated[
 ]
 
 Result = TypeVar("Result")
+Reported = TypeVar("Reported", contravariant=True)
 
 
-class StudyReport(Protocol[Result]):
+class StudyReport(Protocol[Reported]):
     """What the report of a study offers: files besides the page (a regular expression), and three ways to show it."""
 
     FILES: str
 
-    def write(self, result: Result, out: Path, /) -> object:
+    def write(self, result: Reported, out: Path, /) -> object:
         """Write the whole into a folder, or nothing."""
 
-    def text(self, result: Result, /) -> str:
+    def text(self, result: Reported, /) -> str:
         """What a person reads."""
 
-    def dumps(self, result: Result, /) -> str:
+    def dumps(self, result: Reported, /) -> str:
         """The machine-readable result."""
 
 
@@ -187,7 +188,7 @@ def sweep(
         if out is not None:
             with stages("report"):
                 report.write(data, out)
-    _show(data, report, out, json)
+    _show(report.dumps(data) if json else report.text(data), out, json)
 
 
 def design(
@@ -354,12 +355,12 @@ def _study(
         if out is not None:
             with stages("report"):
                 report.write(result, out)
-    _show(result, report, out, json)
+    _show(report.dumps(result) if json else report.text(result), out, json)
     return result
 
 
-def _show(result: Result, report: StudyReport[Result], out: Path | None, json: bool) -> None:
-    typer.echo(report.dumps(result) if json else report.text(result))
+def _show(text: str, out: Path | None, json: bool) -> None:
+    typer.echo(text)
     if out is not None and not json:
         typer.echo(f"\nopen {out / 'report.html'}")
 

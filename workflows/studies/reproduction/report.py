@@ -12,13 +12,12 @@ from workflows.report import page
 from workflows.report import plots as plot
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.files import as_json, write_csv
-from workflows.studies.reproduction.claims import FORMULATIONS, SHOWN, DampingCurve, Value
-from workflows.studies.reproduction.reproduce import ASSUMPTIONS, Reproduction
+from workflows.studies.reproduction.claims import Value
+from workflows.studies.reproduction.reproduce import Reproduction
+from workflows.studies.reproduction.simulation import FORMULATIONS, SHOWN, TEXTS, DampingCurve, Family
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from workflows.studies.reproduction.claims import Family
 
 
 @dataclass(frozen=True)
@@ -133,7 +132,7 @@ def render(found: Reproduction) -> str:
         found=found,
         figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
-        assumptions=ASSUMPTIONS,
+        assumptions=TEXTS["assumptions"],
         low=14.0,
     )
 
