@@ -28,8 +28,9 @@ from workflows.studies.work_precision import study as pipelines
 from workflows.studies.work_precision import study as plates
 from workflows.studies.work_precision import study as speeds
 from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
-from workflows.studies.work_precision.study import by_ivp, study
-from workflows.studies.work_precision.timing import Costs, Ladder, Rung, measure
+from workflows.studies.work_precision.integration import integrate
+from workflows.studies.work_precision.study import study
+from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, measure
 
 RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
@@ -68,7 +69,7 @@ def system(**changes: Any) -> ParticleDamper:
 def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
     """Two programs that share no line, to a hundred times the tolerance of the integrator, which errs step by step."""
     damper = system(**changes)
-    exact, peer = ringdown(damper, RELEASE, 5), by_ivp(damper, RELEASE, 5, "DOP853", 1e-12)
+    exact, peer = ringdown(damper, RELEASE, 5), integrate(damper, RELEASE, 5, "DOP853", 1e-12)
     assert peer.impacts == exact.impacts > 0
     assert peer.final == pytest.approx(exact.energy.final, abs=1e-10 * exact.energy.initial)
     assert peer.structure == pytest.approx(exact.energy.structure, abs=1e-10 * exact.energy.initial)
@@ -76,7 +77,7 @@ def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
 
 def test_the_peer_knows_no_slip() -> None:
     with pytest.raises(ValueError, match="slip"):
-        by_ivp(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
+        integrate(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
 
 
 @pytest.mark.parametrize(("seconds", "runs"), [(0.01, 6), (1.5, 2), (5.0, 1)])
@@ -134,7 +135,7 @@ def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) 
     source = scene_file.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
-        (ladder,), chosen = pipelines.pipeline_ladders(
+        (ladder,), chosen = pipelines.pipeline_studies(
             source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step
         )
     coarse, same = ladder.rows
@@ -201,7 +202,7 @@ def test_the_structures_own_damping_hides_nothing() -> None:
         patch.setattr(timing, "TOO_LONG", 0.0)
         patch.setattr(dampers, "METHODS", {})
         patch.setattr(dampers, "STEPS", (40,))
-        ladder, _ = dampers.damper_ladder(damper, RELEASE, shown, step)
+        ladder, _ = dampers.damper_study(damper, RELEASE, shown, step)
     assert ladder is not None
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -251,17 +252,17 @@ def test_accuracy_of_a_known_structure(
     assert "var(" not in (folder / "accuracy.svg").read_text()
 
 
-def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Rung:
-    return Rung(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
+def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Setting:
+    return Setting(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
 
 
-def spoken(*ladders: Ladder) -> list[str]:
-    return report.verdict(Costs("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
+def spoken(*ladders: ConvergenceStudy) -> list[str]:
+    return report.verdict(WorkPrecision("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
 
 
 def test_the_verdict_knows_theories() -> None:
-    own = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), judged("solid", 1.0, 5e-4)))
-    solid = Ladder(plates.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4)))
+    own = ConvergenceStudy("plate", "", "", (judged("thin plate", 0.01, 5e-4), judged("solid", 1.0, 5e-4)))
+    solid = ConvergenceStudy(plates.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4)))
     first, second = spoken(own, solid)
     assert first.startswith("Plate: thin plate (8 × 4) is the cheapest that meets 0.1 %, in 10 ms")
     assert "next comes solid (8 × 4), 100 times as long" in first
@@ -284,19 +285,21 @@ def test_the_verdict_knows_theories() -> None:
 )
 def test_the_verdict_knows_its_reference(cheap: float, dear: float, uncertainty: float, is_open: bool) -> None:
     rows = judged("a", 0.01, cheap, uncertainty), judged("b", 0.02, dear, uncertainty), judged("c", 9.0, 1e-3, 1e-2)
-    (sentence,) = spoken(Ladder("speeds", "", "", rows))
+    (sentence,) = spoken(ConvergenceStudy("speeds", "", "", rows))
     assert "b (8 × 4) is the cheapest" in sentence
     assert ("leaves this open" in sentence) is is_open
 
 
 def test_the_verdict_says_when_nothing_will_do() -> None:
-    (sentence,) = spoken(Ladder("damper", "", "", (judged("a", 0.01, 0.1), judged("b", 0.01, 0.2))))
+    (sentence,) = spoken(ConvergenceStudy("damper", "", "", (judged("a", 0.01, 0.1), judged("b", 0.01, 0.2))))
     assert sentence == "Damper: nothing meets 0.1 %."
 
 
 def test_what_is_not_drawn_is_listed() -> None:
-    late = [Rung("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
-    ladder = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Rung("mindlin", "file", failed="no")))
+    late = [Setting("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
+    ladder = ConvergenceStudy(
+        "plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Setting("mindlin", "file", failed="no"))
+    )
     assert report.not_drawn(ladder) == ["solid: 8 × 4 (too slow), 10 × 4 (too slow)", "mindlin: file (no)"]
 
 
@@ -306,7 +309,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(plates, "PLATE_METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
     monkeypatch.setattr(speeds, "SPEEDS", 7)
     monkeypatch.setattr(plates, "limits", lambda *_: {})
-    monkeypatch.setattr(pipelines, "pipeline_ladders", lambda *_: ([], {}))
+    monkeypatch.setattr(pipelines, "pipeline_studies", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None
     thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger
@@ -317,7 +320,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     ):
         rotor = source.scene.rotor.model_copy(update={"speeds": (300.0,), "modes": 1, "stagger": stagger})
         effects = source.scene.effects.model_copy(update={"coriolis": coriolis})
-        for ladder in study(source.changed(plate=thin, rotor=rotor, effects=effects), QUIET).ladders:
+        for ladder in study(source.changed(plate=thin, rotor=rotor, effects=effects), QUIET).studies:
             assert ladder.reference.endswith(words)
             assert ("which the scene has on" in ladder.reference) == bool(words)
 

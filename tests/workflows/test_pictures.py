@@ -30,7 +30,7 @@ from workflows.solve.results import Results
 from workflows.studies.work_precision import effects_report
 from workflows.studies.work_precision import report as costs_report
 from workflows.studies.work_precision.effects import Switched, Switches
-from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung
+from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
 MESHES = Path(__file__).parents[2] / "meshes"
 WORKING = [*np.geomspace(1e-3, 300.0, 8)]
@@ -126,12 +126,12 @@ def holed(captured: list[Any]) -> Drawn:
     return drawn(captured, scene)
 
 
-LADDER = Ladder(
+LADDER = ConvergenceStudy(
     "whole pipeline: cut-off",
     "relative error of the cut-off at 10000 rpm",
     "the same scene",
     tuple(
-        Rung(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
+        Setting(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
         for name in ("pipeline", "thin plate, Argyris triangles, graded")
         for n, time in enumerate(WORKING)
     ),
@@ -160,8 +160,8 @@ def costs(captured: list[Any]) -> list[Any]:
     """What accuracy and effects cost."""
 
     def work() -> None:
-        costs_report.ladder_plot(SHORT, "ladder0", 1e-3)
-        costs_report.ladder_plot(LADDER, "ladder1", 1e-3)
+        costs_report.study_plot(SHORT, "ladder0", 1e-3)
+        costs_report.study_plot(LADDER, "ladder1", 1e-3)
         costs_report.overview([LADDER, LADDER], 1e-3)
         effects_report.draw(EFFECTS)
 
@@ -431,9 +431,9 @@ def test_a_known_structure_has_no_mesh(spinning_up: Drawn) -> None:
     assert spinning_up.pictures.figures["mesh"] == ""
 
 
-def study() -> Costs:
-    chosen = Picked("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
-    return Costs(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
+def study() -> WorkPrecision:
+    chosen = Choice("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
+    return WorkPrecision(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
 
 
 @pytest.fixture(scope="module")

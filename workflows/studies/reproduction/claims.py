@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ import numpy as np
 
 from workflows.formatting import significant
 from workflows.scene.paper import SDC_RANGE, TABLE_II
-from workflows.solve.results import OwnFigures, SpeedPoint
+from workflows.solve.results import Figures, SpeedPoint
 from workflows.studies.reproduction.simulation import (
     FORMULATIONS,
     MASS_RATIOS,
@@ -77,10 +77,11 @@ def judge(holds: bool, partly: bool = False) -> Verdict:
     return Verdict.PARTLY if partly else Verdict.NOT
 
 
-def _claim(name: str, printed: Value, consistent: Value, verdict: Verdict, /, **numbers: float | str) -> Claim:
-    """A statement with its verdict; `numbers` fill in its words."""
+def _claim(name: str, values: Iterable[Value], verdict: Verdict, **numbers: float | str) -> Claim:
+    """A statement with its verdict; `values`: printed and consistent; `numbers` fill in its words."""
     words = TEXTS["claims"][name]
     paper, why = words["paper"].format(**numbers), words["why"].format(**numbers)
+    printed, consistent = values
     return Claim(name, words["source"], words["claim"], paper, printed, consistent, verdict, why)
 
 
@@ -89,16 +90,16 @@ def of_table_two(study: Simulated) -> Iterator[Claim]:
     points, n2 = study.plate, [(point.rpm / 60) ** 2 for point in study.plate]
     loads, frequencies = [point.load_g for point in points], [_first(point) for point in points]
     exact = all(round(load) == row.load for load, row in zip(loads, TABLE_II, strict=True))
-    yield _claim("T2-loads", loads, loads, judge(exact))
+    yield _claim("T2-loads", (loads, loads), judge(exact))
     worst = 100 * max(abs(f / row.frequency - 1) for f, row in zip(frequencies, TABLE_II, strict=True))
-    yield _claim("T2-frequencies", frequencies, frequencies, judge(worst <= 0.1), worst=worst)
+    yield _claim("T2-frequencies", (frequencies, frequencies), judge(worst <= 0.1), worst=worst)
     slope = (frequencies[-1] ** 2 - frequencies[0] ** 2) / (n2[-1] - n2[0])
     theirs = (TABLE_II[-1].frequency ** 2 - TABLE_II[0].frequency ** 2) / (n2[-1] - n2[0])
-    yield _claim("T2-stiffening", slope, slope, judge(abs(slope / theirs - 1) < 0.01), slope=theirs)
+    yield _claim("T2-stiffening", (slope, slope), judge(abs(slope / theirs - 1) < 0.01), slope=theirs)
     own = study.rest_hz
     back = [math.sqrt(r.frequency**2 - f**2 + own**2) for r, f in zip(TABLE_II, frequencies, strict=True)]
     verdict = judge(abs(own / 198 - 1) < 1e-3, partly=abs(own / 198 - 1) < 1e-2)
-    yield _claim("T2-rest", own, own, verdict, printed=sum(back) / len(back), own=own)
+    yield _claim("T2-rest", (own, own), verdict, printed=sum(back) / len(back), own=own)
     yield from _cutoffs(study, loads)
     yield _with_tilt(study)
 
@@ -110,16 +111,16 @@ def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
     decay = 1 / math.sqrt(1 - damping.intrinsic_sdc) if damping else 1.0
     # As close to the table's as two cycles resolve.
     resolved = [abs(math.log(c / r.cutoff)) <= 2 * math.log(decay) for c, r in zip(consistent, TABLE_II, strict=True)]
-    yield _claim("T2-cutoff-high", printed[2:], consistent[2:], judge(all(resolved[2:])), decay=decay, both=decay**2)
-    yield _claim("T2-cutoff-low", printed[:2], consistent[:2], judge(all(resolved[:2]), partly=resolved[1]))
+    yield _claim("T2-cutoff-high", (printed[2:], consistent[2:]), judge(all(resolved[2:])), decay=decay, both=decay**2)
+    yield _claim("T2-cutoff-low", (printed[:2], consistent[:2]), judge(all(resolved[:2]), partly=resolved[1]))
     high = [ratio[2:] for ratio in ratios]
-    yield _claim("T2-ratio", *high, judge(all(map(_near_a_tenth, high[0] + high[1]))))
+    yield _claim("T2-ratio", high, judge(all(map(_near_a_tenth, high[0] + high[1]))))
     rises = judge(sorted(consistent) == consistent and sorted(printed) == printed)
-    yield _claim("T2-cutoff-rises", printed[-1] / printed[0], consistent[-1] / consistent[0], rises)
+    yield _claim("T2-cutoff-rises", (printed[-1] / printed[0], consistent[-1] / consistent[0]), rises)
     taken, moves = [_taken(point) for point in study.plate], all(map(_near_a_tenth, ratios[1]))
     verdict = judge(moves and min(taken) >= SDC_RANGE[0], partly=moves)
     most, effective = 100 * max(taken), 100 * SDC_RANGE[0]
-    yield _claim("A-effective", min(ratios[0]), min(ratios[1]), verdict, most=most, effective=effective)
+    yield _claim("A-effective", (min(ratios[0]), min(ratios[1])), verdict, most=most, effective=effective)
 
 
 def _with_tilt(study: Simulated) -> Claim:
@@ -130,10 +131,10 @@ def _with_tilt(study: Simulated) -> Claim:
     shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
     shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
     percents = {name: significant(100 * share, 2) for name, share in shares.items()}
-    return _claim("T2-tilt", None, ratios, judge(all(map(_near_a_tenth, ratios))), **percents)
+    return _claim("T2-tilt", (None, ratios), judge(all(map(_near_a_tenth, ratios))), **percents)
 
 
-def _in_a_cycle(figures: OwnFigures | None) -> float:
+def _in_a_cycle(figures: Figures | None) -> float:
     """Share of a cycle's energy that the largest damping ratio takes."""
     return 0.0 if figures is None else -math.expm1(-4 * math.pi * figures.peak)
 
@@ -164,23 +165,23 @@ def of_equations(study: Simulated) -> Iterator[Claim]:
     demands = [[p.damping.largest_rolling_demand or 0.0 for p in study.points[f] if p.damping] for f in FORMULATIONS]
     friction = study.scene.damper.friction if study.scene.damper else 0.0
     rolls = judge(max(demands[1]) <= friction, partly=min(demands[1]) <= friction)
-    yield _claim("S1-rolls", max(demands[0]), max(demands[1]), rolls, friction=friction)
+    yield _claim("S1-rolls", (max(demands[0]), max(demands[1])), rolls, friction=friction)
     ratios = [_threshold(study, formulation) for formulation in FORMULATIONS]
-    yield _claim("S2-threshold", *ratios, judge(all(abs(ratio / 0.1 - 1) < 1e-9 for ratio in ratios)))
+    yield _claim("S2-threshold", ratios, judge(all(abs(ratio / 0.1 - 1) < 1e-9 for ratio in ratios)))
     momentum, restitution, losses, caps = zip(*(_hits(study, f) for f in FORMULATIONS), strict=True)
-    yield _claim("S2-momentum", *momentum, judge(max(momentum) < 1e-9))
-    yield _claim("S2-restitution", *restitution, judge(max(abs(r - 0.5) for r in restitution) < 1e-9))
-    yield _claim("S2-cap", *losses, judge(min(losses) >= 0), capped=caps[1])
+    yield _claim("S2-momentum", momentum, judge(max(momentum) < 1e-9))
+    yield _claim("S2-restitution", restitution, judge(max(abs(r - 0.5) for r in restitution) < 1e-9))
+    yield _claim("S2-cap", losses, judge(min(losses) >= 0), capped=caps[1])
     yield _sticking(study)
     yield _steps(study)
     energies = [damping.energy if (damping := study.points[f][SHOWN].damping) else None for f in FORMULATIONS]
     shares = [energy.impact / (energy.impact + energy.rolling) if energy else math.nan for energy in energies]
-    yield _claim("S2-measure", *shares, judge(shares[1] > 0.99, partly=shares[1] > 0.1))
+    yield _claim("S2-measure", shares, judge(shares[1] > 0.99, partly=shares[1] > 0.1))
     gains = [100 * gain(study.system(formulation, damping_ratio=0.0)) for formulation in FORMULATIONS]
-    yield _claim("S2-energy", *gains, judge(max(gains) < 0, partly=gains[1] < 0))
+    yield _claim("S2-energy", gains, judge(max(gains) < 0, partly=gains[1] < 0))
     base = study.system("consistent", damping_ratio=0.0)
     change = gain(replace(base, floor_friction=base.friction), loss=True) / gain(base, loss=True) - 1
-    yield _claim("S2-rotation", None, change, judge(abs(change) <= 0.01))
+    yield _claim("S2-rotation", (None, change), judge(abs(change) <= 0.01))
 
 
 def gain(system: ParticleDamper, *, loss: bool = False) -> float:
@@ -241,7 +242,7 @@ def _sticking(study: Simulated) -> Claim:
         changes.append(math.nan if lossless else abs(part[0] / part[1] - 1))
         fewer.append(1 - runs[0].impacts / runs[1].impacts)
     verdict = judge(max(changes) < 1e-2 and min(fewer) > 0.1, partly=max(changes) < 1e-2)
-    return _claim("S2-epsilon", *changes, verdict, saved=100 * fewer[1])
+    return _claim("S2-epsilon", changes, verdict, saved=100 * fewer[1])
 
 
 def _steps(study: Simulated) -> Claim:
@@ -252,7 +253,7 @@ def _steps(study: Simulated) -> Claim:
     stepped = [float(stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
     verdict = judge(all(abs(s / e - 1) < 0.1 for s, e in zip(stepped, exact, strict=True)))
     shown = {"printed": 100 * exact[0], "consistent": 100 * exact[1]}
-    return _claim("S2-steps", 100 * stepped[0], 100 * stepped[1], verdict, **shown)
+    return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
 
 
 def of_figures(study: Simulated, sweeps: Sweeps) -> Iterator[Claim]:
@@ -261,45 +262,45 @@ def of_figures(study: Simulated, sweeps: Sweeps) -> Iterator[Claim]:
     yield from _over_load(sweeps.load)
     levels = _levels(sweeps.mass)
     fits = [_linearity(MASS_RATIOS, values) for values in levels]
-    yield _claim("F4-linear", *fits, judge(fits[1] > 0.99, partly=fits[1] > 0.9))
+    yield _claim("F4-linear", fits, judge(fits[1] > 0.99, partly=fits[1] > 0.9))
     growth = [values[-1] / values[0] for values in levels]
-    yield _claim("F4-rises", *growth, judge(growth[1] > 1))
+    yield _claim("F4-rises", growth, judge(growth[1] > 1))
     yield from _over_cavity(sweeps.cavity)
     spread, own = _overlaps(sweeps.release, total=True), _overlaps(sweeps.release, total=False)
-    yield _claim("F6-weak", 100 * spread[0], 100 * spread[1], judge(0 < spread[1] < 0.05), own=100 * own[1])
+    yield _claim("F6-weak", (100 * spread[0], 100 * spread[1]), judge(0 < spread[1] < 0.05), own=100 * own[1])
     ratios = [values[-1] / values[0] for values in _levels(sweeps.radius)]
-    yield _claim("F7-radius", *ratios, judge(0.8 < ratios[1] < 1.25))
-    yield _claim("A-experiments", None, None, Verdict.UNTESTABLE)
+    yield _claim("F7-radius", ratios, judge(0.8 < ratios[1] < 1.25))
+    yield _claim("A-experiments", (None, None), Verdict.UNTESTABLE)
 
 
 def _decay(study: Simulated) -> Claim:
     dampings = [study.points[f][SHOWN].damping for f in FORMULATIONS]
     ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
     decays = dampings[1] is not None and _cycles_to_decay(dampings[1].peak_velocity) < 100
-    return _claim("F2-decay", *ends, judge(decays and ends[1] > 50, partly=decays))
+    return _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
 
 
 def _over_load(family: Family) -> Iterator[Claim]:
     peaks, levels = _peaks(family), _levels(family)
     curve = family["consistent"][0]
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    yield _claim("F3-level", *peaks, judge(min(peaks[1]) >= 14), own=own)
+    yield _claim("F3-level", peaks, judge(min(peaks[1]) >= 14), own=own)
     drop = [values[0] - values[-1] for values in levels]
     falls = all(a > b for a, b in zip(levels[1], levels[1][1:], strict=False))
-    yield _claim("F3-trend", *drop, judge(falls and drop[1] > 1, partly=falls))
+    yield _claim("F3-trend", drop, judge(falls and drop[1] > 1, partly=falls))
     after = [max(abs(float(c.ball[-1])) for c in family[f]) for f in FORMULATIONS]
-    yield _claim("F3-stops", *after, judge(max(after) < 1e-9))
+    yield _claim("F3-stops", after, judge(max(after) < 1e-9))
 
 
 def _over_cavity(family: Family) -> Iterator[Claim]:
     levels = _levels(family)
     changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(family)))
     verdict = judge(abs(changes[1]) <= 5, partly=abs(totals[1]) <= 5)
-    yield _claim("F5-weak", *changes, verdict, total=totals[1])
-    yield _claim("F5-sense", *(v[0] / v[-1] for v in levels), judge(levels[1][0] >= levels[1][-1]))
+    yield _claim("F5-weak", changes, verdict, total=totals[1])
+    yield _claim("F5-sense", (v[0] / v[-1] for v in levels), judge(levels[1][0] >= levels[1][-1]))
     spread = _overlaps(family, total=True)
     verdict = judge(spread[1] < 0.02, partly=spread[1] < 0.1)
-    yield _claim("F5-overlap", 100 * spread[0], 100 * spread[1], verdict)
+    yield _claim("F5-overlap", (100 * spread[0], 100 * spread[1]), verdict)
 
 
 def _cycles_to_decay(peaks: Floats) -> float:

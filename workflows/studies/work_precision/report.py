@@ -11,7 +11,7 @@ from workflows.report import page as templating
 from workflows.report import plots as plot
 from workflows.studies.files import as_json, write_csv
 from workflows.studies.work_precision.study import WITH_THEORY
-from workflows.studies.work_precision.timing import POLICY, Costs, Ladder, Rung
+from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
 
 
-def ladder_plot(found: Ladder, name: str, asked: float | None) -> str:
+def study_plot(found: ConvergenceStudy, name: str, asked: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
     with plot.style():
         figure, (axes,) = plot.canvas(3.4)
@@ -29,18 +29,18 @@ def ladder_plot(found: Ladder, name: str, asked: float | None) -> str:
         return plot.svg(figure, name, f"Time against error: {found.quantity}")
 
 
-def overview(ladders: list[Ladder], asked: float | None) -> str:
-    """Some ladders side by side."""
+def overview(studies: list[ConvergenceStudy], asked: float | None) -> str:
+    """Some studies side by side."""
     with plot.style():
-        figure, panels = plot.canvas(4.0, len(ladders))
-        for axes, found in zip(panels, ladders, strict=True):
+        figure, panels = plot.canvas(4.0, len(studies))
+        for axes, found in zip(panels, studies, strict=True):
             _work_precision(axes, found, asked)
             axes.set_title(found.stage)
             axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
         return plot.svg(figure, "overview", "Time against error")
 
 
-def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:
+def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) -> None:
     methods = list(dict.fromkeys(row.method for row in found.rows))
     for number, method in enumerate(methods):
         rows = [row for row in found.rows if row.method == method and row.time_s is not None and row.error is not None]
@@ -60,7 +60,7 @@ def _work_precision(axes: Axes, found: Ladder, asked: float | None) -> None:
     axes.invert_xaxis()
 
 
-def write(found: Costs, out: Path) -> None:
+def write(found: WorkPrecision, out: Path) -> None:
     """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
 
     Raises:
@@ -69,16 +69,16 @@ def write(found: Costs, out: Path) -> None:
     from markupsafe import Markup
 
     asked = found.asked["frequency"]
-    named = list(enumerate(found.ladders))
-    figures = [ladder_plot(ladder, f"ladder{number}", _asked(found, ladder)) for number, ladder in named]
-    first = [ladder for ladder in found.ladders if ladder.stage in ("plate", "damper")]
+    named = list(enumerate(found.studies))
+    figures = [study_plot(study, f"ladder{number}", _asked(found, study)) for number, study in named]
+    first = [study for study in found.studies if study.stage in ("plate", "damper")]
     with store.replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found) + "\n", encoding="utf-8")
         (folder / "accuracy.svg").write_text(plot.standalone(overview(first, asked)), encoding="utf-8")
         write_csv(
             folder / "accuracy.csv",
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
-            [{"stage": ladder.stage, **vars(row)} for ladder in found.ladders for row in ladder.rows],
+            [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows],
         )
         page = templating.page(
             "accuracy.html.j2",
@@ -92,14 +92,14 @@ def write(found: Costs, out: Path) -> None:
         (folder / "report.html").write_text(page, encoding="utf-8")
 
 
-def text(found: Costs) -> str:
-    """The ladders as a table."""
+def text(found: WorkPrecision) -> str:
+    """The studies as a table."""
     lines = []
-    for ladder in found.ladders:
-        lines += [f"{ladder.stage}: {ladder.quantity}", f"  against {ladder.reference}", ""]
-        wide = max(22, *(len(row.setting) for row in ladder.rows))
+    for study in found.studies:
+        lines += [f"{study.stage}: {study.quantity}", f"  against {study.reference}", ""]
+        wide = max(22, *(len(row.setting) for row in study.rows))
         lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
-        lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in ladder.rows]
+        lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in study.rows]
         lines.append("")
     lines += ["chosen by the scene's accuracy"]
     for stage, chosen in found.chosen.items():
@@ -108,59 +108,59 @@ def text(found: Costs) -> str:
     return "\n".join(lines)
 
 
-def verdict(found: Costs) -> list[str]:
+def verdict(found: WorkPrecision) -> list[str]:
     """Who is cheapest for which error, in sentences, and what speaks against it."""
     return [
-        f"{ladder.stage[0].upper()}{ladder.stage[1:]}: {_winner(ladder, _asked(found, ladder))}"
-        f"{_theory_error(found, ladder)}."
-        for ladder in found.ladders
-        if len({row.method for row in ladder.rows}) > 1
+        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(found, study))}"
+        f"{_theory_error(found, study)}."
+        for study in found.studies
+        if len({row.method for row in study.rows}) > 1
     ]
 
 
-def not_drawn(ladder: Ladder) -> list[str]:
+def not_drawn(study: ConvergenceStudy) -> list[str]:
     """The rows that have no place in the plot, and why, in a line for each method."""
     found: dict[str, list[str]] = {}
-    for row in ladder.rows:
+    for row in study.rows:
         if row.failed is not None:
             found.setdefault(row.method, []).append(f"{row.setting} ({row.failed})")
     return [f"{method}: {', '.join(settings)}" for method, settings in found.items()]
 
 
-def _asked(found: Costs, ladder: Ladder) -> float:
-    return found.asked["damping" if ladder.stage == "damper" or "damping" in ladder.stage else "frequency"]
+def _asked(found: WorkPrecision, study: ConvergenceStudy) -> float:
+    return found.asked["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
 
 
-def _judged(ladder: Ladder) -> list[tuple[float, float, Rung]]:
+def _judged(study: ConvergenceStudy) -> list[tuple[float, float, Setting]]:
     """Time, error and row, the cheapest first."""
-    known = [(row.time_s, row.error, row) for row in ladder.rows if row.time_s is not None and row.error is not None]
+    known = [(row.time_s, row.error, row) for row in study.rows if row.time_s is not None and row.error is not None]
     return sorted(known, key=lambda item: item[0])
 
 
-def _best(ladder: Ladder, asked: float) -> Rung | None:
-    return next((row for _, error, row in _judged(ladder) if error <= asked), None)
+def _best(study: ConvergenceStudy, asked: float) -> Setting | None:
+    return next((row for _, error, row in _judged(study) if error <= asked), None)
 
 
-def _winner(ladder: Ladder, asked: float) -> str:
-    best, limit = _best(ladder, asked), f"{formatting.significant(100 * asked)} %"
+def _winner(study: ConvergenceStudy, asked: float) -> str:
+    best, limit = _best(study, asked), f"{formatting.significant(100 * asked)} %"
     if best is None:
-        return f"nothing meets {limit}{_doubt(ladder, asked)}"
+        return f"nothing meets {limit}{_doubt(study, asked)}"
     text = f"{best.method} ({best.setting}) is the cheapest that meets {limit}, in {_milliseconds(best)} ms"
     second = next(
-        (row for _, error, row in _judged(ladder) if error <= asked and row.method != best.method),
+        (row for _, error, row in _judged(study) if error <= asked and row.method != best.method),
         None,
     )
     if second is None:
-        return f"{text}; no other does{_doubt(ladder, asked)}"
+        return f"{text}; no other does{_doubt(study, asked)}"
     times = formatting.significant((second.time_s or 0.0) / (best.time_s or 1.0), 2)
-    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(ladder, asked)}"
+    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(study, asked)}"
 
 
-def _doubt(ladder: Ladder, asked: float) -> str:
+def _doubt(study: ConvergenceStudy, asked: float) -> str:
     """Whether the reference is too uncertain to tell if the winner, or what is cheaper, meets the accuracy."""
-    best = _best(ladder, asked)
+    best = _best(study, asked)
     open_ones = []
-    for _, error, row in _judged(ladder):
+    for _, error, row in _judged(study):
         if row.uncertainty is not None and abs(error - asked) < row.uncertainty:
             open_ones.append(row.uncertainty)
         if row is best:
@@ -171,13 +171,13 @@ def _doubt(ladder: Ladder, asked: float) -> str:
     return f"; the reference, itself good to about {good} %, leaves this open"
 
 
-def _theory_error(found: Costs, ladder: Ladder) -> str:
-    """What the winner's theory adds, which the ladder of each theory by itself does not see."""
-    asked = _asked(found, ladder)
-    best = _best(ladder, asked)
-    if ladder.stage != "plate" or best is None:
+def _theory_error(found: WorkPrecision, study: ConvergenceStudy) -> str:
+    """What the winner's theory adds, which the study of each theory by itself does not see."""
+    asked = _asked(found, study)
+    best = _best(study, asked)
+    if study.stage != "plate" or best is None:
         return ""
-    theirs = [other for other in found.ladders if other.stage == WITH_THEORY]
+    theirs = [other for other in found.studies if other.stage == WITH_THEORY]
     rows = [row for other in theirs for row in other.rows if (row.method, row.setting) == (best.method, best.setting)]
     if not rows or rows[0].error is None:
         return "; how far its theory is from a solid is not known here"
@@ -191,14 +191,14 @@ def _theory_error(found: Costs, ladder: Ladder) -> str:
     return ""
 
 
-def _numbers(row: Rung) -> str:
+def _numbers(row: Setting) -> str:
     unknowns = "–" if row.unknowns is None else str(row.unknowns)
     if row.failed is not None:
         return f"{unknowns:>9}  {row.failed}"
     return f"{unknowns:>9} {_milliseconds(row):>10} {_exponent(row.error):>9}"
 
 
-def _milliseconds(row: Rung) -> str:
+def _milliseconds(row: Setting) -> str:
     return formatting.significant(1e3 * (row.time_s or 0.0), 3)
 
 
@@ -210,6 +210,6 @@ FILES = r"accuracy\.(json|csv|svg)"
 """Names of what is written besides the page."""
 
 
-def dumps(found: Costs) -> str:
+def dumps(found: WorkPrecision) -> str:
     """The machine-readable result."""
     return as_json(found.document())
