@@ -23,10 +23,7 @@ from workflows.solve import damper as damper_stage
 from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
 from workflows.studies.work_precision import effects_report, report, timing
-from workflows.studies.work_precision import study as dampers
-from workflows.studies.work_precision import study as pipelines
-from workflows.studies.work_precision import study as plates
-from workflows.studies.work_precision import study as speeds
+from workflows.studies.work_precision import study as studies
 from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
 from workflows.studies.work_precision.integration import integrate
 from workflows.studies.work_precision.study import study
@@ -113,16 +110,15 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     plate = source.scene.plate
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
-    few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.PLATE_METHODS)
+    few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plates, "PLATE_METHODS", few)
-        patch.setattr(plates, "FINEST", {"kirchhoff": 6, "mindlin": 8, "solid": 6})
-        patch.setattr(speeds, "SPEEDS", 20)
-        patch.setattr(plates, "SOLID_AT_MOST", 12_000)
-        patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
-        patch.setattr(pipelines, "FINEST", 1e-4)
-        patch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(dampers, "CYCLES", 10)
+        patch.setattr(studies, "PLATE_METHODS", few)
+        patch.setattr(studies, "SPEEDS", 20)
+        patch.setattr(studies, "SOLID_AT_MOST", 12_000)
+        patch.setattr(studies, "ASKED", (1e-2, 1e-3))
+        patch.setattr(studies, "FINEST", 1e-4)
+        patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
+        patch.setattr(studies, "CYCLES", 10)
         patch.setattr(timing, "TOO_LONG", 0.0)
         return study(source.changed(rotor=rotor), QUIET).document()
 
@@ -130,12 +126,12 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shares the reference's mesh shares its error, and looks better than it is."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(pipelines, "ASKED", (0.5, 1e-4))
-    monkeypatch.setattr(pipelines, "FINEST", 1e-4)
+    monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
+    monkeypatch.setattr(studies, "FINEST", 1e-4)
     source = scene_file.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
-        (ladder,), chosen = pipelines.pipeline_studies(
+        (ladder,), chosen = studies.pipeline_studies(
             source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step
         )
     coarse, same = ladder.rows
@@ -200,9 +196,9 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     damper, shown = system(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
         patch.setattr(timing, "TOO_LONG", 0.0)
-        patch.setattr(dampers, "METHODS", {})
-        patch.setattr(dampers, "STEPS", (40,))
-        ladder, _ = dampers.damper_study(damper, RELEASE, shown, step)
+        patch.setattr(studies, "METHODS", {})
+        patch.setattr(studies, "STEPS", (40,))
+        ladder, _ = studies.damper_study(damper, RELEASE, shown, step)
     assert ladder is not None
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -239,8 +235,8 @@ def test_accuracy_of_a_known_structure(
 ) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
-    monkeypatch.setattr(dampers, "CYCLES", 10)
+    monkeypatch.setattr(studies, "METHODS", FEW_INTEGRATORS)
+    monkeypatch.setattr(studies, "CYCLES", 10)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
     assert "exact events" in outcome.out
@@ -262,7 +258,9 @@ def spoken(*ladders: ConvergenceStudy) -> list[str]:
 
 def test_the_verdict_knows_theories() -> None:
     own = ConvergenceStudy("plate", "", "", (judged("thin plate", 0.01, 5e-4), judged("solid", 1.0, 5e-4)))
-    solid = ConvergenceStudy(plates.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4)))
+    solid = ConvergenceStudy(
+        studies.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4))
+    )
     first, second = spoken(own, solid)
     assert first.startswith("Plate: thin plate (8 × 4) is the cheapest that meets 0.1 %, in 10 ms")
     assert "next comes solid (8 × 4), 100 times as long" in first
@@ -306,10 +304,10 @@ def test_what_is_not_drawn_is_listed() -> None:
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(plates, "PLATE_METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
-    monkeypatch.setattr(speeds, "SPEEDS", 7)
-    monkeypatch.setattr(plates, "limits", lambda *_: {})
-    monkeypatch.setattr(pipelines, "pipeline_studies", lambda *_: ([], {}))
+    monkeypatch.setattr(studies, "PLATE_METHODS", (replace(studies.PLATE_METHODS[0], finest=1),))
+    monkeypatch.setattr(studies, "SPEEDS", 7)
+    monkeypatch.setattr(studies, "limits", lambda *_: {})
+    monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None
     thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger

@@ -327,8 +327,8 @@ class Scene(Table):
         if self.damper is not None and self.rotor.precone:
             raise fault(
                 "rotor.precone",
-                "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the"
-                " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+                "the load then slopes along the cavity's floor, which the damper model does not support: expected 0,"
+                " or the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
             )
 
     def _without_a_plate(self, structure: Structure) -> None:
