@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.results import Response
     from workflows.studies.work_precision.effects import Switches
-    from workflows.studies.work_precision.timing import Costs
+    from workflows.studies.work_precision.timing import WorkPrecision
 
 __all__ = [
     "BadInput",
@@ -124,7 +124,7 @@ def reproduce() -> Reproduction:
 
 
 @lawful()
-def accuracy(scene: SceneLike = DEFAULT) -> Costs:
+def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.study import study
 

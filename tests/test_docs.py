@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from workflows.cli.entry import main
+from workflows.cli.main import main
 from workflows.looking import window
 
 ROOT = Path(__file__).parents[1]

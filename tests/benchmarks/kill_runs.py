@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from multiprocessing.context import ForkServerProcess
 
 LOADED = (
-    "workflows.cli.app",
+    "workflows.cli.commands",
     "workflows.report.page",
     "damper.batch",
     "damper.working",
@@ -119,12 +119,12 @@ class Trial:
 
 def _run(*arguments: str) -> None:
     """The command in a process that says nothing."""
-    from workflows.cli import entry
+    from workflows import cli
 
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)
-    sys.exit(entry.main(list(arguments)))
+    sys.exit(cli.main(list(arguments)))
 
 
 def ended(process: ForkServerProcess) -> int | None:

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from filelock import FileLock
 
-from workflows.cli.entry import main
+from workflows.cli.main import main
 from workflows.report import figures, mode_viewer
 from workflows.scene.load import SHIPPED
 from workflows.solve import damper

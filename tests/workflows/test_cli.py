@@ -16,7 +16,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.cli import entry as cli
+from workflows import cli
 from workflows.cli.commands import COMMANDS
 from workflows.errors import NoAnswer
 
@@ -54,26 +54,20 @@ def test_a_slow_start_is_explained(spindamp: Callable[..., Outcome], monkeypatch
     assert spindamp("campbell", "paper").err == ""
 
 
-@pytest.mark.parametrize("command", [("run", "structure", "--json"), ("ringdown", "structure", "--json")])
 def test_a_first_start_is_explained_on_a_terminal(
-    command: tuple[str, ...], spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+    spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("damper.compiled.fresh", lambda: True)
-    assert spindamp(*command).err == ""
+    assert spindamp("ringdown", "structure", "--json").err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    assert "compiling the damper's kernels, once for an installation" in spindamp(*command).err
-
-
-def test_a_plate_alone_compiles_nothing(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("damper.compiled.fresh", lambda: True)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert "compiling the damper's kernels, once for an installation" in spindamp("ringdown", "structure", "--json").err
     assert "compiling" not in spindamp("check", "campbell").err
 
 
 def test_help_names_every_command(spindamp: Callable[..., Outcome]) -> None:
     outcome = spindamp("--help")
     assert outcome.status == 0
-    assert all(command in outcome.out for command in COMMANDS)
+    assert all(command.__name__ in outcome.out for command in COMMANDS)
     assert spindamp("run", "--help").status == 0
 
 
@@ -96,7 +90,7 @@ def test_signatures_of_commands_are_read_once(
 RUBBISH = """
 import atexit, gc
 atexit.register(lambda: print(gc.get_freeze_count(), gc.get_threshold()[0]))
-from workflows.cli.entry import main
+from workflows.cli.main import main
 raise SystemExit(main())
 """
 

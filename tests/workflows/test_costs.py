@@ -22,14 +22,12 @@ from workflows.scene.rotor import Accuracy
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
-from workflows.studies.work_precision import report, timing
-from workflows.studies.work_precision import study as dampers
-from workflows.studies.work_precision import study as pipelines
-from workflows.studies.work_precision import study as plates
-from workflows.studies.work_precision import study as speeds
+from workflows.studies.work_precision import effects_report, report, timing
+from workflows.studies.work_precision import study as studies
 from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
-from workflows.studies.work_precision.study import by_ivp, study
-from workflows.studies.work_precision.timing import Costs, Ladder, Rung, measure
+from workflows.studies.work_precision.integration import integrate
+from workflows.studies.work_precision.study import study
+from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, measure
 
 RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
@@ -68,7 +66,7 @@ def system(**changes: Any) -> ParticleDamper:
 def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
     """Two programs that share no line, to a hundred times the tolerance of the integrator, which errs step by step."""
     damper = system(**changes)
-    exact, peer = ringdown(damper, RELEASE, 5), by_ivp(damper, RELEASE, 5, "DOP853", 1e-12)
+    exact, peer = ringdown(damper, RELEASE, 5), integrate(damper, RELEASE, 5, "DOP853", 1e-12)
     assert peer.impacts == exact.impacts > 0
     assert peer.final == pytest.approx(exact.energy.final, abs=1e-10 * exact.energy.initial)
     assert peer.structure == pytest.approx(exact.energy.structure, abs=1e-10 * exact.energy.initial)
@@ -76,7 +74,7 @@ def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
 
 def test_the_peer_knows_no_slip() -> None:
     with pytest.raises(ValueError, match="slip"):
-        by_ivp(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
+        integrate(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
 
 
 @pytest.mark.parametrize(("seconds", "runs"), [(0.01, 6), (1.5, 2), (5.0, 1)])
@@ -112,16 +110,15 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     plate = source.scene.plate
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
-    few = tuple(replace(method, finest=min(method.finest, 2)) for method in plates.PLATE_METHODS)
+    few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plates, "PLATE_METHODS", few)
-        patch.setattr(plates, "FINEST", {"kirchhoff": 6, "mindlin": 8, "solid": 6})
-        patch.setattr(speeds, "SPEEDS", 20)
-        patch.setattr(plates, "SOLID_AT_MOST", 12_000)
-        patch.setattr(pipelines, "ASKED", (1e-2, 1e-3))
-        patch.setattr(pipelines, "FINEST", 1e-4)
-        patch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(dampers, "CYCLES", 10)
+        patch.setattr(studies, "PLATE_METHODS", few)
+        patch.setattr(studies, "SPEEDS", 20)
+        patch.setattr(studies, "SOLID_AT_MOST", 12_000)
+        patch.setattr(studies, "ASKED", (1e-2, 1e-3))
+        patch.setattr(studies, "FINEST", 1e-4)
+        patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
+        patch.setattr(studies, "CYCLES", 10)
         patch.setattr(timing, "TOO_LONG", 0.0)
         return study(source.changed(rotor=rotor), QUIET).document()
 
@@ -129,12 +126,12 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shares the reference's mesh shares its error, and looks better than it is."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(pipelines, "ASKED", (0.5, 1e-4))
-    monkeypatch.setattr(pipelines, "FINEST", 1e-4)
+    monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
+    monkeypatch.setattr(studies, "FINEST", 1e-4)
     source = scene_file.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
-        (ladder,), chosen = pipelines.pipeline_ladders(
+        (ladder,), chosen = studies.pipeline_studies(
             source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step
         )
     coarse, same = ladder.rows
@@ -199,9 +196,9 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     damper, shown = system(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
         patch.setattr(timing, "TOO_LONG", 0.0)
-        patch.setattr(dampers, "METHODS", {})
-        patch.setattr(dampers, "STEPS", (40,))
-        ladder, _ = dampers.damper_ladder(damper, RELEASE, shown, step)
+        patch.setattr(studies, "METHODS", {})
+        patch.setattr(studies, "STEPS", (40,))
+        ladder, _ = studies.damper_study(damper, RELEASE, shown, step)
     assert ladder is not None
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -238,8 +235,8 @@ def test_accuracy_of_a_known_structure(
 ) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(dampers, "METHODS", FEW_INTEGRATORS)
-    monkeypatch.setattr(dampers, "CYCLES", 10)
+    monkeypatch.setattr(studies, "METHODS", FEW_INTEGRATORS)
+    monkeypatch.setattr(studies, "CYCLES", 10)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
     assert "exact events" in outcome.out
@@ -251,17 +248,19 @@ def test_accuracy_of_a_known_structure(
     assert "var(" not in (folder / "accuracy.svg").read_text()
 
 
-def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Rung:
-    return Rung(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
+def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Setting:
+    return Setting(method, "8 × 4", 100, time_s, (time_s, time_s), error, uncertainty)
 
 
-def spoken(*ladders: Ladder) -> list[str]:
-    return report.verdict(Costs("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
+def spoken(*ladders: ConvergenceStudy) -> list[str]:
+    return report.verdict(WorkPrecision("", {"frequency": 1e-3, "damping": 1e-3}, ladders, {}))
 
 
 def test_the_verdict_knows_theories() -> None:
-    own = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), judged("solid", 1.0, 5e-4)))
-    solid = Ladder(plates.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4)))
+    own = ConvergenceStudy("plate", "", "", (judged("thin plate", 0.01, 5e-4), judged("solid", 1.0, 5e-4)))
+    solid = ConvergenceStudy(
+        studies.WITH_THEORY, "", "", (judged("thin plate", 0.01, 0.05), judged("solid", 1.0, 5e-4))
+    )
     first, second = spoken(own, solid)
     assert first.startswith("Plate: thin plate (8 × 4) is the cheapest that meets 0.1 %, in 10 ms")
     assert "next comes solid (8 × 4), 100 times as long" in first
@@ -284,29 +283,31 @@ def test_the_verdict_knows_theories() -> None:
 )
 def test_the_verdict_knows_its_reference(cheap: float, dear: float, uncertainty: float, is_open: bool) -> None:
     rows = judged("a", 0.01, cheap, uncertainty), judged("b", 0.02, dear, uncertainty), judged("c", 9.0, 1e-3, 1e-2)
-    (sentence,) = spoken(Ladder("speeds", "", "", rows))
+    (sentence,) = spoken(ConvergenceStudy("speeds", "", "", rows))
     assert "b (8 × 4) is the cheapest" in sentence
     assert ("leaves this open" in sentence) is is_open
 
 
 def test_the_verdict_says_when_nothing_will_do() -> None:
-    (sentence,) = spoken(Ladder("damper", "", "", (judged("a", 0.01, 0.1), judged("b", 0.01, 0.2))))
+    (sentence,) = spoken(ConvergenceStudy("damper", "", "", (judged("a", 0.01, 0.1), judged("b", 0.01, 0.2))))
     assert sentence == "Damper: nothing meets 0.1 %."
 
 
 def test_what_is_not_drawn_is_listed() -> None:
-    late = [Rung("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
-    ladder = Ladder("plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Rung("mindlin", "file", failed="no")))
+    late = [Setting("solid", f"{n} × 4", failed="too slow") for n in (8, 10)]
+    ladder = ConvergenceStudy(
+        "plate", "", "", (judged("thin plate", 0.01, 5e-4), *late, Setting("mindlin", "file", failed="no"))
+    )
     assert report.not_drawn(ladder) == ["solid: 8 × 4 (too slow), 10 × 4 (too slow)", "mindlin: file (no)"]
 
 
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(plates, "PLATE_METHODS", (replace(plates.PLATE_METHODS[0], finest=1),))
-    monkeypatch.setattr(speeds, "SPEEDS", 7)
-    monkeypatch.setattr(plates, "limits", lambda *_: {})
-    monkeypatch.setattr(pipelines, "pipeline_ladders", lambda *_: ([], {}))
+    monkeypatch.setattr(studies, "PLATE_METHODS", (replace(studies.PLATE_METHODS[0], finest=1),))
+    monkeypatch.setattr(studies, "SPEEDS", 7)
+    monkeypatch.setattr(studies, "limits", lambda *_: {})
+    monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
     source = scene_file.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None
     thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger
@@ -317,7 +318,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     ):
         rotor = source.scene.rotor.model_copy(update={"speeds": (300.0,), "modes": 1, "stagger": stagger})
         effects = source.scene.effects.model_copy(update={"coriolis": coriolis})
-        for ladder in study(source.changed(plate=thin, rotor=rotor, effects=effects), QUIET).ladders:
+        for ladder in study(source.changed(plate=thin, rotor=rotor, effects=effects), QUIET).studies:
             assert ladder.reference.endswith(words)
             assert ("which the scene has on" in ladder.reference) == bool(words)
 
@@ -530,15 +531,15 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
     row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise
-    assert ("within noise" in report.effects_text(Switches("", 1e-3, (row,)))) is noise
-    assert ("within noise" in report.effects(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.text(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.draw(Switches("", 1e-3, (row,)))) is noise
 
 
 def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
-    assert "impacts, 500000 %" in report.effects(Switches("", 1e-3, (row,)))
-    monkeypatch.setattr(report.plot, "svg", lambda figure, *_: figure)
-    figure: Any = report.effects(Switches("", 1e-3, (row,)))
+    assert "impacts, 500000 %" in effects_report.draw(Switches("", 1e-3, (row,)))
+    monkeypatch.setattr(effects_report.plot, "svg", lambda figure, *_: figure)
+    figure: Any = effects_report.draw(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
 
 
@@ -570,7 +571,7 @@ def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
     remark = "cutoff_g is there only with it, at 10000 rpm"
     row = Switched("rolling_resistance", True, "", True, {"frequency_1": 0.0, "cutoff_g": None}, (remark,))
-    assert remark in report.effects(Switches("", 1e-3, (row,)))
+    assert remark in effects_report.draw(Switches("", 1e-3, (row,)))
 
 
 @pytest.mark.usefixtures("hasty")

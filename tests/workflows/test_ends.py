@@ -14,10 +14,10 @@ import pytest
 from tests.benchmarks.kill_runs import Trial, contents, ended
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
-from workflows.cli import entry as cli
 from workflows.errors import BadInput
 from workflows.output import folder
 from workflows.output import folder as folders
+from workflows.output.signals import Terminated
 from workflows.scene.load import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
@@ -73,10 +73,10 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
 
 
 @pytest.mark.parametrize(
-    "where", ["workflows.cli.app", "workflows.pipeline.structure", "workflows.report.page.publish"]
+    "where", ["workflows.cli.commands", "workflows.pipeline.structure", "workflows.report.page.publish"]
 )
 @pytest.mark.parametrize(
-    ("error", "status"), [(KeyboardInterrupt(), 130), (cli.Terminated("SIGTERM"), 143), (MemoryError(), 2)]
+    ("error", "status"), [(KeyboardInterrupt(), 130), (Terminated("SIGTERM"), 143), (MemoryError(), 2)]
 )
 def test_wherever_it_happens(
     where: str,
@@ -89,8 +89,8 @@ def test_wherever_it_happens(
     def ended(*_: object, **__: object) -> None:
         raise error
 
-    if where == "workflows.cli.app":
-        monkeypatch.setattr("workflows.cli.app.app", ended)
+    if where == "workflows.cli.commands":
+        monkeypatch.setattr("workflows.cli.commands.app", ended)
     else:
         monkeypatch.setattr(where, ended)
     outcome = spindamp("run", "structure", "--out", "out")
@@ -119,7 +119,7 @@ def test_an_error_that_a_signal_left_behind(
         except BaseException:
             raise RuntimeError("release unlocked lock") from None
 
-    monkeypatch.setattr("workflows.cli.app.app", unlucky)
+    monkeypatch.setattr("workflows.cli.commands.app", unlucky)
     outcome = spindamp("run", "structure")
     assert outcome.status == status
     assert says in outcome.err
@@ -134,7 +134,7 @@ def test_signals_are_given_back(spindamp: Callable[..., Outcome]) -> None:
 
 def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     code = (
-        "import os, signal, sys\nfrom workflows import cli\nfrom workflows.cli.commands import check\n"
+        "import os, signal, sys\nfrom workflows import cli\nfrom workflows.cli import commands\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "import workflows.results.provenance as r\nold = r.as_toml\n"
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
@@ -146,7 +146,7 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
 
 PUBLISHED = """
 import atexit, os, signal, sys
-from workflows.cli import entry as cli
+from workflows import cli
 from workflows.report import text as summary
 number, before = int(sys.argv.pop()), summary.text
 def again(*given):
@@ -208,7 +208,7 @@ def lose():
 LOSING = """
 import os, signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
-from workflows.cli import entry as cli
+from workflows import cli
 import workflows.solve.damper as stage
 number, looked_up = int(sys.argv.pop()), stage._look_up
 {lose}
@@ -235,7 +235,7 @@ def test_a_signal_that_was_lost_comes_again(
 
 FULL = """
 import resource, sys
-from workflows.cli import entry as cli
+from workflows import cli
 from workflows.report import figures, page
 draw, drawn = figures.report, []
 def once(results):  # the same figures in every run

@@ -81,16 +81,16 @@ def test_a_package_alone_loads_nothing_heavy(package: str) -> None:
 
 
 def test_light_commands_load_nothing_heavy() -> None:
-    assert not _loaded("from workflows.cli.entry import main\nmain(['--version'])\nmain(['--help'])") & HEAVY
+    assert not _loaded("from workflows.cli.main import main\nmain(['--version'])\nmain(['--help'])") & HEAVY
 
 
 def test_check_solves_a_little_and_draws_nothing() -> None:
     """Said in words and as JSON."""
     solving = {"llvmlite", "numba", "scipy.linalg", "scipy.sparse", "skfem", "meshio"}
     check = "main(['check', 'paper'])\nmain(['check', 'paper', '--json'])"
-    assert not _loaded(f"from workflows.cli.entry import main\n{check}") & (HEAVY - solving)
+    assert not _loaded(f"from workflows.cli.main import main\n{check}") & (HEAVY - solving)
 
 
 def test_a_damper_alone_loads_no_plate() -> None:
-    loaded = _loaded("from workflows.cli.entry import main\nmain(['ringdown', 'structure', '--json'])")
+    loaded = _loaded("from workflows.cli.main import main\nmain(['ringdown', 'structure', '--json'])")
     assert not loaded & {"skfem", "matplotlib", "xarray", "pyvista", "jinja2"}

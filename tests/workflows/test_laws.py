@@ -18,7 +18,7 @@ import spindamp as face
 from tests.benchmarks import broken_kernels
 from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Outcome, changed, write
-from workflows.cli.entry import main
+from workflows.cli.main import main
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
 from workflows.solve import self_check
 from workflows.studies.sweep import executor

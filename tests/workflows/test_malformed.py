@@ -18,8 +18,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, toml
-from workflows.scene.load import SHIPPED
-from workflows.scene.messages import key_name
+from workflows.scene.load import SHIPPED, key_name
 from workflows.scene.quantities import Table
 from workflows.scene.rotor import Effects
 from workflows.scene.scene import Scene

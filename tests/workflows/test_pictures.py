@@ -27,9 +27,10 @@ from workflows.report import plots as plot
 from workflows.scene.load import SceneLike
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
+from workflows.studies.work_precision import effects_report
 from workflows.studies.work_precision import report as costs_report
 from workflows.studies.work_precision.effects import Switched, Switches
-from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung
+from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
 MESHES = Path(__file__).parents[2] / "meshes"
 WORKING = [*np.geomspace(1e-3, 300.0, 8)]
@@ -125,12 +126,12 @@ def holed(captured: list[Any]) -> Drawn:
     return drawn(captured, scene)
 
 
-LADDER = Ladder(
+LADDER = ConvergenceStudy(
     "whole pipeline: cut-off",
     "relative error of the cut-off at 10000 rpm",
     "the same scene",
     tuple(
-        Rung(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
+        Setting(name, str(n), 10, time, (time, time), 1e-12 * 30.0**n)
         for name in ("pipeline", "thin plate, Argyris triangles, graded")
         for n, time in enumerate(WORKING)
     ),
@@ -159,10 +160,10 @@ def costs(captured: list[Any]) -> list[Any]:
     """What accuracy and effects cost."""
 
     def work() -> None:
-        costs_report.ladder_plot(SHORT, "ladder0", 1e-3)
-        costs_report.ladder_plot(LADDER, "ladder1", 1e-3)
+        costs_report.study_plot(SHORT, "ladder0", 1e-3)
+        costs_report.study_plot(LADDER, "ladder1", 1e-3)
         costs_report.overview([LADDER, LADDER], 1e-3)
-        costs_report.effects(EFFECTS)
+        effects_report.draw(EFFECTS)
 
     return drawn_by(captured, work)
 
@@ -302,7 +303,7 @@ def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
 
 def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
     """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: costs_report.effects(EFFECTS))
+    figures = drawn_by(captured, lambda: effects_report.draw(EFFECTS))
     left = figures[0].axes[0]
     assert left.get_xlim()[0] == pytest.approx(1e-5)
     ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
@@ -430,16 +431,16 @@ def test_a_known_structure_has_no_mesh(spinning_up: Drawn) -> None:
     assert spinning_up.pictures.figures["mesh"] == ""
 
 
-def study() -> Costs:
-    chosen = Picked("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
-    return Costs(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
+def study() -> WorkPrecision:
+    chosen = Choice("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
+    return WorkPrecision(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    costs_report.write_accuracy(study(), folder / "accuracy")
-    costs_report.write_effects(EFFECTS, folder / "effects")
+    costs_report.write(study(), folder / "accuracy")
+    effects_report.write(EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
-from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce, sweeps, table_two
-from workflows.studies.reproduction.claims import FORMULATIONS, RELEASE, SHOWN, Simulated
+from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce
+from workflows.studies.reproduction.claims import of_figures, of_table_two
+from workflows.studies.reproduction.simulation import FORMULATIONS, RELEASE, SHOWN, Simulated
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,
@@ -141,7 +142,7 @@ def test_a_ball_that_took_all_would_be_said_to_make_the_decay(found: Reproductio
         ({"peak_velocity": lasting}, Verdict.NOT),
         ({"peak_velocity": lasting, "energy": taken}, Verdict.NOT),
     ):
-        claims = sweeps.claims(_another(found.study, **changes), found.sweeps)
+        claims = of_figures(_another(found.study, **changes), found.sweeps)
         assert next(claim for claim in claims if claim.id == "F2-decay").verdict is verdict
 
 
@@ -153,7 +154,7 @@ def test_a_ball_that_took_as_much_as_the_paper_says_would_be_called_effective(fo
         ({"cutoff_g": 1.0}, Verdict.NOT),
         ({"cutoff_g": None}, Verdict.NOT),
     ):
-        claims = table_two.claims(_another(found.study, **changes))
+        claims = of_table_two(_another(found.study, **changes))
         assert next(claim for claim in claims if claim.id == "A-effective").verdict is verdict
 
 

@@ -112,7 +112,7 @@ def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> No
 LIMITED = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv.pop())),) * 2)
-from workflows.cli import entry as cli
+from workflows import cli
 sys.exit(cli.main())
 """
 
@@ -219,7 +219,7 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
 
 MEASURED = f"""
 import pathlib, sys
-from workflows.cli import entry as cli
+from workflows import cli
 from workflows.report import mode_viewer, plots
 mode_viewer.COMMAND = ["-I", "-S", "-c", {READY!r}]
 if sys.argv.pop() == "undrawn":
@@ -313,7 +313,7 @@ def test_sizes_without_a_plate(spindamp: Callable[..., Outcome]) -> None:
 
 def test_checking_loads_no_solver() -> None:
     """What solves and compiles takes longer to load than a check of a rectangle takes."""
-    script = "import sys\nfrom workflows.cli import entry\nassert entry.main(['check', 'paper']) == 0\n"
+    script = "import sys\nfrom workflows.cli import main\nassert main(['check', 'paper']) == 0\n"
     heavy = "[name for name in ('numba', 'scipy', 'skfem', 'matplotlib', 'pint', 'meshio') if name in sys.modules]"
     done = subprocess.run(
         [sys.executable, "-c", f"{script}sys.stderr.write(str({heavy}))"],

@@ -15,31 +15,19 @@ NAN = float("nan")
 # What is changed in the paper's scene, the key that the message names, and a part of what it says.
 MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"plate__length": "5 kg"}, "[plate] length = '5 kg'", "expected a length such as '20 cm'"),
-    ({"plate__length": "twenty"}, "[plate] length", "expected a length"),
-    ({"plate__length": "0.2"}, "[plate] length", "a string carries its unit"),
     ({"plate__length": 0}, "[plate] length", "above 0"),
-    ({"plate__length": "-20 cm"}, "[plate] length", "above 0"),
     ({"plate__length": NAN}, "[plate] length", "finite"),
-    ({"plate__length": True}, "[plate] length = true", "expected a length"),
-    ({"plate__length": ["20 cm"]}, "[plate] length", "expected a length"),
     ({"plate__length": None}, "[plate] length", "missing"),
-    ({"plate__width": None}, "[plate] width", "missing"),
-    ({"plate__thickness": None}, "[plate] thickness", "missing"),
     ({"plate__thickness": "30 cm"}, "[plate] thickness", "less than the length"),
     ({"plate__lenght": "20 cm", "plate__length": None}, "[plate] lenght", "did you mean 'length'?"),
     ({"plate__theory": "mindlinn"}, "[plate] theory = 'mindlinn'", "did you mean 'mindlin'?"),
-    ({"plate__theory": 3}, "[plate] theory", "expected"),
     ({"plate__tip_mass": "-1 kg"}, "[plate] tip_mass", "at least 0"),
-    ({"plate__mesh": "plate.msh"}, "[plate] length", "leave this out"),
     ({"plate__length": None, "plate__width": None, "plate__mesh": "no.msh"}, "[plate] mesh = 'no.msh'", "no such file"),
     ({"plate__length": None, "plate__width": None, "plate__mesh": ""}, "[plate] mesh", "name of a mesh file"),
     ({"plate__length": None, "plate__width": None, "plate__mesh": 7}, "[plate] mesh", "text in quotes"),
     ({"plate": "steel"}, "[plate] = 'steel'", "expected a table"),
-    ({"plate": None}, "[plate]", "missing"),
-    ({"material": None}, "[material]", "missing"),
     ({"material__youngs_modulus": "200 kg"}, "[material] youngs_modulus", "expected a modulus such as '200 GPa'"),
     ({"material__poissons_ratio": 0.5}, "[material] poissons_ratio = 0.5", "below 0.5"),
-    ({"material__poissons_ratio": -1}, "[material] poissons_ratio", "above -1"),
     ({"material__poissons_ratio": "0.3"}, "[material] poissons_ratio", "expected a number"),
     (
         {"material__density": 7.85},
@@ -62,8 +50,6 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
         "[release] ratio = 0.2",
         "at rest there is no load",
     ),
-    ({"material__density": "0 kg/m^3"}, "[material] density", "above 0"),
-    ({"material__densty": 1, "material__density": None}, "[material] densty", "did you mean 'density'?"),
     (
         {"structure__floor_tilt": "7 1/m"},
         "[structure] floor_tilt",
@@ -72,29 +58,21 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"structure": {"frequency": "2 Hz"}}, "[plate]", "a plate with its material or a [structure]: leave one out"),
     ({"damper__mass_ratio": 11}, "[damper] mass_ratio = 11", "at most 10"),
     ({"damper__damping_ratio": 0.999}, "[damper] damping_ratio = 0.999", "at most 0.9"),
-    ({"rotor": None}, "[rotor]", "missing"),
-    ({"rotor__speeds": None}, "[rotor] speeds", "missing"),
     ({"rotor__speeds": []}, "[rotor] speeds", "expected a list such as"),
-    ({"rotor__speeds": "3500 rpm"}, "[rotor] speeds", "expected a list such as"),
     ({"rotor__speeds": ["3500 Hz"]}, "[rotor] speeds", "expected a rotation speed such as '3500 rpm'"),
     ({"rotor__speeds": ["-1 rpm"]}, "[rotor] speeds", "negative"),
     ({"rotor__speeds": ["1 rpm", "1 rpm"]}, "[rotor] speeds", "every speed once"),
     ({"rotor__speeds": {"start": 0, "stop": 1}}, "[rotor] speeds", "'count' is missing"),
     ({"rotor__speeds": {"start": 0, "stop": 1, "cuont": 2}}, "[rotor] speeds", "unknown key 'cuont'"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "steps": 2, "unit": "rpm"}}, "[rotor] speeds", "key 'steps', 'unit'"),
     ({"rotor__speeds": {"start": 5, "stop": 1, "count": 2}}, "[rotor] speeds", "stop"),
     ({"rotor__speeds": {"start": 0, "stop": 1, "count": 10**9}}, "[rotor] speeds", "count"),
-    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1.5}}, "[rotor] speeds", "count"),
-    ({"rotor__hub_radius": "-1 m"}, "[rotor] hub_radius", "at least 0"),
     ({"rotor__radius": "20 cm"}, "[rotor] radius", "belongs to a [structure]"),
     ({"rotor__stagger": "1 m"}, "[rotor] stagger", "expected an angle such as '45 deg'"),
     ({"rotor__gravity": "1 g"}, "[rotor] gravity", "expected an acceleration"),
-    ({"rotor__gravity": 0}, "[rotor] gravity", "above 0"),
-    ({"rotor__modes": 0}, "[rotor] modes", "at least 1"),
     ({"rotor__modes": 2.5}, "[rotor] modes", "whole number"),
     ({"rotor__modes": 10_000}, "[rotor] modes", "at most 200"),
     ({"effects__coriolis": "yes"}, "[effects] coriolis = 'yes'", "'auto', true or false"),
-    ({"effects__coriolis": 1}, "[effects] coriolis", "'auto', true or false"),
-    ({"effects__corriolis": True}, "[effects] corriolis", "did you mean 'coriolis'?"),
     (
         {"effects": {"large_deflection": True, "stress_stiffening": False}},
         "[effects] large_deflection = true",
@@ -105,24 +83,11 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__at": ["0 cm", "0 cm"]}, "[damper] at", "outside the plate"),
     ({"damper__at": "tip"}, "[damper] at", "list of two"),
     ({"damper__mass_ratio": None}, "[damper] mass_ratio", "expected one of mass_ratio, mass, ball_density"),
-    ({"damper__mass": "1 g"}, "[damper] mass_ratio", "leave one out"),
-    ({"damper__mass_ratio": 0}, "[damper] mass_ratio", "above 0"),
-    ({"damper__mass_ratio": "0.6 %"}, "[damper] mass_ratio", "expected a number"),
-    ({"damper__count": 0}, "[damper] count", "at least 1"),
     ({"damper__count": 1.5}, "[damper] count = 1.5", "whole number"),
-    ({"damper__count": True}, "[damper] count", "whole number"),
-    ({"damper__radius": "0 mm"}, "[damper] radius", "above 0"),
     ({"damper__radius": "2 mm"}, "[damper] cavity", "does not fit"),
     ({"damper__cavity": ["1 mm", "3 mm"]}, "[damper] cavity", "does not fit"),
-    ({"damper__cavity": ["3 mm"]}, "[damper] cavity", "list of two"),
     ({"damper__restitution": 1.2}, "[damper] restitution = 1.2", "at most 1"),
-    ({"damper__restitution": -0.1}, "[damper] restitution", "at least 0"),
-    ({"damper__restitution": None}, "[damper] restitution", "missing"),
-    ({"damper__friction": -0.1}, "[damper] friction", "at least 0"),
-    ({"damper__rolling_friction": "-1 mm"}, "[damper] rolling_friction", "at least 0"),
     ({"damper__formulation": "exact"}, "[damper] formulation", "'consistent' or 'printed'"),
-    ({"damper__damping_ratio": 1}, "[damper] damping_ratio", "at most 0.9"),
-    ({"damper__sticking_ratio": 0}, "[damper] sticking_ratio", "above 0"),
     ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
     (
         {"damper__diameter": "2 mm", "damper__radius": None},
@@ -131,37 +96,38 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"damper__ball_diameter": 0.002}, "[damper] ball_diameter", "here radius = 0.001"),
     ({"damper__diameter": "wide"}, "[damper] diameter", "by its radius, half its diameter"),
-    ({"damper__housing": "0 g"}, "[damper] housing", "above 0"),
-    ({"plate__mesh_unit": "mm"}, "[plate] mesh_unit", "belongs to a mesh"),
+    (  # a housing frees the cavity of the plate's thickness, not of the axis 5 cm away
+        {"damper__at": ["5 cm", 0], "damper__housing": "1 g", "damper__cavity": ["6 cm", "2.4 mm"]},
+        "[damper] cavity = ['6 cm', '2.4 mm']",
+        "the cavity is larger than its distance from the axis, 0.05 m",
+    ),
     ({"plate__tip_mass_at": ["1 cm", 0], "plate__tip_mass": 1}, "[plate] tip_mass_at", "at the damper's place"),
     ({"plate__tip_mass_at": ["1 cm", 0]}, "[plate] tip_mass_at", "expected a tip_mass beside it"),
-    ({"damper": None}, "[damper]", "missing"),
-    ({"release": None}, "[release]", "missing"),
     ({"release__displacement": None}, "[release] displacement", "expected one of"),
     ({"release__ratio": 0.3}, "[release] ratio", "expected one of"),
     ({"release__displacement": ["0 m", "0 m"]}, "[release] displacement", "not zero"),
-    ({"release": {"ratio": 0}}, "[release] ratio", "above 0"),
     ({"release": {"acceleration": ["6000 kg", "0 g"]}}, "[release] acceleration", "expected an acceleration"),
     ({"release__cycles": "many"}, "[release] cycles", "'auto' or a number"),
     ({"release__cycles": 0}, "[release] cycles", "above 0"),
-    ({"release__cycles": -3}, "[release] cycles", "above 0"),
-    ({"accuracy__frequency": 0}, "[accuracy] frequency", "above 0"),
     ({"accuracy__damping": 1}, "[accuracy] damping", "below 1"),
-    ({"dampr": {}}, "[dampr]", "did you mean 'damper'?"),
     ({"title": 3}, "title = 3", "text in quotes"),
-    ({"structure": {"frequency": "1 Hz", "mass": "1 kg"}}, "[plate]", "leave one out"),
 ]
 
 
-@pytest.mark.parametrize(("changes", "key", "message"), MALFORMED)
-def test_malformed_scene(
-    changes: dict[str, Any], key: str, message: str, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
-    scene = write(changed(paper, **changes), tmp_path / "bad.toml")
-    _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
+@pytest.fixture
+def refused(spindamp: Callable[..., Outcome], tmp_path: Path) -> Callable[..., str]:
+    """Write a scene and have it refused: exit 2, one line with file, key and message, and nothing written."""
+
+    def call(scene: Scene, key: str, message: str, *command: str) -> str:
+        path = write(scene, tmp_path / "bad.toml")
+        outcome = spindamp(*(command or ("run", "--out", "out")), path)
+        _refused(outcome, tmp_path, str(path), key, message)
+        return outcome.err
+
+    return call
 
 
-def test_every_unknown_key_is_named(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_every_unknown_key_is_named(paper: Scene, refused: Callable[..., str]) -> None:
     """In one line, with what was probably meant; what is missing for their sake is not said as well."""
     changes = {
         "plate__lenght": "20 cm",
@@ -173,9 +139,7 @@ def test_every_unknown_key_is_named(paper: Scene, spindamp: Callable[..., Outcom
         "wings": {"a": 1},
         "colour": "red",
     }
-    scene = write(changed(paper, **changes), tmp_path / "bad.toml")
-    outcome = spindamp("run", scene)
-    _refused(outcome, tmp_path, str(scene), "[plate] lenght = '20 cm'", "unknown key: did you mean 'length'?")
+    error = refused(changed(paper, **changes), "[plate] lenght = '20 cm'", "unknown key: did you mean 'length'?")
     for said in (
         "also unknown: ",
         "[rotor] rpm",
@@ -184,31 +148,19 @@ def test_every_unknown_key_is_named(paper: Scene, spindamp: Callable[..., Outcom
         "[wings]",
         "colour",
     ):
-        assert said in outcome.err
-    assert "more" not in outcome.err
+        assert said in error
+    assert "more" not in error
 
 
-def test_a_thousand_unknown_keys_are_counted(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
-    scene = write(changed(paper, plate={f"{'x' * 500}{i}": 1 for i in range(1000)}), tmp_path / "bad.toml")
-    outcome = spindamp("check", scene)
-    _refused(outcome, tmp_path, str(scene), "[plate] xxx", "and 979 more")
-    assert len(outcome.err) < 3000
-
-
-def test_unknown_keys_of_a_ladder(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
-    ladder = {"start": 0, "stop": 1, "steps": 2, "unit": "rpm"}
-    scene = write(changed(paper, rotor__speeds=ladder), tmp_path / "bad.toml")
-    _refused(spindamp("run", scene), tmp_path, str(scene), "[rotor] speeds", "unknown key 'steps', 'unit'")
+def test_a_thousand_unknown_keys_are_counted(paper: Scene, refused: Callable[..., str]) -> None:
+    scene = changed(paper, plate={f"{'x' * 500}{i}": 1 for i in range(1000)})
+    assert len(refused(scene, "[plate] xxx", "and 979 more", "check")) < 3000
 
 
 STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     ({"structure__frequency": "1 kg"}, "[structure] frequency", "expected a frequency"),
-    ({"structure__mass": None}, "[structure] mass", "missing"),
-    ({"rotor__radius": None}, "[rotor] radius", "missing"),
-    ({"rotor__stagger": "10 deg"}, "[rotor] stagger", "belongs to a plate"),
     ({"rotor__modes": 5}, "[rotor] modes = 5", "belongs to a plate"),
     ({"accuracy": {"frequency": 1e-2}}, "[accuracy] frequency = 0.01", "belongs to a plate"),
-    ({"damper__at": ["1 cm", "0 cm"]}, "[damper] at", "belongs to a plate"),
     ({"damper__housing": "1 g"}, "[damper] housing", "belongs to a plate; the mass of a [structure] includes it"),
     ({"damper": None, "release": None}, "[damper]", "missing"),
     ({"effects__coriolis": True}, "[effects] coriolis = true", "the scene has no plate"),
@@ -259,23 +211,19 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "key", "message"), STRUCTURE_ONLY)
-def test_malformed_structure(
-    changes: dict[str, Any], key: str, message: str, structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+@pytest.mark.parametrize(
+    ("scene", "changes", "key", "message"),
+    [*(("paper", *case) for case in MALFORMED), *(("structure", *case) for case in STRUCTURE_ONLY)],
+)
+def test_malformed_scene(
+    scene: str,
+    changes: dict[str, Any],
+    key: str,
+    message: str,
+    refused: Callable[..., str],
+    request: pytest.FixtureRequest,
 ) -> None:
-    scene = write(changed(structure, **changes), tmp_path / "bad.toml")
-    _refused(spindamp("run", scene, "--out", "out"), tmp_path, str(scene), key, message)
-
-
-def test_a_housing_that_reaches_beyond_the_axis(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
-    """A housing frees the cavity of the plate's thickness, not of the axis 5 cm away."""
-    place = {"damper__at": ["5 cm", 0], "damper__housing": "1 g"}
-    scene = write(changed(paper, **place, damper__cavity=["6 cm", "2.4 mm"]), tmp_path / "bad.toml")
-    key, message = (
-        "[damper] cavity = ['6 cm', '2.4 mm']",
-        "the cavity is larger than its distance from the axis, 0.05 m",
-    )
-    _refused(spindamp("check", scene), tmp_path, str(scene), key, message)
+    refused(changed(request.getfixturevalue(scene), **changes), key, message)
 
 
 FILES = {

@@ -19,7 +19,7 @@ import pytest
 from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
-from workflows.cli.entry import main
+from workflows.cli.main import main
 from workflows.looking import view_data, window
 from workflows.report import figures, mode_viewer
 from workflows.report.page import load_results

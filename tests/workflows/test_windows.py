@@ -244,7 +244,7 @@ def test_memory_where_there_is_no_proc(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 def test_output_into_a_file_of_another_encoding(encoding: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not every letter of ours is in it; what is printed last must not fail a run that is done."""
-    from workflows.cli import entry as cli
+    from workflows import cli
 
     for line in ("campbell paper", "check structure", "ringdown structure --json"):
         out = io.BytesIO()
@@ -255,14 +255,13 @@ def test_output_into_a_file_of_another_encoding(encoding: str, monkeypatch: pyte
 
 def test_output_into_a_file_is_utf_8(monkeypatch: pytest.MonkeyPatch) -> None:
     """JSON is: whatever letters a console there knows."""
-    from workflows.cli import entry as cli
 
     for asked, encoding in ((None, "utf-8"), ("cp1252", "cp1252")):
         monkeypatch.setattr(sys, "platform", "win32")
         monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding="cp1252"))
         if asked:
             monkeypatch.setenv("PYTHONIOENCODING", asked)
-        cli._open_streams()
+        sys.modules["workflows.cli.main"]._open_streams()
         assert sys.stdout.encoding == encoding
         assert sys.stdout.errors == "backslashreplace"
 
@@ -276,7 +275,7 @@ def test_the_command_that_go_py_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 TWICE = """
-from workflows.cli import entry as cli
+from workflows import cli
 from workflows.report import figures
 assert cli.main(["run", "structure", "--out", "out"]) == 0
 figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")  # as it was

@@ -3,6 +3,6 @@
 May import every room.
 """
 
-from workflows.cli.entry import main
+from workflows.cli.main import main
 
 __all__ = ["main"]

@@ -2,7 +2,7 @@
 
 import sys
 
-from workflows.cli.entry import main
+from workflows.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -24,10 +24,6 @@ from workflows.scene.quantities import (
     fault,
     name_of,
 )
-
-if TYPE_CHECKING:
-    pass
-
 
 HEAVIEST = 10.0
 """Mass of all balls over the structure's up to which they damp it, and are not what is damped."""

@@ -11,12 +11,10 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.scene import damper as cavity
 from workflows.scene.load import SceneFile
-from workflows.scene.plate import disproportion
+from workflows.scene.plate import disproportion, extremes, thickness_at
 from workflows.scene.scene import Scene
-from workflows.scene.thickness_table import extremes, thickness_at
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     import fem
@@ -62,23 +60,9 @@ def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, fl
     return thickness.spread(profile(plate, form), form.mesh(form.sizes[0]))
 
 
-def slope_error(plate: Plate, form: Planform | None = None) -> float:
-    """What plate theories are off, relatively in frequency, where faces slope; `form` as in `spread`."""
-    if isinstance(plate.thickness, float):
-        return 0.0
-    from fem import Rectangle
-    from fem.meshes import thickness
-
-    if form is None:
-        form = Rectangle(plate.length or 0.0, plate.width or 0.0)
-    return thickness.SLOPE * thickness.slope(profile(plate, form), form.mesh(form.sizes[0])) ** 2
-
-
 @functools.cache
 def _gauss() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Points and weights on [-1, 1]."""
-    import numpy as np
-
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     return points, weights
 
@@ -99,8 +83,6 @@ def volume(plate: Plate) -> tuple[float, float]:
 
 def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
-    import numpy as np
-
     from fem.meshes.thickness import of
 
     if plate.width is None:

@@ -6,10 +6,10 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -264,7 +264,7 @@ def wrong(expectation: str) -> PydanticCustomError:
     return PydanticCustomError("wrong", "{expectation}", {"expectation": expectation})
 
 
-def si(value: object, kind: Kind, info: ValidationInfo) -> float:
+def si(kind: Kind, value: object, info: ValidationInfo) -> float:
     """A quantity in SI, as the keys of a scene read it."""
     gravity = (info.context or {}).get("gravity", STANDARD_GRAVITY) if kind is LOAD else None
     try:
@@ -279,49 +279,72 @@ def quantity_schema(kind: Kind) -> dict[str, Any]:
 
 
 def _quantity(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
-    def validate(value: object, info: ValidationInfo) -> float:
-        return si(value, kind, info)
+    return BeforeValidator(partial(si, kind)), WithJsonSchema(quantity_schema(kind))
 
-    return BeforeValidator(validate), WithJsonSchema(quantity_schema(kind))
+
+def above_zero(kind: Kind, value: object, info: ValidationInfo) -> float:
+    """A quantity above 0 in SI."""
+    number = si(kind, value, info)
+    if number <= 0:
+        raise wrong("expected more than 0")
+    return number
+
+
+def several(
+    one: Callable[[object, ValidationInfo], Any],
+    schema: dict[str, Any],
+    expectation: str,
+    least: int = 1,
+    most: int | None = None,
+    *,
+    single: bool = False,
+    once: str = "",
+) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates a list.
+
+    Args:
+        one: reads an item.
+        schema: of an item.
+        expectation: the message where it is no list of so many items.
+        least: how many items it has at least.
+        most: how many it has at most.
+        single: whether an item alone stands for a list of `least` such items.
+        once: the message where an item stands there twice, if that is wrong.
+    """
+
+    def validate(value: object, info: ValidationInfo) -> tuple[Any, ...]:
+        items = value if isinstance(value, list | tuple) else [value] * least if single else []
+        if not least <= len(items) <= (most or len(items)):
+            raise wrong(expectation)
+        read = tuple(one(item, info) for item in items)
+        if once and len(set(read)) < len(read):
+            raise wrong(once)
+        return read
+
+    array = {"type": "array", "items": schema, "minItems": least} | ({} if most is None else {"maxItems": most})
+    if not single:
+        return BeforeValidator(validate), WithJsonSchema(array)
+    unit = {"x-si": schema["x-si"]} if "x-si" in schema else {}
+    return BeforeValidator(validate), WithJsonSchema({"anyOf": [*schema.get("anyOf", [schema]), array]} | unit)
+
+
+def list_of(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates a list of quantities."""
+    return several(partial(si, kind), quantity_schema(kind), f"expected a list such as {_two(kind)}")
 
 
 def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
-    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise wrong(f"expected a list of two, such as ['{kind.example}', '{kind.example}']")
-        return si(value[0], kind, info), si(value[1], kind, info)
-
-    schema = {"type": "array", "items": quantity_schema(kind), "minItems": 2, "maxItems": 2}
-    return BeforeValidator(validate), WithJsonSchema(schema)
+    return several(partial(si, kind), quantity_schema(kind), f"expected a list of two, such as {_two(kind)}", 2, 2)
 
 
 def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSchema]:
     """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
-
-    def validate(value: object, info: ValidationInfo) -> tuple[float, float]:
-        both = value if isinstance(value, list | tuple) else [value, value]
-        if len(both) != 2:
-            raise wrong(f"expected a value such as '{kind.example}', or a list of two, one for each axis")
-        x, y = (si(item, kind, info) for item in both)
-        if not zero and min(x, y) <= 0:
-            raise wrong("expected more than 0")
-        return x, y
-
-    pair = {"type": "array", "items": quantity_schema(kind), "minItems": 2, "maxItems": 2}
-    return BeforeValidator(validate), WithJsonSchema(
-        {"anyOf": [*quantity_schema(kind)["anyOf"], pair], "x-si": kind.si}
-    )
+    expectation = f"expected a value such as '{kind.example}', or a list of two, one for each axis"
+    return several(partial(si if zero else above_zero, kind), quantity_schema(kind), expectation, 2, 2, single=True)
 
 
-def quantities(value: object, kind: Kind, info: ValidationInfo) -> tuple[float, ...]:
-    """A list of quantities in SI."""
-    if not isinstance(value, list | tuple) or not value:
-        raise wrong(f"expected a list such as ['{kind.example}', '{kind.example}']")
-    return tuple(si(item, kind, info) for item in value)
-
-
-def _lengths(value: object, info: ValidationInfo) -> tuple[float, ...]:
-    return quantities(value, LENGTH, info)
+def _two(kind: Kind) -> str:
+    return f"['{kind.example}', '{kind.example}']"
 
 
 def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
@@ -402,11 +425,7 @@ Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
 Slopes = Annotated[tuple[float, float], *_one_or_two(SLOPE, zero=True)]
 LengthPair = Annotated[tuple[float, float], *_pair(LENGTH)]
-Lengths = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_lengths),
-    WithJsonSchema({"type": "array", "items": quantity_schema(LENGTH), "minItems": 1}),
-]
+Lengths = Annotated[tuple[float, ...], *list_of(LENGTH)]
 LoadPair = Annotated[tuple[float, float], *_pair(LOAD)]
 Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]
 Switch = Annotated[

@@ -43,7 +43,7 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
     elif isinstance(value, list | tuple) and value:
-        speeds = [si(item, quantities.ROTATION, info) for item in value]
+        speeds = [si(quantities.ROTATION, item, info) for item in value]
     else:
         raise wrong("expected a list such as ['3500 rpm'] or { start = '0 rpm', stop = '9000 rpm', count = 10 }")
     if any(speed < 0 for speed in speeds):
@@ -59,7 +59,7 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
 
 def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     _whole(value)
-    start, stop = si(value["start"], quantities.ROTATION, info), si(value["stop"], quantities.ROTATION, info)
+    start, stop = si(quantities.ROTATION, value["start"], info), si(quantities.ROTATION, value["stop"], info)
     count = value["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SPEEDS:
         raise wrong(f"count: expected a whole number from 1 to {MOST_SPEEDS}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
@@ -18,7 +19,7 @@ from workflows.scene import damper as cavity
 from workflows.scene import materials, quantities
 from workflows.scene.damper import HEAVIEST, Damper, Release
 from workflows.scene.materials import LIGHTEST
-from workflows.scene.plate import Material, Plate
+from workflows.scene.plate import Material, Plate, thickness_at
 from workflows.scene.quantities import (
     LENGTH,
     ROUNDING,
@@ -31,22 +32,17 @@ from workflows.scene.quantities import (
     NotNegative,
     Positive,
     Table,
+    above_zero,
     fault,
     quantity_schema,
+    several,
     si,
     wrong,
 )
 from workflows.scene.rotor import Accuracy, Effects, Rotor, Structure
-from workflows.scene.thickness_table import thickness_at
 
 FLAT = "flat"
 """A floor without a radius."""
-
-
-def _floors(value: object, info: ValidationInfo) -> tuple[float | str, ...]:
-    if not isinstance(value, list | tuple) or not value:
-        raise wrong(f"expected a list such as ['{FLAT}', '8 mm', '64 mm']")
-    return tuple(_floor(item, info) for item in value)
 
 
 def _floor(value: object, info: ValidationInfo) -> float | str:
@@ -54,43 +50,35 @@ def _floor(value: object, info: ValidationInfo) -> float | str:
         return FLAT
     if isinstance(value, str) and (hint := did_you_mean(value, [FLAT])):
         raise wrong(f"expected '{FLAT}' or a length such as '8 mm'{hint}")
-    return si(value, LENGTH, info)
+    return si(LENGTH, value, info)
 
 
-def _materials(value: object) -> tuple[str, ...]:
-    if not isinstance(value, list | tuple) or not value:
-        raise wrong("expected a list such as ['steel', 'lead']")
-    for item in value:
-        if item not in materials.BALLS:
-            hint = did_you_mean(item, materials.BALLS) if isinstance(item, str) else ""
-            raise wrong(f"expected names out of {', '.join(materials.BALLS)}{hint}")
-    return tuple(value)
+def _material(value: object, _: ValidationInfo) -> str:
+    if isinstance(value, str) and value in materials.BALLS:
+        return value
+    hint = did_you_mean(value, materials.BALLS) if isinstance(value, str) else ""
+    raise wrong(f"expected names out of {', '.join(materials.BALLS)}{hint}")
 
 
-def _counts(value: object) -> tuple[int, ...]:
-    items = list(value) if isinstance(value, list | tuple) else []
-    if not items or any(isinstance(item, bool) or not isinstance(item, int) or item < 1 for item in items):
-        raise wrong("expected a list of whole numbers from 1 on")
-    return tuple(items)
+def _whole_numbers(expectation: str, most: int | None = None, once: str = "") -> tuple[BeforeValidator, WithJsonSchema]:
+    """A list of whole numbers from 1 on; up to `most`, one alone will do."""
+
+    def whole(value: object, _: ValidationInfo) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= (most or value):
+            raise wrong(expectation)
+        return value
+
+    schema = {"type": "integer", "minimum": 1} | ({} if most is None else {"maximum": most})
+    return several(whole, schema, expectation, single=most is not None, once=once)
 
 
 _FLOOR = {"anyOf": [{"const": FLAT}, *quantity_schema(LENGTH)["anyOf"]], "x-si": "m"}
+_A_FLOOR = f"expected a list such as ['{FLAT}', '8 mm', '64 mm']"
+_BALLS = {"enum": list(materials.BALLS)}
 
-Floors = Annotated[
-    tuple[float | str, ...],
-    BeforeValidator(_floors),
-    WithJsonSchema({"type": "array", "items": _FLOOR, "minItems": 1}),
-]
-Materials = Annotated[
-    tuple[str, ...],
-    BeforeValidator(_materials),
-    WithJsonSchema({"type": "array", "items": {"enum": list(materials.BALLS)}, "minItems": 1}),
-]
-Counts = Annotated[
-    tuple[int, ...],
-    BeforeValidator(_counts),
-    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 1}),
-]
+Floors = Annotated[tuple[float | str, ...], *several(_floor, _FLOOR, _A_FLOOR)]
+Materials = Annotated[tuple[str, ...], *several(_material, _BALLS, "expected a list such as ['steel', 'lead']")]
+Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole numbers from 1 on")]
 
 
 class Design(Table):
@@ -132,43 +120,18 @@ MOST_LEVELS = 20
 
 def _levels(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     """One height above 0, or a list of different ones."""
-
-    def validate(value: object, info: ValidationInfo) -> tuple[float, ...]:
-        listed = value if isinstance(value, list | tuple) else [value]
-        if not 0 < len(listed) <= MOST_LEVELS:
-            raise wrong(f"expected a value such as '{kind.example}', or a list of at most {MOST_LEVELS}")
-        found = tuple(si(item, kind, info) for item in listed)
-        if min(found) <= 0:
-            raise wrong("expected more than 0")
-        if len(set(found)) < len(found):
-            raise wrong("expected every level once")
-        return found
-
-    listed = {"type": "array", "items": quantity_schema(kind), "minItems": 1, "maxItems": MOST_LEVELS}
-    return BeforeValidator(validate), WithJsonSchema(
-        {"anyOf": [*quantity_schema(kind)["anyOf"], listed], "x-si": kind.si}
-    )
+    expectation = f"expected a value such as '{kind.example}', or a list of at most {MOST_LEVELS}"
+    once = "expected every level once"
+    read = partial(above_zero, kind)
+    return several(read, quantity_schema(kind), expectation, 1, MOST_LEVELS, single=True, once=once)
 
 
-def _orders(value: object) -> tuple[int, ...]:
-    listed = value if isinstance(value, list | tuple) else [value]
-    whole = [item for item in listed if isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= 1000]
-    if not whole or len(whole) < len(listed):
-        raise wrong("expected a list of whole numbers from 1 to 1000, such as [2, 3]")
-    if len(set(whole)) < len(whole):
-        raise wrong("expected every order once")
-    return tuple(whole)
-
+_ORDERS = "expected a list of whole numbers from 1 to 1000, such as [2, 3]"
 
 Forces = Annotated[tuple[float, ...], *_levels(quantities.FORCE)]
 Pressures = Annotated[tuple[float, ...], *_levels(quantities.SURFACE_PRESSURE)]
 Loads = Annotated[tuple[float, ...], *_levels(quantities.LOAD)]
-_ORDER = {"type": "integer", "minimum": 1, "maximum": 1000}
-Orders = Annotated[
-    tuple[int, ...],
-    BeforeValidator(_orders),
-    WithJsonSchema({"anyOf": [_ORDER, {"type": "array", "items": _ORDER, "minItems": 1}]}),
-]
+Orders = Annotated[tuple[int, ...], *_whole_numbers(_ORDERS, 1000, "expected every order once")]
 
 
 class Excitation(Table):
@@ -364,8 +327,8 @@ class Scene(Table):
         if self.damper is not None and self.rotor.precone:
             raise fault(
                 "rotor.precone",
-                "the load then slopes along the cavity's floor, which the damper's model has not: expected 0, or the"
-                " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+                "the load then slopes along the cavity's floor, which the damper model does not support: expected 0,"
+                " or the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
             )
 
     def _without_a_plate(self, structure: Structure) -> None:

@@ -1,31 +1,40 @@
-"""A statement of the paper, what the code finds, and what follows."""
+"""The paper's statements, judged by numbers; their words are those of `templates/paper.toml`."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from workflows import pipeline
-from workflows.effects.definition import Effect
-from workflows.progress import Stages
-from workflows.scene import load as scene_file
-from workflows.scene.load import SceneFile
-from workflows.scene.scene import Scene
-from workflows.solve import damper as ringdowns
-from workflows.solve.results import SpeedPoint
+from workflows.formatting import significant
+from workflows.scene.paper import SDC_RANGE, TABLE_II
+from workflows.solve.results import Figures, SpeedPoint
+from workflows.studies.reproduction.simulation import (
+    FORMULATIONS,
+    MASS_RATIOS,
+    RELEASE,
+    SHOWN,
+    TEXTS,
+    DampingCurve,
+    Family,
+    Floats,
+    Simulated,
+    Sweeps,
+    level,
+    moving,
+)
 
 if TYPE_CHECKING:
     from damper import ParticleDamper
 
-
 Value = float | int | str | list[float] | None
 """A number, several, words, or nothing where a formulation has no say."""
+
+_CYCLES = 20
 
 
 class Verdict(StrEnum):
@@ -46,7 +55,7 @@ class Claim:
         source: where it stands in the paper.
         claim: the statement, in our words.
         paper: the paper's value, with its unit.
-        printed, consistent: the values found with either formulation, in the same unit.
+        printed, consistent: the values with either formulation, in the same unit.
         verdict: how it fares.
         why: the reason, in a sentence or two.
     """
@@ -68,158 +77,261 @@ def judge(holds: bool, partly: bool = False) -> Verdict:
     return Verdict.PARTLY if partly else Verdict.NOT
 
 
-Floats = npt.NDArray[np.float64]
-
-FORMULATIONS = ("printed", "consistent")
-SHOWN = 3
-"""10000 rpm, or 21932 g, which the paper calls 22000 g and draws Figs. 2 and 4 to 7 for."""
-
-RELEASE = (20e-3, 5e-3)
-
-
-@dataclass(frozen=True, eq=False)
-class DampingCurve:
-    """One curve of a figure: a value per vibration cycle, from the release to rest.
-
-    `amplitude_g` is the paper's Gamma, `ball` the capacity beyond the structure's own, `sdc` all of it,
-    `clearance_g` the paper's dimensionless clearance Delta_x.
-    """
-
-    label: str
-    amplitude_g: Floats
-    sdc: Floats
-    ball: Floats
-    cutoff_g: float | None
-    clearance_g: float
+def _claim(name: str, values: Iterable[Value], verdict: Verdict, **numbers: float | str) -> Claim:
+    """A statement with its verdict; `values`: printed and consistent; `numbers` fill in its words."""
+    words = TEXTS["claims"][name]
+    paper, why = words["paper"].format(**numbers), words["why"].format(**numbers)
+    printed, consistent = values
+    return Claim(name, words["source"], words["claim"], paper, printed, consistent, verdict, why)
 
 
-@dataclass(frozen=True, eq=False)
-class Simulated:
-    """The paper's scene, its structure at the seven speeds, and the ring-downs there in both formulations."""
-
-    scene: Scene
-    effects: dict[str, Effect]
-    points: dict[str, tuple[SpeedPoint, ...]]
-    rest_hz: float
-
-    @property
-    def plate(self) -> tuple[SpeedPoint, ...]:
-        """The seven speeds, consistent formulation; the structure is the same in both."""
-        return self.points["consistent"]
-
-    @property
-    def gravity(self) -> float:
-        """The paper's g [m/s^2]."""
-        return self.scene.rotor.gravity
-
-    def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> ParticleDamper:
-        """The damper that the run simulates at 10000 rpm, changed.
-
-        Its stiffness is kept, so that curves differ by what was changed alone.
-        """
-        scene = _with(self.scene, formulation=formulation)
-        if mass_ratio is not None:
-            scene = _with(scene, mass_ratio=mass_ratio)
-        return replace(ringdowns.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
-
-    def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
-        """Ring a damper down to rest, cycle by cycle."""
-        from damper import capacity, ringdown
-
-        found = capacity(ringdown(system, release, max_cycles=20_000))
-        clearance = system.stuck_frequency**2 * 2 * system.half_gap[0] / self.gravity
-        cutoff = None if found.cutoff is None else found.cutoff / self.gravity
-        return DampingCurve(
-            label, found.amplitude / self.gravity, found.sdc, found.sdc - found.intrinsic_sdc, cutoff, clearance
-        )
+def of_table_two(study: Simulated) -> Iterator[Claim]:
+    """Table II: loads, frequencies, cut-offs, ratios."""
+    points, n2 = study.plate, [(point.rpm / 60) ** 2 for point in study.plate]
+    loads, frequencies = [point.load_g for point in points], [_first(point) for point in points]
+    exact = all(round(load) == row.load for load, row in zip(loads, TABLE_II, strict=True))
+    yield _claim("T2-loads", (loads, loads), judge(exact))
+    worst = 100 * max(abs(f / row.frequency - 1) for f, row in zip(frequencies, TABLE_II, strict=True))
+    yield _claim("T2-frequencies", (frequencies, frequencies), judge(worst <= 0.1), worst=worst)
+    slope = (frequencies[-1] ** 2 - frequencies[0] ** 2) / (n2[-1] - n2[0])
+    theirs = (TABLE_II[-1].frequency ** 2 - TABLE_II[0].frequency ** 2) / (n2[-1] - n2[0])
+    yield _claim("T2-stiffening", (slope, slope), judge(abs(slope / theirs - 1) < 0.01), slope=theirs)
+    own = study.rest_hz
+    back = [math.sqrt(r.frequency**2 - f**2 + own**2) for r, f in zip(TABLE_II, frequencies, strict=True)]
+    verdict = judge(abs(own / 198 - 1) < 1e-3, partly=abs(own / 198 - 1) < 1e-2)
+    yield _claim("T2-rest", (own, own), verdict, printed=sum(back) / len(back), own=own)
+    yield from _cutoffs(study, loads)
+    yield _with_tilt(study)
 
 
-def study(stages: Stages) -> Simulated:
-    """Solve the paper's plate once and ring both formulations down at every speed."""
-    source = scene_file.load("paper")
-    structure = pipeline.structure(source, stages, shapes=False)
-    points = {}
+def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
+    printed, consistent = ([_cutoff(point) for point in study.points[f]] for f in FORMULATIONS)
+    ratios = [[c / load for c, load in zip(cut, loads, strict=True)] for cut in (printed, consistent)]
+    damping = study.plate[0].damping
+    decay = 1 / math.sqrt(1 - damping.intrinsic_sdc) if damping else 1.0
+    # As close to the table's as two cycles resolve.
+    resolved = [abs(math.log(c / r.cutoff)) <= 2 * math.log(decay) for c, r in zip(consistent, TABLE_II, strict=True)]
+    yield _claim("T2-cutoff-high", (printed[2:], consistent[2:]), judge(all(resolved[2:])), decay=decay, both=decay**2)
+    yield _claim("T2-cutoff-low", (printed[:2], consistent[:2]), judge(all(resolved[:2]), partly=resolved[1]))
+    high = [ratio[2:] for ratio in ratios]
+    yield _claim("T2-ratio", high, judge(all(map(_near_a_tenth, high[0] + high[1]))))
+    rises = judge(sorted(consistent) == consistent and sorted(printed) == printed)
+    yield _claim("T2-cutoff-rises", (printed[-1] / printed[0], consistent[-1] / consistent[0]), rises)
+    taken, moves = [_taken(point) for point in study.plate], all(map(_near_a_tenth, ratios[1]))
+    verdict = judge(moves and min(taken) >= SDC_RANGE[0], partly=moves)
+    most, effective = 100 * max(taken), 100 * SDC_RANGE[0]
+    yield _claim("A-effective", (min(ratios[0]), min(ratios[1])), verdict, most=most, effective=effective)
+
+
+def _with_tilt(study: Simulated) -> Claim:
+    """The cut-offs of the blade itself, whose floor tilts as it bends."""
+    points = study.plate
+    ratios = [math.nan if p.tilted is None or p.tilted.ratio is None else p.tilted.ratio for p in points]
+    tilted, flat = ([_in_a_cycle(p.working) for p in points], [_in_a_cycle(p.level) for p in points])
+    shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
+    shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
+    percents = {name: significant(100 * share, 2) for name, share in shares.items()}
+    return _claim("T2-tilt", (None, ratios), judge(all(map(_near_a_tenth, ratios))), **percents)
+
+
+def _in_a_cycle(figures: Figures | None) -> float:
+    """Share of a cycle's energy that the largest damping ratio takes."""
+    return 0.0 if figures is None else -math.expm1(-4 * math.pi * figures.peak)
+
+
+def _first(point: SpeedPoint) -> float:
+    return next(mode.frequency_hz for mode in point.modes if mode.family == "flap")
+
+
+def _near_a_tenth(ratio: float) -> bool:
+    return 0.09 <= ratio <= 0.112
+
+
+def _taken(point: SpeedPoint) -> float:
+    """Most that a cycle loses beyond what the structure's own damping takes [-]."""
+    if point.damping is None or point.damping.peak_sdc is None:
+        return 0.0
+    return point.damping.peak_sdc - point.damping.intrinsic_sdc
+
+
+def _cutoff(point: SpeedPoint) -> float:
+    if point.damping is None or point.damping.cutoff_g is None:
+        return math.nan
+    return point.damping.cutoff_g
+
+
+def of_equations(study: Simulated) -> Iterator[Claim]:
+    """Sections I and II: rolling and sliding, impacts, sticking, time steps, the measure of damping."""
+    demands = [[p.damping.largest_rolling_demand or 0.0 for p in study.points[f] if p.damping] for f in FORMULATIONS]
+    friction = study.scene.damper.friction if study.scene.damper else 0.0
+    rolls = judge(max(demands[1]) <= friction, partly=min(demands[1]) <= friction)
+    yield _claim("S1-rolls", (max(demands[0]), max(demands[1])), rolls, friction=friction)
+    ratios = [_threshold(study, formulation) for formulation in FORMULATIONS]
+    yield _claim("S2-threshold", ratios, judge(all(abs(ratio / 0.1 - 1) < 1e-9 for ratio in ratios)))
+    momentum, restitution, losses, caps = zip(*(_hits(study, f) for f in FORMULATIONS), strict=True)
+    yield _claim("S2-momentum", momentum, judge(max(momentum) < 1e-9))
+    yield _claim("S2-restitution", restitution, judge(max(abs(r - 0.5) for r in restitution) < 1e-9))
+    yield _claim("S2-cap", losses, judge(min(losses) >= 0), capped=caps[1])
+    yield _sticking(study)
+    yield _steps(study)
+    energies = [damping.energy if (damping := study.points[f][SHOWN].damping) else None for f in FORMULATIONS]
+    shares = [energy.impact / (energy.impact + energy.rolling) if energy else math.nan for energy in energies]
+    yield _claim("S2-measure", shares, judge(shares[1] > 0.99, partly=shares[1] > 0.1))
+    gains = [100 * gain(study.system(formulation, damping_ratio=0.0)) for formulation in FORMULATIONS]
+    yield _claim("S2-energy", gains, judge(max(gains) < 0, partly=gains[1] < 0))
+    base = study.system("consistent", damping_ratio=0.0)
+    change = gain(replace(base, floor_friction=base.friction), loss=True) / gain(base, loss=True) - 1
+    yield _claim("S2-rotation", (None, change), judge(abs(change) <= 0.01))
+
+
+def gain(system: ParticleDamper, *, loss: bool = False) -> float:
+    """Energy after 20 cycles over that at the release, less one; or the loss, one less it."""
+    from damper import ringdown
+
+    energy = ringdown(system, RELEASE, _CYCLES).energy
+    ratio = energy.final / energy.initial
+    return 1 - ratio if loss else ratio - 1
+
+
+def _threshold(study: Simulated, formulation: str) -> float:
+    """Acceleration at which the ball sets off over the load; NaN where it does not, or sets off below."""
+    from damper import ringdown
+
+    system = study.system(formulation, damping_ratio=0.0)
+    square = system.stuck_frequency**2
+    amplitude = system.rolling_threshold / square
+    still = ringdown(system, (amplitude * (1 - 1e-9), 0.0), 3).events == 0
+    moves = ringdown(system, (amplitude * (1 + 1e-6), 0.0), 3).events > 0
+    return amplitude * square / system.centrifugal_acceleration if still and moves else math.nan
+
+
+def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]:
+    """Over single oblique hits: worst momentum, restitution farthest from e, least loss, hits at the cap."""
+    from damper import ringdown, sample
+
+    base = study.system(formulation, centrifugal_acceleration=0.0, damping_ratio=0.0, stiffness=(1e-9, 1e-9))
+    m2, ball, gap = base.modal_mass, base.ball_mass, base.half_gap[0]
+    system = replace(base, cavity=(base.cavity[0], 1.0), sticking_ratio=0.0)
+    worst, farthest, least, capped = 0.0, base.restitution, math.inf, 0
+    for angle in np.linspace(0.02, 1.5, 40):
+        w = (math.cos(angle), math.sin(angle))
+        duration = 1.5 * gap / w[0]
+        cycles = duration * system.stuck_frequency / (2 * math.pi)
+        run = ringdown(system, (0.0, 0.0), cycles, ball_velocity=w, keep_events=True)
+        end = sample(run, run.duration)
+        after, v = end.relative_velocity[0], end.velocity[0]
+        for axis in range(2):
+            worst = max(worst, abs(m2 * v[axis] + ball * (v[axis] + after[axis]) - ball * w[axis]) / ball)
+        ratio = -after[0] / w[0]
+        if abs(ratio - base.restitution) > abs(farthest - base.restitution):
+            farthest = float(ratio)
+        least = min(least, run.energy.impact)
+        capped += abs(after[1]) < 1e-9
+    return worst, farthest, least, capped
+
+
+def _sticking(study: Simulated) -> Claim:
+    from damper import capacity, ringdown
+
+    changes, fewer = [], []
     for formulation in FORMULATIONS:
-        scene = _with(source.scene, formulation=formulation)
-        points[formulation] = ringdowns.simulate(scene, structure.effects, structure.points, stages, SHOWN)
-    rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
-    return Simulated(source.scene, structure.effects, points, rest)
+        systems = [study.system(formulation, sticking_ratio=epsilon) for epsilon in (1e-2, 1e-6)]
+        runs = [ringdown(system, RELEASE, _CYCLES) for system in systems]
+        part = [float(capacity(run).sdc.mean()) for run in runs]
+        lossless = 1 - runs[1].energy.final / runs[1].energy.initial == 0
+        changes.append(math.nan if lossless else abs(part[0] / part[1] - 1))
+        fewer.append(1 - runs[0].impacts / runs[1].impacts)
+    verdict = judge(max(changes) < 1e-2 and min(fewer) > 0.1, partly=max(changes) < 1e-2)
+    return _claim("S2-epsilon", changes, verdict, saved=100 * fewer[1])
 
 
-def _at_rest(source: SceneFile) -> SceneFile:
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (0.0,)}), damper=None, release=None)
+def _steps(study: Simulated) -> Claim:
+    from damper import capacity, ringdown, stepped_ringdown
+
+    systems = [study.system(formulation, damping_ratio=0.0) for formulation in FORMULATIONS]
+    exact = [float(capacity(ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
+    stepped = [float(stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
+    verdict = judge(all(abs(s / e - 1) < 0.1 for s, e in zip(stepped, exact, strict=True)))
+    shown = {"printed": 100 * exact[0], "consistent": 100 * exact[1]}
+    return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
 
 
-def _with(scene: Scene, **changes: object) -> Scene:
-    if scene.damper is None:
-        raise ValueError("the paper's scene has a damper")
-    return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
+def of_figures(study: Simulated, sweeps: Sweeps) -> Iterator[Claim]:
+    """Section III, figures 2 to 7: the ball over load, mass, cavity, release and radius."""
+    yield _decay(study)
+    yield from _over_load(sweeps.load)
+    levels = _levels(sweeps.mass)
+    fits = [_linearity(MASS_RATIOS, values) for values in levels]
+    yield _claim("F4-linear", fits, judge(fits[1] > 0.99, partly=fits[1] > 0.9))
+    growth = [values[-1] / values[0] for values in levels]
+    yield _claim("F4-rises", growth, judge(growth[1] > 1))
+    yield from _over_cavity(sweeps.cavity)
+    spread, own = _overlaps(sweeps.release, total=True), _overlaps(sweeps.release, total=False)
+    yield _claim("F6-weak", (100 * spread[0], 100 * spread[1]), judge(0 < spread[1] < 0.05), own=100 * own[1])
+    ratios = [values[-1] / values[0] for values in _levels(sweeps.radius)]
+    yield _claim("F7-radius", ratios, judge(0.8 < ratios[1] < 1.25))
+    yield _claim("A-experiments", (None, None), Verdict.UNTESTABLE)
 
 
-def moving(curve: DampingCurve) -> DampingCurve:
-    """The part of a curve in which the ball moved, the first cycle and the one of the cut-off left out."""
-    level = curve.cutoff_g or 0.0
-    keep = curve.amplitude_g > level * (1 + 1e-9)
-    keep[0] = False
-    return replace(curve, amplitude_g=curve.amplitude_g[keep], sdc=curve.sdc[keep], ball=curve.ball[keep])
+def _decay(study: Simulated) -> Claim:
+    dampings = [study.points[f][SHOWN].damping for f in FORMULATIONS]
+    ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
+    decays = dampings[1] is not None and _cycles_to_decay(dampings[1].peak_velocity) < 100
+    return _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
 
 
-def level(curve: DampingCurve) -> float:
-    """Average of the ball's part while it moved [-]."""
-    part = moving(curve).ball
-    return float(part.mean()) if len(part) else math.nan
+def _over_load(family: Family) -> Iterator[Claim]:
+    peaks, levels = _peaks(family), _levels(family)
+    curve = family["consistent"][0]
+    own = 100 * float(curve.sdc[-1] - curve.ball[-1])
+    yield _claim("F3-level", peaks, judge(min(peaks[1]) >= 14), own=own)
+    drop = [values[0] - values[-1] for values in levels]
+    falls = all(a > b for a, b in zip(levels[1], levels[1][1:], strict=False))
+    yield _claim("F3-trend", drop, judge(falls and drop[1] > 1, partly=falls))
+    after = [max(abs(float(c.ball[-1])) for c in family[f]) for f in FORMULATIONS]
+    yield _claim("F3-stops", after, judge(max(after) < 1e-9))
 
 
-Family = dict[str, list[DampingCurve]]
-"""Curves by formulation."""
-
-MASS_RATIOS = (0.003, 0.006, 0.009, 0.012)
-CLEARANCES = (0.25e-3, 0.5e-3, 0.75e-3, 1.0e-3, 1.25e-3)
-RELEASES = (12e-3, 16e-3, 20e-3, 24e-3)
-RADII = (0.6e-3, 0.8e-3, 1.0e-3, 1.1e-3)
-
-
-@dataclass(frozen=True, eq=False)
-class Sweeps:
-    """The families of curves behind Figs. 3 to 7."""
-
-    load: Family
-    mass: Family
-    cavity: Family
-    release: Family
-    radius: Family
+def _over_cavity(family: Family) -> Iterator[Claim]:
+    levels = _levels(family)
+    changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(family)))
+    verdict = judge(abs(changes[1]) <= 5, partly=abs(totals[1]) <= 5)
+    yield _claim("F5-weak", changes, verdict, total=totals[1])
+    yield _claim("F5-sense", (v[0] / v[-1] for v in levels), judge(levels[1][0] >= levels[1][-1]))
+    spread = _overlaps(family, total=True)
+    verdict = judge(spread[1] < 0.02, partly=spread[1] < 0.1)
+    yield _claim("F5-overlap", (100 * spread[0], 100 * spread[1]), verdict)
 
 
-def sweeps(study: Simulated) -> Sweeps:
-    """Compute every curve."""
+def _cycles_to_decay(peaks: Floats) -> float:
+    """After how many cycles the velocity has fallen to 1/e; infinite where the run ends before."""
+    fallen = np.flatnonzero(peaks < peaks[0] / math.e)
+    return float(fallen[0]) if len(fallen) else math.inf
 
-    def family(make: Callable[[str], Iterator[DampingCurve]]) -> Family:
-        return {formulation: list(make(formulation)) for formulation in FORMULATIONS}
 
-    def load(formulation: str) -> Iterator[DampingCurve]:
-        for point in study.points[formulation]:
-            d = point.damping
-            if d is not None:
-                part = d.sdc - d.intrinsic_sdc
-                yield DampingCurve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)
+def _peaks(family: Family) -> list[list[float]]:
+    return [[100 * float(c.sdc.max()) for c in family[f]] for f in FORMULATIONS]
 
-    def mass(formulation: str) -> Iterator[DampingCurve]:
-        for ratio in MASS_RATIOS:
-            yield study.curve(f"{100 * ratio:.1f} %", study.system(formulation, mass_ratio=ratio))
 
-    def cavity(formulation: str) -> Iterator[DampingCurve]:
-        for clearance in CLEARANCES:
-            side = 2e-3 + clearance
-            system = study.system(formulation, mass_ratio=0.012, cavity=(side, side))
-            yield study.curve(f"{1e3 * clearance:g} mm", system)
+def _levels(family: Family) -> list[list[float]]:
+    return [[100 * level(c) for c in family[f]] for f in FORMULATIONS]
 
-    def release(formulation: str) -> Iterator[DampingCurve]:
-        for x in RELEASES:
-            yield study.curve(f"{1e3 * x:g} mm", study.system(formulation), (x, x / 4))
 
-    def radius(formulation: str) -> Iterator[DampingCurve]:
-        for r in RADII:
-            system = study.system(formulation, mass_ratio=0.01, ball_radius=r)
-            yield study.curve(f"{1e3 * r:g} mm", system)
+def _linearity(x: tuple[float, ...], y: list[float]) -> float:
+    """R² of the best line."""
+    r = np.corrcoef(x, y)[0, 1]
+    return float(r * r)
 
-    return Sweeps(family(load), family(mass), family(cavity), family(release), family(radius))
+
+def _overlaps(family: Family, *, total: bool) -> list[float]:
+    return [_overlap(family[formulation], total=total) for formulation in FORMULATIONS]
+
+
+def _overlap(curves: list[DampingCurve], *, total: bool) -> float:
+    """Mean over amplitudes that all curves reach of their spread over their mean, interpolated."""
+    parts = [moving(curve) for curve in curves]
+    low = max(float(part.amplitude_g.min()) for part in parts)
+    high = min(float(part.amplitude_g.max()) for part in parts)
+    amplitudes = np.linspace(low, high, 50)
+    values = np.array([np.interp(amplitudes, p.amplitude_g[::-1], (p.sdc if total else p.ball)[::-1]) for p in parts])
+    return float(np.mean(np.ptp(values, axis=0) / np.abs(values.mean(axis=0))))

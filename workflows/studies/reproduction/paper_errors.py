@@ -1,4 +1,4 @@
-"""Slips of the paper, each shown by a number that the code computes."""
+"""Slips of the paper, each shown by a number, and what the assumptions that it leaves unsaid make of its damping."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.scene import plate_mesh
+from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import TABLE_II
-from workflows.studies.reproduction.claims import FORMULATIONS, RELEASE, SHOWN, Floats, Simulated
+from workflows.studies.reproduction.claims import gain
+from workflows.studies.reproduction.simulation import FORMULATIONS, RELEASE, SHOWN, TEXTS, Floats, Simulated
 
 if TYPE_CHECKING:
     from damper import ParticleDamper
-
-
-OSMIUM = 22_600.0
-"""Density of the densest element [kg/m^3]."""
 
 
 @dataclass(frozen=True)
@@ -31,104 +29,25 @@ class Slip:
     meaning: str
 
 
-def slips(study: Simulated) -> list[Slip]:
-    """The slips found, in the order of the paper."""
-    return [found(study) for found in (_inertia, _reaction, _energy, _wall, _rest, _gravity, _density, _tilt)]
-
-
-def _inertia(study: Simulated) -> Slip:
-    printed, consistent = study.system("printed"), study.system("consistent")
-    return Slip(
-        "eq. (2)",
-        "Moments are taken about the contact, but the moment of inertia, 2/5 m r², about the centre.",
-        printed.inertia_ratio / consistent.inertia_ratio,
-        "",
-        "times too large an acceleration of the rolling ball: 5/2 instead of 5/7",
-    )
-
-
-def _reaction(study: Simulated) -> Slip:
-    printed = study.system("printed", damping_ratio=0.0)
-    lossless = replace(printed, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
-    return Slip(
-        "eq. (3)",
-        "The reaction of the ball's inertia on the structure is missing.",
-        _gain(lossless),
-        "%",
-        "change of energy in 20 cycles with elastic walls and neither friction nor damping, where none can be lost",
-    )
-
-
-def _energy(study: Simulated) -> Slip:
-    return Slip(
-        "eqs. (2)-(4)",
-        "Together they make energy.",
-        _gain(study.system("printed", damping_ratio=0.0)),
-        "%",
-        "energy gained in 20 cycles at 21932 g with the paper's parameters and ζ = 0",
-    )
-
-
-def _gain(system: ParticleDamper) -> float:
-    """Energy after 20 cycles over that at the release, less one [%]."""
-    from damper import ringdown
-
-    energy = ringdown(system, RELEASE, 20).energy
-    return 100 * (energy.final / energy.initial - 1)
-
-
-def _wall(_study: Simulated) -> Slip:
-    return Slip(
-        "Table I",
-        "The top wall's criterion reads u_x where it should read u_y.",
-        1e3 * (RELEASE[0] - RELEASE[1]),
-        "mm",
-        "by which the wall would be misplaced at the release of 20 mm and 5 mm, in a cavity of 2.4 mm",
-    )
-
-
-def _rest(study: Simulated) -> Slip:
-    slowest = study.plate[0].modes[0].frequency_hz
-    return Slip(
-        "III.A",
-        "198 Hz at rest does not go with Table II.",
-        math.sqrt(TABLE_II[0].frequency ** 2 - (slowest**2 - study.rest_hz**2)),
-        "Hz",
-        "at rest, by the first row of Table II less the computed stiffening",
-    )
-
-
-def _gravity(study: Simulated) -> Slip:
-    point = study.plate[SHOWN]
-    return Slip(
-        "Table II",
-        "g is 10 m/s², without saying so.",
-        100 * (point.omega**2 * point.radius / 9.80665 / TABLE_II[SHOWN].load - 1),
-        "%",
-        "by which the load at 10000 rpm would differ with g = 9.80665 m/s²",
-    )
-
-
-def _density(study: Simulated) -> Slip:
+def slips(study: Simulated) -> tuple[Slip, ...]:
+    """The slips, in the order of the paper."""
     from damper import ball_density
 
-    return Slip(
-        "Figs. 3 to 7",
-        "The effective particle is no ball.",
-        ball_density(study.system("consistent"), 1) / OSMIUM,
-        "",
-        "times the density of osmium for a mass ratio of 0.6 % and a radius of 1 mm",
+    printed, consistent = study.system("printed"), study.system("consistent")
+    undamped = study.system("printed", damping_ratio=0.0)
+    lossless = replace(undamped, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
+    slowest, shown = study.plate[0].modes[0].frequency_hz, study.plate[SHOWN]
+    values = (
+        printed.inertia_ratio / consistent.inertia_ratio,
+        100 * gain(lossless),
+        100 * gain(undamped),
+        1e3 * (RELEASE[0] - RELEASE[1]),
+        math.sqrt(TABLE_II[0].frequency ** 2 - (slowest**2 - study.rest_hz**2)),
+        100 * (shown.omega**2 * shown.radius / 9.80665 / TABLE_II[SHOWN].load - 1),
+        ball_density(consistent, 1) / OSMIUM,
+        100 * shown.tilt_share,
     )
-
-
-def _tilt(study: Simulated) -> Slip:
-    return Slip(
-        "Fig. 1",
-        "The cavity only shifts; on a bending plate its floor tilts, and the load pulls the ball back.",
-        100 * study.plate[SHOWN].tilt_share,
-        "%",
-        "of the drive at 10000 rpm that the tilt would take away",
-    )
+    return tuple(Slip(value=value, **words) for value, words in zip(values, TEXTS["slips"], strict=True))
 
 
 _CYCLES = 20
@@ -143,11 +62,7 @@ class Assumption:
     text: str
 
 
-ZETA = Assumption("ζ", "ζ = 0.01 of the structure (ours)")
-MASS = Assumption("mass", "mass ratio against the whole plate, not its effective mass (ours)")
-STEPS = Assumption("steps", "40 steps a cycle, events noticed after the fact (paper, II.B)")
-SIGN = Assumption("sign", "friction against the structure's motion instead of the relative one (ours)")
-AMPLITUDE = Assumption("component", "amplitude of one axis instead of the resultant (ours)")
+ZETA, MASS, STEPS, SIGN, AMPLITUDE = (Assumption(name, text) for name, text in TEXTS["closure"].items())
 
 
 @dataclass(frozen=True)
@@ -176,14 +91,14 @@ CASES: tuple[tuple[Assumption, ...], ...] = (
 )
 
 
-def closure(study: Simulated) -> list[Closure]:
+def closure(study: Simulated) -> tuple[Closure, ...]:
     """Damping at 21932 g and 20 mm, averaged over 20 cycles or those before rest, for every case."""
     table = []
     for case in CASES:
         printed, consistent = (_velocity(_system(study, formulation, case), case) for formulation in FORMULATIONS)
         bound = _bound(_system(study, "consistent", case), consistent)
         table.append(Closure(case, _damping(printed, case), _damping(consistent, case), bound))
-    return table
+    return tuple(table)
 
 
 def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> ParticleDamper:

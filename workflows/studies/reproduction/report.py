@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,14 +11,13 @@ from workflows.output import folder as store
 from workflows.report import page
 from workflows.report import plots as plot
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.reproduction.claims import FORMULATIONS, SHOWN, DampingCurve, Value
-from workflows.studies.reproduction.reproduce import ASSUMPTIONS, Reproduction
+from workflows.studies.files import as_json, write_csv
+from workflows.studies.reproduction.claims import Value
+from workflows.studies.reproduction.reproduce import Reproduction
+from workflows.studies.reproduction.simulation import FORMULATIONS, SHOWN, TEXTS, DampingCurve, Family
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from workflows.studies.reproduction.claims import Family
-    from workflows.studies.reproduction.reproduce import Reproduction
 
 
 @dataclass(frozen=True)
@@ -102,17 +99,26 @@ def write(found: Reproduction, out: Path) -> None:
     with store.replacing(out) as folder:
         document = found.document()
         (folder / "reproduce.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        _write_csv(folder / "reproduce.csv", document["claims"])
-        _write_csv(
-            folder / "closure.csv",
-            [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]],
-        )
+        claims = document["claims"]
+        write_csv(folder / "reproduce.csv", claims[0], claims)
+        lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
+        write_csv(folder / "closure.csv", lines[0], lines)
         (folder / "report.html").write_text(render(found), encoding="utf-8")
+
+
+FILES = r"reproduce\.(json|csv)|closure\.csv"
+"""Names of what is written besides the page."""
+
+
+def text(found: Reproduction) -> str:
+    """The verdicts, a line each, and how many there are of which."""
+    lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in found.claims]
+    return "\n".join([*lines, "", ", ".join(f"{count} {verdict}" for verdict, count in found.count.items())])
 
 
 def dumps(found: Reproduction) -> str:
     """The machine-readable result."""
-    return json.dumps(found.document(), indent=1, ensure_ascii=False, allow_nan=False)
+    return as_json(found.document())
 
 
 def render(found: Reproduction) -> str:
@@ -126,7 +132,7 @@ def render(found: Reproduction) -> str:
         found=found,
         figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
-        assumptions=ASSUMPTIONS,
+        assumptions=TEXTS["assumptions"],
         low=14.0,
     )
 
@@ -154,11 +160,3 @@ def _unbroken(text: str) -> str:
 
 def _names(assumptions: list[dict[str, Any]], key: str = "name") -> str:
     return " + ".join(str(item[key]) for item in assumptions) or "none"
-
-
-def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, rows[0])
-        table.writeheader()
-        for row in rows:
-            table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})

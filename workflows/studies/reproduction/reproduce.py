@@ -10,21 +10,9 @@ import numpy as np
 
 from workflows.progress import Stages
 from workflows.results.provenance import versions
-from workflows.studies.reproduction import claims as families
-from workflows.studies.reproduction import equations, sweeps, table_two
-from workflows.studies.reproduction.claims import Claim, Simulated, Sweeps, Verdict, study
+from workflows.studies.reproduction.claims import Claim, Verdict, of_equations, of_figures, of_table_two
 from workflows.studies.reproduction.paper_errors import Closure, Slip, closure, slips
-
-ASSUMPTIONS = (
-    ("g = 10 m/s², hub radius 0, speeds of 3500 to 17500 rpm", "read back from the loads of Table II, to every digit"),
-    ("E/ρ = 182.6 GPa / 7850 kg/m³ with ν = 0.3 and thin-plate theory", "ours: fitted to the frequencies of Table II"),
-    ("ζ = 0.01 of the structure", "ours: the paper prints none"),
-    ("release at 20 mm and 5 mm, 10000 rpm for Figs. 4 to 7", "ours; the load of 22000 g is the paper's"),
-    ("cavity of 2.5 × 2.4 mm", "Fig. 4: Δ_H = 145 and Δ_V = 116 at 269.5 Hz"),
-    ("e = 0.5, μ = 0.3, μ_r = 0.1 mm, r = 1 mm, mass ratio 0.6 %", "captions of Figs. 3 to 7"),
-    ("mass ratio of all balls to the effective mass at the tip", "II.C: m_p / M2"),
-    ("ε = 0.01", "II.A"),
-)
+from workflows.studies.reproduction.simulation import TEXTS, Simulated, Sweeps, study, sweeps
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +39,18 @@ class Reproduction:
             "claims": [_plain(asdict(claim)) for claim in self.claims],
             "slips": [_plain(asdict(slip)) for slip in self.slips],
             "closure": [_plain(asdict(line)) for line in self.closure],
-            "assumptions": [{"assumption": text, "source": source} for text, source in ASSUMPTIONS],
+            "assumptions": TEXTS["assumptions"],
         }
 
 
 def reproduce(stages: Stages | None = None) -> Reproduction:
     """Judge every claim; nothing is written."""
     stages = stages or Stages()
-    found = study(stages)
+    simulated = study(stages)
     with stages("damper"):
-        curves = families.sweeps(found)
-        claims = [*table_two.claims(found), *equations.claims(found), *sweeps.claims(found, curves)]
-        return Reproduction(found, curves, tuple(claims), tuple(slips(found)), tuple(closure(found)))
+        curves = sweeps(simulated)
+        claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
+        return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))
 
 
 def _plain(value: Any) -> Any:

@@ -12,8 +12,7 @@ import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import unit
-from workflows.scene.messages import worded
+from workflows.scene.load import unit, worded
 from workflows.scene.scene import FLAT, Scene
 
 Value: TypeAlias = float | int | bool | str

@@ -1,8 +1,7 @@
-"""`spindamp accuracy`: every ladder that a scene has."""
+"""`spindamp accuracy`: error against time for the plate, the speeds, the damper and the whole pipeline."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,207 +22,13 @@ from workflows.solve import results as records
 from workflows.solve import structure as plate
 from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint
-from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung, measure
+from workflows.studies.work_precision.integration import Integrator, integrate
+from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
 
 if TYPE_CHECKING:
     import fem
-    from damper import ParticleDamper, RingDown, SteppedRingDown
+    from damper import ParticleDamper
     from fem.meshes.mesh_sequence import Planform
-
-
-Integrator = Literal["RK45", "DOP853", "LSODA", "Radau"]
-
-_CREEP = 1e-9
-"""Relative speed, in omega_1 times the release, below which a hit ends on the wall: near a turning point the paper's
-criterion alone never fires."""
-
-_MOST_EVENTS = 20_000
-
-
-@dataclass(frozen=True)
-class ByIvp:
-    """What the peer found: wall hits, evaluations of the equations of motion, and energies [J].
-
-    structure: what the structure's own dashpot took.
-    """
-
-    initial: float
-    final: float
-    structure: float
-    impacts: int
-    evaluations: int
-
-
-def by_ivp(
-    damper: ParticleDamper, release: tuple[float, float], cycles: float, method: Integrator, rtol: float
-) -> ByIvp:
-    """Follow a ring-down for some vibration cycles.
-
-    Raises:
-        ValueError: the damper slips on the floor.
-        ArithmeticError: the integrator gives up, or events without end.
-    """
-    if damper.floor_friction is not None:
-        raise ValueError("slip on the floor is not part of this peer")
-    return _Peer(damper, release, method, rtol).run(2 * math.pi * cycles)
-
-
-class _Peer:
-    """Time in 1/omega_1, length in the larger release, mass in M2."""
-
-    def __init__(self, damper: ParticleDamper, release: tuple[float, float], method: Integrator, rtol: float) -> None:
-        self.length, self.rate = max(map(abs, release)), damper.stuck_frequency
-        self.method, self.rtol = method, rtol
-        self.e, self.mu, self.sticking = damper.restitution, damper.friction, damper.sticking_ratio
-        self.m = damper.ball_mass / damper.modal_mass
-        self.energy_unit = damper.modal_mass * (self.rate * self.length) ** 2
-        self.k = [k / damper.modal_mass / self.rate**2 for k in damper.stiffness]
-        self.gap = [gap / self.length for gap in damper.half_gap]
-        self.resistance = damper.rolling_threshold / (self.rate**2 * self.length)
-        self.printed = damper.formulation == "printed"
-        self.beta = damper.inertia_ratio
-        self.spin = damper.spin_mass / damper.modal_mass
-        self.zeta = damper.damping_ratio
-        self.y: Floats = np.zeros(9)
-        self.y[[0, 4]] = [displacement / self.length for displacement in release]
-        self.moves = [0, 0]
-        self.impacts = self.evaluations = 0
-
-    def run(self, end: float) -> ByIvp:
-        initial, t = self.energy(), 0.0
-        for axis in (0, 1):
-            self.settle(axis)
-        for _ in range(_MOST_EVENTS):
-            t, happened = self.fly(t, end)
-            if not happened:
-                return ByIvp(initial, self.energy(), self.energy_unit * self.y[8], self.impacts, self.evaluations)
-            for axis, kind in happened:
-                self.resolve(axis, kind)
-        raise ArithmeticError(f"more than {_MOST_EVENTS} events")
-
-    def dashpot(self, axis: int, stuck: bool) -> float:
-        """The c of eq. (1): in the printed equations it follows the mass that moves."""
-        return 2 * self.zeta * math.sqrt(self.k[axis] * (1 + self.m if stuck and self.printed else 1))
-
-    def acceleration(self, axis: int, u: float, v: float, moves: int) -> float:
-        """That of the structure, the ball stuck (0) or rolling to one side."""
-        restoring = self.k[axis] * u + self.dashpot(axis, moves == 0) * v
-        if moves == 0:
-            return -restoring / (1 + self.m)
-        push = self.m * self.resistance * moves
-        if self.printed:
-            return push - restoring
-        return (self.beta * push - restoring) / (1 + (1 - self.beta) * self.m)
-
-    def motion(self, _: float, y: Floats) -> Floats:
-        self.evaluations += 1
-        rates = np.zeros(9)
-        for axis, moves in enumerate(self.moves):
-            u, v, _, w = y[4 * axis : 4 * axis + 4]
-            a = self.acceleration(axis, u, v, moves)
-            relative = 0.0 if moves == 0 else -self.beta * (a + self.resistance * moves)
-            rates[4 * axis : 4 * axis + 4] = v, a, (w if moves else 0.0), relative
-            rates[8] += self.dashpot(axis, moves == 0) * v**2
-        return rates
-
-    def fly(self, t: float, end: float) -> tuple[float, list[tuple[int, str]]]:
-        """Integrate to the next event or the end; events of both axes at one instant come together."""
-        from scipy.integrate import solve_ivp
-
-        watched = [(axis, kind) for axis in (0, 1) for kind in self.kinds(axis)]
-        due = [(axis, kind) for axis, kind in watched if kind != "turn" and self.value(axis, kind, self.y) >= 0]
-        if due:
-            return t, due[:1]
-        solved: Any = solve_ivp(
-            self.motion,
-            (t, end),
-            self.y,
-            self.method,
-            rtol=self.rtol,
-            atol=1e-4 * self.rtol,
-            events=[self.watch(axis, kind) for axis, kind in watched],
-        )
-        if solved.status < 0:
-            raise ArithmeticError(solved.message)
-        self.y = solved.y[:, -1]
-        happened = [key for key, times in zip(watched, solved.t_events, strict=True) if len(times)]
-        return float(solved.t[-1]), happened
-
-    def kinds(self, axis: int) -> tuple[str, ...]:
-        """What can end the present motion of an axis."""
-        if self.moves[axis]:
-            return "hit", "turn"
-        side = self.side(axis)
-        return tuple(kind for kind, way in (("up", 1), ("down", -1)) if way != side)
-
-    def side(self, axis: int) -> int:
-        """The wall that a stuck ball rests on, 0 for none."""
-        s = self.y[4 * axis + 2]
-        return int(np.sign(s)) if abs(s) >= self.gap[axis] * (1 - 1e-12) else 0
-
-    def value(self, axis: int, kind: str, y: Floats) -> float:
-        """Rises through zero when it happens."""
-        u, v, s, w = y[4 * axis : 4 * axis + 4]
-        moves = self.moves[axis]
-        if kind == "hit":
-            return float(moves * s - self.gap[axis])
-        if kind == "turn":
-            return float(-moves * w)
-        way = 1 if kind == "up" else -1
-        drives = ((self.k[axis] * u + self.dashpot(axis, stuck) * v) / (1 + self.m) for stuck in (True, False))
-        return float(min(way * drive for drive in drives) - self.resistance)
-
-    def watch(self, axis: int, kind: str) -> Callable[[float, Floats], float]:
-        def event(_: float, y: Floats) -> float:
-            return self.value(axis, kind, y)
-
-        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-        return event
-
-    def resolve(self, axis: int, kind: str) -> None:
-        if kind == "hit":
-            self.hit(axis)
-        elif kind == "turn":
-            self.settle(axis)
-        else:
-            self.moves[axis] = 1 if kind == "up" else -1
-
-    def settle(self, axis: int) -> None:
-        """The ball has stopped relative to the structure: it stays, or rolls the other way."""
-        self.y[4 * axis + 3] = 0.0
-        self.moves[axis] = 0
-        for kind in self.kinds(axis):
-            if self.value(axis, kind, self.y) > 0:
-                self.moves[axis] = 1 if kind == "up" else -1
-                return
-
-    def hit(self, axis: int) -> None:
-        """Restitution along the wall's normal, capped friction along the wall."""
-        self.impacts += 1
-        m, side = self.m, self.moves[axis]
-        v, w = self.y[[4 * axis + 1, 4 * axis + 3]]
-        impulse = m / (1 + m) * (1 + self.e) * w
-        v, w = v + impulse, -self.e * w
-        self.y[[4 * axis + 1, 4 * axis + 2, 4 * axis + 3]] = v, side * self.gap[axis], w
-        self.moves[axis] = -side
-        if abs(w) <= max(self.sticking * abs(v), _CREEP):
-            self.y[4 * axis + 1], self.y[4 * axis + 3], self.moves[axis] = v + m / (1 + m) * w, 0.0, 0
-        other = 1 - axis
-        slide = self.y[4 * other + 3]
-        if self.moves[other] and self.mu > 0 and slide != 0:
-            most = abs(slide) * m / (1 + m)
-            tangential = math.copysign(min(self.mu * abs(impulse), most), slide)
-            self.y[4 * other + 1] += tangential
-            self.y[4 * other + 3] -= tangential * (1 + m) / m
-            if self.mu * abs(impulse) >= most:
-                self.settle(other)
-
-    def energy(self) -> float:
-        total = 0.0
-        for axis in (0, 1):
-            u, v, _, w = self.y[4 * axis : 4 * axis + 4]
-            total += self.k[axis] * u**2 + v**2 + self.m * (v + w) ** 2 + self.spin * w**2
-        return 0.5 * total * self.energy_unit
 
 
 CYCLES = 20
@@ -261,13 +66,13 @@ def level(system: ParticleDamper) -> ParticleDamper:
     return replace(system, floor_tilt=(0.0, 0.0), floor_radius=None, rotation=0.0, modes=None)
 
 
-def damper_ladder(
+def damper_study(
     system: ParticleDamper, release: tuple[float, float], point: SpeedPoint, step: Step
-) -> tuple[Ladder | None, Picked]:
+) -> tuple[ConvergenceStudy | None, Choice]:
     """Error of the energy that the ball takes in 20 cycles, and of the exact events against the tightest integration.
 
     What the structure's own damping takes is left out: it hides the ball's share, and every method has it right. There
-    is no ladder where the ball takes nothing.
+    is no study where the ball takes nothing.
     """
     from damper import ringdown
 
@@ -275,198 +80,146 @@ def damper_ladder(
     exact = ringdown(system, release, CYCLES).energy
     taken = _taken(exact)
     if abs(taken) < _NOTHING * exact.initial:
-        return None, Picked("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
-    contest = _Contest(system, release, taken, _apart(system, release, taken))
-    rows = (*contest.steps(step), *contest.integrators(step), contest.events(step))
-    found = Ladder(
+        return None, Choice("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
+    try:
+        apart = abs(_taken(integrate(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
+        confirmed = (
+            f"from which solve_ivp with {_REFERENCE[0]} at rtol {_REFERENCE[1]:g} differs by {significant(apart, 1)};"
+            " the exact events' own error is given against that"
+        )
+    except (ArithmeticError, ValueError):
+        apart, confirmed = None, "which no independent integration could confirm here"
+    rows = _damper_rows(system, release, lambda balance: abs(_taken(balance) / taken - 1.0), apart, step)
+    study = ConvergenceStudy(
         "damper",
         f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
-        f"the exact events, {_between(contest.apart)}",
-        tuple(replace(row, uncertainty=contest.apart) for row in rows),
+        f"the exact events, {confirmed}",
+        tuple(replace(row, uncertainty=apart) for row in rows),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
-    return found, Picked("exact events", "closed form between events, roots to rounding", rounding, contest.apart)
+    return study, Choice("exact events", "closed form between events, roots to rounding", rounding, apart)
 
 
-def _apart(system: ParticleDamper, release: tuple[float, float], taken: float) -> float | None:
-    """How far the tightest integration is from what the exact events say is taken; None where it has no answer."""
-    try:
-        return abs(_taken(by_ivp(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
-    except (ArithmeticError, ValueError):
-        return None
+def _damper_rows(
+    system: ParticleDamper,
+    release: tuple[float, float],
+    error: Callable[[_Balance], float],
+    apart: float | None,
+    step: Step,
+) -> Iterator[Setting]:
+    """One ring-down by every method: the paper's, those of SciPy, and the exact events that a run uses.
 
+    apart: how far the tightest integration is from the exact events; None where it has no answer.
+    """
+    from damper import ringdown, stepped_ringdown
 
-def _between(apart: float | None) -> str:
-    if apart is None:
-        return "which no independent integration could confirm here"
-    return (
-        f"from which solve_ivp with {_REFERENCE[0]} at rtol {_REFERENCE[1]:g} differs by {significant(apart, 1)};"
-        " the exact events' own error is given against that"
+    for steps in STEPS:
+        step.advance(f"{steps} steps a cycle")
+        yield measure(
+            "fixed step, as in the paper",
+            f"{steps} a cycle",
+            partial(stepped_ringdown, system, release, CYCLES, steps),
+            lambda run: (len(run.time) - 1, error(run)),
+        )
+    for method, tolerances in METHODS.items():
+        for rtol in tolerances:
+            step.advance(f"{method}, {rtol:g}")
+            yield measure(
+                f"solve_ivp, {method}",
+                f"rtol {rtol:g}",
+                partial(integrate, system, release, CYCLES, method, rtol),
+                lambda run: (run.evaluations, error(run)),
+            )
+    step.advance("exact events")
+    yield measure(
+        "exact events",
+        "no step",
+        partial(ringdown, system, release, CYCLES),
+        lambda run: (run.events, error(run.energy) if apart is None else apart),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Contest:
-    """One ring-down by every method; `taken` [J] is what the ball takes, `apart` the tightest integration's error."""
-
-    system: ParticleDamper
-    release: tuple[float, float]
-    taken: float
-    apart: float | None
-
-    def steps(self, step: Step) -> Iterator[Rung]:
-        """The paper's way, from coarse steps to fine ones."""
-        from damper import stepped_ringdown
-
-        def judge(found: SteppedRingDown) -> tuple[int | None, float]:
-            return len(found.time) - 1, self._error(found)
-
-        for steps in STEPS:
-            step.advance(f"{steps} steps a cycle")
-            solve = partial(stepped_ringdown, self.system, self.release, CYCLES, steps)
-            yield measure("fixed step, as in the paper", f"{steps} a cycle", solve, judge)
-
-    def integrators(self, step: Step) -> Iterator[Rung]:
-        """Those of SciPy, from loose tolerances to tight ones."""
-
-        def judge(found: ByIvp) -> tuple[int | None, float]:
-            return found.evaluations, self._error(found)
-
-        for method, tolerances in METHODS.items():
-            for rtol in tolerances:
-                step.advance(f"{method}, {rtol:g}")
-                solve = partial(by_ivp, self.system, self.release, CYCLES, method, rtol)
-                yield measure(f"solve_ivp, {method}", f"rtol {rtol:g}", solve, judge)
-
-    def events(self, step: Step) -> Rung:
-        """What a run uses; held against the tightest integration, where that has an answer."""
-        from damper import ringdown
-
-        def judge(found: RingDown) -> tuple[int | None, float]:
-            return found.events, self._error(found.energy) if self.apart is None else self.apart
-
-        step.advance("exact events")
-        return measure("exact events", "no step", partial(ringdown, self.system, self.release, CYCLES), judge)
-
-    def _error(self, found: _Balance) -> float:
-        return abs(_taken(found) / self.taken - 1.0)
-
-
-def _taken(found: _Balance) -> float:
+def _taken(balance: _Balance) -> float:
     """What the ball took: by rolling, by impacts and, where the equations do not conserve energy, by their fault."""
-    return float(found.initial - found.final - found.structure)
+    return float(balance.initial - balance.final - balance.structure)
 
 
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
 FINEST = 1e-5
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    """A headline number of a run, at the speed that the report shows."""
-
-    name: str
-    at: int
-
-    def __call__(self, results: Results) -> float | None:
-        point = results.speeds[self.at]
-        if self.name == "first frequency":
-            return point.reduced.f2_hz if point.reduced is not None else point.modes[0].frequency_hz
-        if point.damping is None:
-            return None
-        return point.damping.cutoff_g if self.name == "cut-off" else point.damping.peak_sdc
+QUANTITIES: dict[str, Callable[[SpeedPoint], float | None]] = {
+    "first frequency": lambda point: point.reduced.f2_hz if point.reduced else point.modes[0].frequency_hz,
+    "cut-off": lambda point: None if point.damping is None else point.damping.cutoff_g,
+    "peak specific damping capacity": lambda point: None if point.damping is None else point.damping.peak_sdc,
+}
+"""Headline numbers of a run, at one speed."""
 
 
-QUANTITIES = ("first frequency", "cut-off", "peak specific damping capacity")
-
-
-def pipeline_ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[str, Picked]]:
-    """A ladder for each headline number that the scene has; none without a plate, where there is nothing to choose."""
+def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
+    """A study of each headline number that the scene has; none without a plate, where there is nothing to choose."""
     if source.scene.plate is None:
         return [], {}
-    known = choose_model(source, Stages(visible=False)).theory
+    known, quiet = choose_model(source, Stages(visible=False)).theory, partial(Stages, visible=False)
     theory = None if known is None else known.name
     step.advance("reference")
-    finest = pipeline.run(_asking(source, FINEST, theory), Stages(visible=False))
+    finest = pipeline.run(_asking(source, FINEST, theory), quiet())
     shown = records.shown(finest.speeds)
-    runs: dict[float, tuple[Rung, Results | None]] = {}
+    best = finest.speeds[shown]
+    runs: list[tuple[Setting, Results | None]] = []
     for asked in ASKED:
         step.advance(f"accuracy {asked:g}")
-        runs[asked] = _run(_asking(source, asked, theory), asked)
-    own = pipeline.run(_asking(source, None, theory), Stages(visible=False))
-    found, chosen = [], {}
-    for quantity in (_Quantity(name, shown) for name in QUANTITIES):
-        if not quantity(finest):
+        work = partial(pipeline.run, _asking(source, asked, theory), quiet())
+        runs.append(measured("pipeline", f"accuracy {asked:g}", work, lambda _: (None, 0.0)))
+    own = pipeline.run(_asking(source, None, theory), quiet())
+    studies, chosen = [], {}
+    for name, quantity in QUANTITIES.items():
+        reference = quantity(best)
+        if not reference:
             continue
-        rows = [_judged(row, results, quantity, finest) for row, results in runs.values()]
-        rpm = finest.speeds[shown].rpm
-        found.append(
-            Ladder(
-                f"whole pipeline: {quantity.name}",
-                f"relative error of the {quantity.name} at {whole(rpm)} rpm",
-                f"the same scene and theory with an accuracy of {FINEST:g}{_trust(finest, shown)}",
+
+        def error(results: Results, quantity: Any = quantity, reference: float = reference) -> float | None:
+            """Relative error against the finest run; None on its own mesh, whose error it shares."""
+            value = quantity(results.speeds[shown])
+            same = finest.diagram is not None and _mesh(results) == _mesh(finest)
+            return None if value is None or same else abs(value / reference - 1.0)
+
+        rows = []
+        for row, results in runs:
+            if results is None:
+                rows.append(row)
+            elif quantity(results.speeds[shown]) is None:
+                rows.append(Setting(row.method, row.setting, failed=f"no {name} came out"))
+            else:
+                setting = f"{row.setting}: {_mesh(results)}" if _mesh(results) else row.setting
+                failed = "the reference's own mesh" if error(results) is None else None
+                rows.append(replace(row, setting=setting, unknowns=None, error=error(results), failed=failed))
+        studies.append(
+            ConvergenceStudy(
+                f"whole pipeline: {name}",
+                f"relative error of the {name} at {whole(best.rpm)} rpm",
+                f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}",
                 tuple(rows),
             )
         )
-        chosen[f"pipeline: {quantity.name}"] = _chosen_pipeline(own, quantity, finest)
-    return found, chosen
+        modes = own.speeds[shown].modes
+        estimate = modes[0].error_estimate if name == "first frequency" and modes else None
+        chosen[f"pipeline: {name}"] = Choice("pipeline", _mesh(own), estimate, error(own))
+    return studies, chosen
 
 
-def _run(source: SceneFile, asked: float) -> tuple[Rung, Results | None]:
-    kept: list[Results] = []
-
-    def judge(results: Results) -> tuple[int | None, float]:
-        kept.append(results)
-        return None, 0.0
-
-    row = measure("pipeline", f"accuracy {asked:g}", lambda: pipeline.run(source, Stages(visible=False)), judge)
-    return row, kept[0] if kept else None
+def _mesh(results: Results) -> str:
+    return "" if results.diagram is None else results.diagram.mesh
 
 
-def _trust(finest: Results, shown: int) -> str:
-    """What the reference was solved on, and how far its first frequency can be trusted."""
+def _reference(finest: Results, shown: int) -> str:
+    """What the reference was solved on, and the accuracy of its first frequency."""
     modes = finest.speeds[shown].modes
     if finest.diagram is None or not modes:
         return ""
     estimate = modes[0].error_estimate
     good = "" if estimate is None else f", its first frequency good to about {significant(estimate, 1)}"
     return f" ({finest.diagram.mesh}{good})"
-
-
-def _judged(row: Rung, results: Results | None, quantity: _Quantity, finest: Results) -> Rung:
-    if results is None:
-        return row
-    if quantity(results) is None:
-        return Rung(row.method, row.setting, failed=f"no {quantity.name} came out")
-    row = replace(row, setting=_setting(row, results), unknowns=None, error=_error(results, finest, quantity))
-    return row if row.error is not None else replace(row, failed="the reference's own mesh")
-
-
-def _error(results: Results, finest: Results, quantity: _Quantity) -> float | None:
-    """Relative error against the finest run; None on its own mesh, whose error it shares."""
-    value, reference = quantity(results), quantity(finest)
-    if value is None or reference is None or _same_mesh(results, finest):
-        return None
-    return abs(value / reference - 1.0)
-
-
-def _same_mesh(results: Results, finest: Results) -> bool:
-    if results.diagram is None or finest.diagram is None:
-        return False
-    return results.diagram.mesh == finest.diagram.mesh
-
-
-def _setting(row: Rung, results: Results) -> str:
-    return row.setting if results.diagram is None else f"{row.setting}: {results.diagram.mesh}"
-
-
-def _chosen_pipeline(results: Results, quantity: _Quantity, finest: Results) -> Picked:
-    """What the scene's own accuracy chose, and its error."""
-    estimate = None
-    if quantity.name == "first frequency" and results.speeds[quantity.at].modes:
-        estimate = results.speeds[quantity.at].modes[0].error_estimate
-    setting = "" if results.diagram is None else results.diagram.mesh
-    return Picked("pipeline", setting, estimate, _error(results, finest, quantity))
 
 
 def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> SceneFile:
@@ -573,11 +326,11 @@ def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
         limit = last + (last - before) / (growth - 1.0)
         if theory == "solid":
             limit = limit * _more_layers(problem, pair[0])
-        found[theory] = limit, float(np.abs(limit / last - 1.0).max())
+        found[theory] = limit, _largest_error(limit, last)
     return found
 
 
-def plate_ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str, tuple[Floats, float]]]:
+def plate_studies(problem: Problem, step: Step) -> tuple[list[ConvergenceStudy], dict[str, tuple[Floats, float]]]:
     """Error against the limit of the row's own theory, and against the solid: that of the theory comes on top."""
     known = limits(problem, step)
     own, solid = [], []
@@ -588,13 +341,13 @@ def plate_ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str,
             row, frequencies = _row(problem, method, size, limit)
             own.append(replace(row, uncertainty=trust))
             if "solid" in known and frequencies is not None:
-                error = float(np.abs(frequencies / known["solid"][0] - 1.0).max())
+                error = _largest_error(frequencies, known["solid"][0])
                 solid.append(replace(row, error=error, uncertainty=known["solid"][1]))
             else:
                 solid.append(row)
     where = f"{problem.count} frequencies at {whole(problem.omega * 30 / np.pi)} rpm"
     trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
-    ours = Ladder(
+    ours = ConvergenceStudy(
         "plate",
         f"largest relative error of the mesh in {where}",
         f"limit of each row's own theory, extrapolated from the two finest meshes ({trusts})",
@@ -602,7 +355,7 @@ def plate_ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str,
     )
     if "solid" not in known:
         return [ours], known
-    theirs = Ladder(
+    theirs = ConvergenceStudy(
         WITH_THEORY,
         f"largest relative error in {where}, mesh and theory together",
         f"limit of solid bricks, good to about {significant(known['solid'][1], 1)}",
@@ -611,22 +364,28 @@ def plate_ladders(problem: Problem, step: Step) -> tuple[list[Ladder], dict[str,
     return [ours, theirs], known
 
 
-def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Rung, Floats | None]:
-    found: list[Floats] = []
+def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Setting, Floats | None]:
+    """A method on one mesh, and its frequencies where it has any."""
+    failed = None
+    if method.theory == "solid" and _unknowns(problem, method, size) > SOLID_AT_MOST:
+        failed = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
+    elif method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
+        failed = "the mesh is of triangles"
+    if failed is not None:
+        return Setting(method.name, _plate_setting(problem, size), failed=failed), None
 
     def judge(solved: tuple[int, Floats]) -> tuple[int | None, float]:
-        found.append(solved[1])
         if limit is None:
             raise ValueError("there is no reference: the mesh is too large for a finer one")
-        return solved[0], float(np.abs(solved[1] / limit - 1.0).max())
+        return solved[0], _largest_error(solved[1], limit)
 
-    if method.theory == "solid" and _unknowns(problem, method, size) > SOLID_AT_MOST:
-        reason = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
-        return Rung(method.name, _plate_setting(problem, size), failed=reason), None
-    if method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
-        return Rung(method.name, _plate_setting(problem, size), failed="the mesh is of triangles"), None
-    row = measure(method.name, _plate_setting(problem, size), lambda: problem.solve(method, size), judge)
-    return row, found[0] if found else None
+    work = partial(problem.solve, method, size)
+    outcome = measured(method.name, _plate_setting(problem, size), work, judge)
+    return outcome[0], None if outcome[1] is None else outcome[1][1]
+
+
+def _largest_error(frequencies: Floats, reference: Floats) -> float:
+    return float(np.abs(frequencies / reference - 1.0).max())
 
 
 def _plate_setting(problem: Problem, size: int) -> str:
@@ -683,7 +442,7 @@ SPEEDS = 1000
 _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 
 
-def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[Ladder, Picked]:
+def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[ConvergenceStudy, Choice]:
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
     from fem import campbell, solve_modes
 
@@ -693,7 +452,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
 
     def judge(diagram: fem.Campbell) -> tuple[int | None, float]:
         at = np.searchsorted(diagram.omega, tried)
-        return max(diagram.sizes, default=None), float(np.abs(diagram.frequencies_hz[at] / direct - 1.0).max())
+        return max(diagram.sizes, default=None), _largest_error(diagram.frequencies_hz[at], direct)
 
     rows = []
     for tolerance in _TOLERANCES:
@@ -711,29 +470,29 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
         "each speed by itself",
         f"{tried.size} of {omega.size} timed",
         lambda: np.array([solve_modes(operators, float(w), count).frequencies_hz for w in tried]),
-        lambda found: (operators.mass.shape[0], float(np.abs(found / direct - 1.0).max())),
+        lambda found: (operators.mass.shape[0], _largest_error(found, direct)),
         share=omega.size / tried.size,
     )
-    ladder = Ladder(
+    study = ConvergenceStudy(
         "speeds",
         f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(top * 30 / np.pi)} rpm",
         f"modes solved for at {tried.size} of the speeds on the same mesh, good to rounding",
         (*rows, alone),
     )
-    return ladder, _chosen_basis(operators, omega, tried, direct, count)
+    return study, _chosen_basis(operators, omega, tried, direct, count)
 
 
-def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Picked:
+def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Choice:
     from fem import campbell
 
     diagram = campbell(operators, omega, count)
     at = np.searchsorted(diagram.omega, tried)
-    error = float(np.abs(diagram.frequencies_hz[at] / direct - 1.0).max())
+    error = _largest_error(diagram.frequencies_hz[at], direct)
     sizes = " and ".join(map(str, diagram.sizes))
-    return Picked("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
+    return Choice("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
 
 
-def study(source: SceneFile, stages: Stages | None = None) -> Costs:
+def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
@@ -741,30 +500,30 @@ def study(source: SceneFile, stages: Stages | None = None) -> Costs:
         NoAnswer: see there; or the scene has nothing whose accuracy costs anything.
     """
     stages = stages or Stages()
-    ladders: list[Ladder] = []
-    chosen: dict[str, Picked] = {}
+    studies: list[ConvergenceStudy] = []
+    chosen: dict[str, Choice] = {}
     decided = choose_model(source, Stages(visible=False))
     if decided.form is not None:
-        found, picked = _plate(source, decided, stages)
-        ladders += found
+        plates, picked = _plate(source, decided, stages)
+        studies += plates
         chosen |= picked
     if source.scene.damper is not None:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
             point = points[records.shown(points)]
             system = level(ringdowns.particle_damper(source.scene, decided.effects, point))
-            ladder, exact = damper_ladder(system, coupling.released_at(source.scene, point), point, step)
-        ladders += [] if ladder is None else [ladder]
+            balls, exact = damper_study(system, coupling.released_at(source.scene, point), point, step)
+        studies += [] if balls is None else [balls]
         chosen["damper"] = exact
     with stages("pipeline", len(ASKED) + 1) as step:
-        whole, picked = pipeline_ladders(source, step)
-    if not ladders:
+        whole, picked = pipeline_studies(source, step)
+    if not studies:
         raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
     asked = source.scene.accuracy.model_dump()
-    return Costs(source.scene.title, asked, (*ladders, *whole), chosen | picked)
+    return WorkPrecision(source.scene.title, asked, (*studies, *whole), chosen | picked)
 
 
-def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[Ladder], dict[str, Picked]]:
+def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
     (form, _), solver = decided.plate, plate.discretise(source, decided, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
@@ -778,24 +537,24 @@ def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[lis
     )
     steps = 3 + sum(len(sizes(problem, method.finest)) for method in PLATE_METHODS)
     with stages("plate", steps) as step:
-        ladders, limits = plate_ladders(problem, step)
+        studies, limits = plate_studies(problem, step)
     linear = replace(operators, effects=plain, gyroscopic=None)
     with stages("speeds", 6) as step:
-        ladder, basis = speeds(linear, problem.omega, count, step)
+        swept, basis = speeds(linear, problem.omega, count, step)
     mesh = _chosen(solver, problem, limits)
     left_out = _left_out(operators.effects)
-    said = [replace(ladder, reference=ladder.reference + left_out) for ladder in (*ladders, ladder)]
-    return said, {"plate": mesh, "speeds": basis}
+    studies = [replace(one, reference=one.reference + left_out) for one in (*studies, swept)]
+    return studies, {"plate": mesh, "speeds": basis}
 
 
 def _left_out(effects: fem.Effects) -> str:
-    """What the scene has on and the plate's ladders are without, in words."""
+    """What the scene has on and the plate's studies leave out, in words."""
     names = {"large deflection": effects.large_deflection, "Coriolis forces": effects.coriolis}
     on = [name for name, switch in names.items() if switch]
     return f"; all without {' and '.join(on)}, which the scene has on" if on else ""
 
 
-def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Picked:
+def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Choice:
     """The mesh that the scene's accuracy chose, its estimate, and its error against the limit of its theory."""
     from fem import solve_modes
 
@@ -804,5 +563,5 @@ def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, 
     if name in limits:
         linear = replace(solver.choice.operators, effects=problem.effects, gyroscopic=None)
         frequencies = solve_modes(linear, problem.omega, problem.count).frequencies_hz
-        error = float(np.abs(frequencies / limits[name][0] - 1.0).max())
-    return Picked(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)
+        error = _largest_error(frequencies, limits[name][0])
+    return Choice(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)

@@ -25,7 +25,7 @@ PAIRS, FEWER, FEWEST = 7, 3, 2
 
 POLICY = (
     "Each time is the median of up to five runs after a warm-up, its spread the least and the most; what takes a second"
-    " runs once more, what takes four seconds only once. Rows of one ladder follow each other in one process, so that"
+    " runs once more, what takes four seconds only once. Rows of one table follow each other in one process, so that"
     " ratios hold better than seconds do."
 )
 
@@ -87,13 +87,13 @@ def _once(work: Callable[[], T]) -> tuple[T, float]:
 
 
 @dataclass(frozen=True)
-class Rung:
+class Setting:
     """One setting of one method.
 
     Attributes:
         unknowns: size of what is solved, or steps taken; None where there is no such number.
         time_s: median seconds; spread_s: least and most. None where it failed.
-        error: relative, against the ladder's reference; uncertainty: how far that can be trusted, None if unknown.
+        error: relative, against the study's reference; uncertainty: how far that can be trusted, None if unknown.
         failed: why there is no time and no error.
     """
 
@@ -108,17 +108,17 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Ladder:
+class ConvergenceStudy:
     """Rows that answer the same question, held against one reference, which says how far it can be trusted itself."""
 
     stage: str
     quantity: str
     reference: str
-    rows: tuple[Rung, ...]
+    rows: tuple[Setting, ...]
 
 
 @dataclass(frozen=True)
-class Picked:
+class Choice:
     """What the scene's accuracy chose in a stage, with the estimate it goes by and the error it turned out to have."""
 
     method: str
@@ -128,13 +128,13 @@ class Picked:
 
 
 @dataclass(frozen=True, eq=False)
-class Costs:
-    """All ladders of a scene."""
+class WorkPrecision:
+    """All studies of a scene."""
 
     title: str
     asked: dict[str, float]
-    ladders: tuple[Ladder, ...]
-    chosen: dict[str, Picked]
+    studies: tuple[ConvergenceStudy, ...]
+    chosen: dict[str, Choice]
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
@@ -144,7 +144,7 @@ class Costs:
             "asked": self.asked,
             "machine": machine(),
             "noise": POLICY,
-            "ladders": [asdict(ladder) | {"rows": [_row(row) for row in ladder.rows]} for ladder in self.ladders],
+            "ladders": [asdict(study) | {"rows": [_row(row) for row in study.rows]} for study in self.studies],
             "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
         }
 
@@ -159,29 +159,42 @@ def machine() -> dict[str, Any]:
     }
 
 
+def measured(
+    method: str,
+    setting: str,
+    work: Callable[[], T],
+    judge: Callable[[T], tuple[int | None, float]],
+    share: float = 1.0,
+) -> tuple[Setting, T | None]:
+    """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
+
+    share: how much more the whole would take than the part of it that is timed.
+    """
+    value: T | None = None
+    try:
+        run: Timed[T] = timed(work)
+        value = run.value
+        unknowns, error = judge(run.value)
+    except (ArithmeticError, ValueError, RuntimeError) as reason:
+        return Setting(method, setting, failed=str(reason) or type(reason).__name__), value
+    times = share * run.median, (share * run.low, share * run.high)
+    if not math.isfinite(error):
+        return Setting(method, setting, unknowns, *times, failed="no number came out"), value
+    return Setting(method, setting, unknowns, *times, error=error), value
+
+
 def measure(
     method: str,
     setting: str,
     work: Callable[[], T],
     judge: Callable[[T], tuple[int | None, float]],
     share: float = 1.0,
-) -> Rung:
-    """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
-
-    share: how much more the whole would take than the part of it that is timed.
-    """
-    try:
-        found: Timed[T] = timed(work)
-        unknowns, error = judge(found.value)
-    except (ArithmeticError, ValueError, RuntimeError) as reason:
-        return Rung(method, setting, failed=str(reason) or type(reason).__name__)
-    times = share * found.median, (share * found.low, share * found.high)
-    if not math.isfinite(error):
-        return Rung(method, setting, unknowns, *times, failed="no number came out")
-    return Rung(method, setting, unknowns, *times, error=error)
+) -> Setting:
+    """The row alone; see `measured`."""
+    return measured(method, setting, work, judge, share)[0]
 
 
-def _row(row: Rung) -> dict[str, Any]:
+def _row(row: Setting) -> dict[str, Any]:
     entry = asdict(row)
     if row.failed is None:
         del entry["failed"]

@@ -38,7 +38,7 @@ def _run(arguments: list[str] | None) -> int:
         with signals.to_blame():
             import typer
 
-            from workflows.cli.app import app
+            from workflows.cli.commands import app
     except ImportError as error:
         return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:

@@ -1,0 +1,438 @@
+"""The commands of `spindamp`: a function each that reads options, calls what Python can call too, and prints.
+
+A new command is such a function, listed in COMMANDS. What a command needs is imported inside it, so that light commands
+start fast.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+
+import typer
+
+from workflows.errors import BadInput, NoAnswer
+from workflows.progress import Stages
+
+if TYPE_CHECKING:
+    from workflows.scene.load import SceneFile
+
+Scene = Annotated[
+    str,
+    typer.Argument(metavar="[SCENE]", help="A scene (TOML), or the name of a shipped one.", show_default=True),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder for the results; replaced whole or not at all.")
+]
+Processes = Annotated[
+    int | None, typer.Option("--workers", metavar="N", help="Processes of this machine; without it, one for each core.")
+]
+Dask = Annotated[
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler, whose workers compute instead.")
+]
+Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Of what is drawn at random.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the machine-readable result and nothing else.")]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="KEY=VALUES",
+        help="START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; as often as keys are varied.",
+    ),
+]
+Count = Annotated[
+    int | None, typer.Option("--sample", metavar="N", help="So many points spread over all ranges, not a grid.")
+]
+Quick = Annotated[bool, typer.Option("--quick", help="Figures to about a percent, in a fifth of the time.")]
+Uncertain = Annotated[
+    bool,
+    typer.Option(
+        "--uncertain", help="Take ranges (or normal:MEAN:DEVIATION) as distributions: percentiles and Sobol' indices."
+    ),
+]
+
+Result = TypeVar("Result")
+Reported = TypeVar("Reported", contravariant=True)
+
+
+class StudyReport(Protocol[Reported]):
+    """What the report of a study offers: files besides the page (a regular expression), and three ways to show it."""
+
+    FILES: str
+
+    def write(self, result: Reported, out: Path, /) -> object:
+        """Write the whole into a folder, or nothing."""
+
+    def text(self, result: Reported, /) -> str:
+        """What a person reads."""
+
+    def dumps(self, result: Reported, /) -> str:
+        """The machine-readable result."""
+
+
+def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
+    """Plate at every speed, damper, results and report.
+
+    Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
+    """
+    source = _load(scene)
+    _simulate(source, _folder(out, json, "spindamp", source), json)
+
+
+def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
+    """The plate only: frequencies over speed.
+
+    Without --out nothing is written.
+    """
+    from workflows import pipeline
+
+    _simulate(pipeline.plate_only(_load(scene)), out, json)
+
+
+def ringdown(
+    scene: Scene = "paper",
+    rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the scene's middle one.")] = None,
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """The damper only, at one speed.
+
+    Without --out nothing is written.
+    """
+    from workflows import pipeline
+
+    _simulate(pipeline.at_one_speed(_load(scene), rpm), out, json)
+
+
+def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
+    """Forced response where engine orders cross modes, without and with the ball.
+
+    Takes the forces from the scene's table [excitation]. Without --out nothing is written.
+    """
+    from workflows.studies.response import report
+    from workflows.studies.response.study import respond
+
+    _of_a_scene(_load(scene), respond, report, out, json)
+
+
+def reproduce(out: Out = None, json: Json = False) -> None:
+    """Hold the paper's every claim against this code.
+
+    Without --out nothing is written.
+    """
+    from workflows.studies import reproduction
+    from workflows.studies.reproduction import report
+
+    _study(reproduction.reproduce, report, out, json)
+
+
+def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
+    """What accuracy costs in time, as a table and as plots.
+
+    Without --out nothing is written.
+    """
+    from workflows.studies.work_precision import report
+    from workflows.studies.work_precision.study import study
+
+    _of_a_scene(_load(scene), study, report, out, json)
+
+
+def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
+    """What each effect changes, and what it costs.
+
+    Without --out nothing is written.
+    """
+    from workflows.studies.work_precision import effects_report
+    from workflows.studies.work_precision.effects import switching
+
+    _of_a_scene(_load(scene), switching, effects_report, out, json)
+
+
+def sweep(
+    scene: Scene = "paper",
+    vary: Vary = None,
+    sample: Count = None,
+    quick: Quick = False,
+    uncertain: Uncertain = False,
+    out: Out = None,
+    workers: Processes = None,
+    dask: Dask = None,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """Vary keys of a scene, such as damper.mass_ratio=0.001:0.01:10, over a grid or a sample.
+
+    Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
+    --json and no --out nothing is written.
+    """
+    from workflows.studies.sweep import report, sensitivity, store, study
+
+    asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    out = _folder(out, json, "spindamp-sweep", asked.source)
+    if out is not None:
+        store.checked(out)
+    if not json:
+        for axis in asked.plan.axes:
+            if instead := axis.key.displaced(asked.source.scene):
+                typer.echo(f"{axis.name} takes the place of the scene's {instead}")
+    _announce_compiler()
+    hired = study.crew_of(workers, dask)
+    with Stages() as stages:
+        data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
+        if uncertain:
+            data = sensitivity.analysed(data, seed)
+        if out is not None:
+            with stages("report"):
+                report.write(data, out)
+    _show(report.dumps(data) if json else report.text(data), out, json)
+
+
+def design(
+    scene: Scene = "design",
+    out: Out = None,
+    workers: Processes = None,
+    dask: Dask = None,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """Find the damper that damps best within what the table [design] of a scene allows.
+
+    Where none works, the results say why, and the exit status is 3.
+
+    Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
+    """
+    from workflows.studies.design import report, study
+    from workflows.studies.sweep.study import crew_of
+
+    def solve(source: SceneFile, stages: Stages) -> report.Designed:
+        return study.design(source, seed=seed, hired=crew_of(workers, dask), stages=stages)
+
+    source = _load(scene)
+    out = _folder(out, json, "spindamp-design", source)
+    best = _of_a_scene(source, solve, report, out, json)
+    if out is not None and not json and best.toml:
+        typer.echo(f"or spindamp run {out / 'best.toml'}")
+    if not best.found.scored.works:
+        raise NoAnswer(f"{source.name}: {report.in_short(best)}")
+
+
+def view(
+    what: Annotated[
+        str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
+    ] = "paper",
+    rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
+    mode: Annotated[int, typer.Option("--mode", help="Number of the mode that is shown first.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write a page instead of opening a window.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Look at mesh, clamped root, damper's place and modes in motion.
+
+    In a window where there is a screen, else as a page, whose name is printed.
+    """
+    from workflows.looking import view_data, window
+    from workflows.report.page import writable
+    from workflows.scene.load import slug
+
+    if out is not None:
+        target = writable(out, "--out")
+        if target.suffix.lower() != ".html":
+            raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
+        if not target.parent.is_dir():
+            raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))
+    data = view_data.of(what, rpm)
+    first, number = view_data.chosen(data, rpm, mode)
+    if json:
+        if out is not None:
+            window.write(data, out, first, number)
+        _print_json({"title": data.title, **data.numbers})
+        return
+    for name, words in data.facts:
+        typer.echo(f"{name:<14} {words}")
+    if out is None and window.there_is() and window.shown(data, first, number, data.title):
+        return
+    if remark := window.thinned(window.view(data, first, number)):
+        typer.echo(remark)
+    path = out or Path(f"spindamp-view-{slug(data.title)}.html")
+    window.write(data, path, first, number)
+    typer.echo(f"\nopen {path}")
+
+
+def check(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene (TOML), or the name of a shipped one.")],
+    json: Json = False,
+) -> None:
+    """Validate a scene; print it resolved, with the effects it calls for and why, and the sizes of a run."""
+    from workflows.results import provenance
+    from workflows.solve import resources
+    from workflows.solve.model_choice import choose_model, model
+
+    source = _load(scene)
+    resources.check(source)
+    choice = choose_model(source, Stages(visible=False))
+    planform = None if source.mesh is None else choice.form
+    sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
+    if json:
+        _print_json(provenance.document(source, choice.effects, choice.theory, planform) | {"sizes": vars(sizes)})
+        return
+    typer.echo("\n".join(provenance.heading(source, planform)))
+    typer.echo(provenance.as_toml(source.scene, choice.effects, choice.theory))
+    typer.echo(f"\n# {sizes}")
+
+
+COMMANDS: tuple[Callable[..., None], ...] = (
+    *(run, campbell, ringdown, response, reproduce, accuracy, effects),
+    *(sweep, design, view, check),
+)
+"""All commands, in the order of --help."""
+
+
+def _load(scene: str) -> SceneFile:
+    from workflows.scene.load import load
+
+    return load(scene)
+
+
+def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
+    """Run a scene, write it to `out` if there is one, and print the result."""
+    from workflows import pipeline
+    from workflows.findings.remarks import remarked
+    from workflows.output import folder
+    from workflows.report import text
+    from workflows.report.mode_viewer import Artist
+    from workflows.results import files, serialise
+    from workflows.solve import resources
+    from workflows.solve.results import shown
+
+    resources.check(source)
+    if out is not None:
+        folder.check(out, files.FILES)
+    if source.scene.damper is not None:
+        _announce_compiler()
+    with ExitStack() as stack:
+        stages = stack.enter_context(Stages())
+        drawn = out is not None and source.scene.plate is not None
+        artist = stack.enter_context(Artist()) if drawn else None
+        state = pipeline.structure(source, stages, shapes=drawn)
+        if artist is not None and state.surface is not None:
+            artist.draw(state.surface, shown(state.points))
+        results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
+        if out is not None:
+            from workflows.report.page import publish
+
+            results = publish(results, out, stages, artist)
+    typer.echo(serialise.dumps(results) if json else text.text(results, out, source.remarks))
+
+
+def _of_a_scene(
+    source: SceneFile,
+    solve: Callable[[SceneFile, Stages], Result],
+    report: StudyReport[Result],
+    out: Path | None,
+    json: bool,
+) -> Result:
+    """A study of one scene; see `_study`."""
+    return _study(lambda stages: solve(source, stages), report, out, json, damper=source.scene.damper is not None)
+
+
+def _study(
+    solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
+) -> Result:
+    """Solve, write into `out` if there is one, and print the result, which is returned."""
+    from workflows.output import folder
+
+    if out is not None:
+        folder.check(out, report.FILES)
+    if damper:
+        _announce_compiler()
+    with Stages() as stages:
+        result = solve(stages)
+        if out is not None:
+            with stages("report"):
+                report.write(result, out)
+    _show(report.dumps(result) if json else report.text(result), out, json)
+    return result
+
+
+def _show(text: str, out: Path | None, json: bool) -> None:
+    typer.echo(text)
+    if out is not None and not json:
+        typer.echo(f"\nopen {out / 'report.html'}")
+
+
+def _folder(out: Path | None, json: bool, prefix: str, source: SceneFile) -> Path | None:
+    """Where to write without --out: a folder named after the scene's title, or nowhere with --json."""
+    from workflows.scene.load import slug
+
+    return out if out is not None or json else Path(f"{prefix}-{slug(source.scene.title)}")
+
+
+def _print_json(document: Mapping[str, Any]) -> None:
+    from json import dumps
+
+    typer.echo(dumps(document, indent=1, allow_nan=False))
+
+
+def _announce_compiler() -> None:
+    """Why a start is slow: compiled code is not there yet (on a terminal, as progress is), or cannot be stored."""
+    from damper import compiled
+
+    if not compiled.CACHED:
+        problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
+        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
+    elif compiled.fresh() and sys.stderr.isatty():
+        typer.echo(
+            "spindamp: compiling the damper's kernels, once for an installation: up to a minute, with their check",
+            err=True,
+        )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"spindamp {version('spindamp')}")
+        raise typer.Exit
+
+
+def _self_check(asked: bool) -> None:
+    if asked:
+        from workflows.solve import self_check
+
+        _announce_compiler()
+        lines, passed = self_check.report()
+        typer.echo("\n".join(lines))
+        raise typer.Exit(0 if passed else 1)
+
+
+def _spindamp(
+    context: typer.Context,
+    show: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--self-check",
+            callback=_self_check,
+            is_eager=True,
+            help="Compare reference plates and motions with independent results, and print the versions.",
+        ),
+    ] = False,
+) -> None:
+    """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+    if context.invoked_subcommand is None:
+        names = ", ".join(command.__name__ for command in COMMANDS)
+        raise BadInput(f"missing command: expected one of {names}; spindamp --help says what they do")
+
+
+_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+_commands.callback(invoke_without_command=True)(_spindamp)
+for _command in COMMANDS:
+    _commands.command(_command.__name__)(_command)
+
+app = typer.main.get_command(_commands)
+"""Built once: a Typer that is called reads the signatures of all commands anew."""
