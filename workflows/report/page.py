@@ -359,6 +359,5 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(render(finished, drawings), encoding="utf-8")
-        serialise.write(finished, folder / serialise.NAME)
         (folder / "results.json").write_text(results_json.dumps(finished) + "\n", encoding="utf-8")
     return finished
