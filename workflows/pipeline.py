@@ -14,10 +14,9 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.scene.rotor import FASTEST, typed
 from workflows.solve import coupling, resources
 from workflows.solve import damper as ringdowns
-from workflows.solve import results as records
 from workflows.solve import structure as plate
 from workflows.solve.model_choice import Decided, decide
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import Results, SpeedPoint, middle
 from workflows.solve.structure import PlateAnswer
 
 
@@ -61,7 +60,7 @@ def damped(found: Solved, stages: Stages) -> Solved:
     if scene.damper is None:
         return found
     with read_from(found.source.name):
-        points = ringdowns.simulate(scene, found.effects, found.points, stages, records.shown(found.points))
+        points = ringdowns.simulate(scene, found.effects, found.points, stages, middle(found.points))
     return replace(found, points=points)
 
 

@@ -20,7 +20,7 @@ from workflows.results.files import Curve
 from workflows.results.serialise import quantities
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
-from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, shown
+from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -708,7 +708,7 @@ class Plots:
     def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
         """Which of the speeds kept is meant."""
         if rpm is None:
-            return int(np.argmin(np.abs(np.asarray(at) - shown(self.results.speeds))))
+            return int(np.argmin(np.abs(np.asarray(at) - middle(self.results.speeds))))
         kept = [self.results.speeds[number].rpm for number in at]
         row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
         if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):

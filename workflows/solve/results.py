@@ -440,8 +440,8 @@ __all__ = [
     "SpeedPoint",
     "Surface",
     "expect",
+    "middle",
     "rpm",
-    "shown",
 ]
 
 _WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
@@ -539,11 +539,10 @@ class SpeedPoint:
         return {**data, **{name: inner[name] for name in _WITHIN if name in inner}, "tilted": tilted or None}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core: core_schema.CoreSchema, handler: Any) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(cls, core: Any, handler: Any) -> dict[str, Any]:
         """The schema of the same."""
-        core = core.copy()
-        core.pop("serialization")  # which says no more than that it is an object
-        found: dict[str, Any] = handler.resolve_ref_schema(handler(core))
+        fields_alone = {name: each for name, each in core.items() if name != "serialization"}
+        found: dict[str, Any] = handler.resolve_ref_schema(handler(fields_alone))
         speed = found["properties"]
         working, tilted = (handler.resolve_ref_schema(speed[name]["anyOf"][0]) for name in ("working", "tilted"))
         del speed["tilted"]
@@ -626,7 +625,7 @@ def rpm(omega: float) -> float:
     return float(f"{omega * 30 / math.pi:.13g}")
 
 
-def shown(points: tuple[SpeedPoint, ...]) -> int:
+def middle(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
 

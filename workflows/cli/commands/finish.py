@@ -13,12 +13,11 @@ from workflows.output import folder
 from workflows.progress import Stages
 from workflows.report import text as summary
 from workflows.report.mode_viewer import Artist
-from workflows.results import files
-from workflows.results import serialise as results_json
+from workflows.results import files, serialise
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
-from workflows.solve import results as records
 from workflows.solve.model_choice import decide
+from workflows.solve.results import middle
 
 
 def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
@@ -35,10 +34,10 @@ def complete(source: SceneFile, out: Path | None, as_json: bool) -> None:
         decided = decide(source, stages)
         found = pipeline.structure(source, stages, shapes=drawn, decided=decided)
         if artist is not None and found.plate is not None and found.plate.surface is not None:
-            artist.draw(found.plate.surface, records.shown(found.points))
+            artist.draw(found.plate.surface, middle(found.points))
         results = pipeline.results(pipeline.damped(found, stages), stages)
         if out is not None:
             from workflows.report.page import publish
 
             results = publish(results, out, stages, artist)
-    typer.echo(results_json.dumps(results) if as_json else summary.text(results, out, source.remarks))
+    typer.echo(serialise.dumps(results) if as_json else summary.text(results, out, source.remarks))

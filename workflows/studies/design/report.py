@@ -16,8 +16,8 @@ from workflows import formatting
 from workflows.findings.limits import AIR
 from workflows.formatting import significant, whole
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
@@ -501,7 +501,7 @@ def render(found: Designed) -> str:
     """The page."""
     from markupsafe import Markup
 
-    return templating.page(
+    return from_template(
         "design.html.j2",
         {},
         plot.shades_css(maps.SHADES),

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.output import folder as store
-from workflows.report import page
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.reproduction.claims import FORMULATIONS, SHOWN, DampingCurve, Value
 from workflows.studies.reproduction.reproduce import ASSUMPTIONS, Reproduction
@@ -119,7 +119,7 @@ def render(found: Reproduction) -> str:
     """The page."""
     from markupsafe import Markup
 
-    return page.page(
+    return from_template(
         "reproduce.html.j2",
         {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
         plot.shades_css(7),

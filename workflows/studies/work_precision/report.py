@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.study import WITH_THEORY
 from workflows.studies.work_precision.timing import POLICY, POLICY_OF_DIFFERENCES, Costs, Ladder, Rung
@@ -379,4 +379,4 @@ def _render(template: str, **values: Any) -> str:
         "milliseconds": _milliseconds,
         "exponent": _exponent,
     }
-    return templating.page(template, words, **values)
+    return from_template(template, words, **values)

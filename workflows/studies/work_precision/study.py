@@ -19,10 +19,9 @@ from workflows.scene.load import SceneFile
 from workflows.scene.rotor import Accuracy
 from workflows.solve import coupling
 from workflows.solve import damper as ringdowns
-from workflows.solve import results as records
 from workflows.solve import structure as plate
 from workflows.solve.model_choice import Decided, decide
-from workflows.solve.results import Discrete, Floats, Results, SpeedPoint
+from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle
 from workflows.studies.work_precision.timing import Costs, Ladder, Picked, Rung, measure
 
 if TYPE_CHECKING:
@@ -388,7 +387,7 @@ def pipeline_ladders(source: SceneFile, step: Step) -> tuple[list[Ladder], dict[
     theory = None if known is None else known.name
     step.advance("reference")
     finest = pipeline.run(_asking(source, FINEST, theory), Stages(visible=False))
-    shown = records.shown(finest.speeds)
+    shown = middle(finest.speeds)
     runs: dict[float, tuple[Rung, Results | None]] = {}
     for asked in ASKED:
         step.advance(f"accuracy {asked:g}")
@@ -751,7 +750,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> Costs:
     if source.scene.damper is not None:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, decided=decided).points
-            point = points[records.shown(points)]
+            point = points[middle(points)]
             system = level(ringdowns.particle_damper(source.scene, decided.effects, point))
             ladder, exact = damper_ladder(system, coupling.released_at(source.scene, point), point, step)
         ladders += [] if ladder is None else [ladder]
