@@ -112,10 +112,12 @@ def dumps(results: Results) -> str:
 
 
 class _Closed(GenerateJsonSchema):
-    """Objects have no other keys, and names say what titles would."""
+    """Objects have no other keys; names say what titles would, and annotations what docstrings would."""
 
     def dataclass_schema(self, schema: Any) -> dict[str, Any]:
-        return super().dataclass_schema(schema) | {"additionalProperties": False}
+        found = super().dataclass_schema(schema) | {"additionalProperties": False}
+        found.pop("description", None)
+        return found
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
@@ -133,8 +135,8 @@ def schema(kind: type = Document) -> dict[str, Any]:
 
 def text() -> str:
     """The schema as the file has it."""
-    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return json.dumps(dialect | schema(), indent=1, ensure_ascii=False) + "\n"
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "description": Document.__doc__}
+    return json.dumps(head | schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 @dataclass(frozen=True)
