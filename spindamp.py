@@ -213,9 +213,9 @@ def design(
 
 def dataset(results: Results) -> xarray.Dataset:
     """The same numbers as labelled arrays; see :func:`workflows.dataset`."""
-    from workflows.results import files as results_files
+    from workflows.results import files
 
-    return results_files.dataset(results)
+    return files.dataset(results)
 
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:

@@ -93,7 +93,7 @@ ANSWERS = {
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
     "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
-        ("workflows/solve/results.py", 'Quantity("J", "lost to rolling'),
+        ("workflows/solve/results.py", 'quantity("J", "lost to rolling'),
     ],
     "Who decides the mesh, and how exact each part has to be?": [
         ("fem/accuracy/mesh_selection.py", "def choose_mesh"),

@@ -12,9 +12,8 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.scene.rotor import FASTEST, typed
 from workflows.solve import damper as ringdowns
 from workflows.solve import limits, resources
-from workflows.solve import results as records
 from workflows.solve.model_choice import ModelChoice
-from workflows.solve.results import Results
+from workflows.solve.results import Results, middle
 from workflows.solve.structure import StructureSolver, StructureState
 
 
@@ -46,7 +45,7 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
     if scene.damper is None:
         return state
     with read_from(state.source.name):
-        points = ringdowns.simulate(scene, state.effects, state.points, stages, records.shown(state.points))
+        points = ringdowns.simulate(scene, state.effects, state.points, stages, middle(state.points))
     return replace(state, points=points)
 
 

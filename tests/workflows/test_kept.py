@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import numpy as np
 import pytest
 
@@ -42,7 +44,7 @@ def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> No
     )
     found = spindamp.run(scene)
     spindamp.save(found, tmp_path / "out")
-    back = spindamp.load_results(tmp_path / "out" / "run.npz")
+    back = spindamp.load_results(tmp_path / "out")
     assert back.scene == found.scene
     assert back.effects == found.effects
     assert back.speeds[0].cavity_modes == found.speeds[0].cavity_modes
@@ -50,17 +52,36 @@ def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> No
     np.testing.assert_array_equal(back.surface.thickness, found.surface.thickness)
 
 
-@pytest.mark.parametrize("content", [None, b"", b"PK\x03\x04 no", "pickle", "other version", "not a run"])
-def test_what_is_no_run_says_so(content: object, tmp_path: Path) -> None:
-    path = tmp_path / "run.npz"
-    texts = {"other version": '{"version": 99, "run": 0}', "not a run": '{"version": 1, "run": {"record": "os"}}'}
-    if content == "pickle":
-        np.savez(path, tree=np.array([object()]))
-    elif isinstance(content, str):
-        np.savez(path, tree=np.frombuffer(texts[content].encode(), np.uint8))
-    elif isinstance(content, bytes):
-        path.write_bytes(content)
-    with pytest.raises(workflows.BadInput, match=r"folder = .*run|run"):
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("results.json", None),
+        ("results.json", b""),
+        ("results.json", b"[]"),
+        ("results.json", b'{"schema_version": 1}'),
+        ("results.json", b'{"schema_version": 99}'),
+        ("results.nc", None),
+        ("results.nc", b""),
+        ("results.nc", b"no HDF5"),
+    ],
+)
+def test_what_is_no_run_says_so(finished: Path, name: str, content: bytes | None, tmp_path: Path) -> None:
+    for each in ("results.json", "results.nc"):
+        shutil.copy(finished / each, tmp_path / each)
+    if content is None:
+        (tmp_path / name).unlink()
+    else:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(workflows.BadInput, match=r"folder = [^\n]*(no run|is damaged|version 99)[^\n]*$"):
         spindamp.load_results(tmp_path)
     with pytest.raises(TypeError):
         spindamp.load_results(3)  # type: ignore[arg-type]
+
+
+def test_an_older_folder_is_refused_by_its_version(finished: Path, tmp_path: Path) -> None:
+    """Before the third version a file of its own kept the run."""
+    shutil.copy(finished / "results.json", tmp_path)
+    with h5netcdf.File(tmp_path / "results.nc", "w") as file:
+        file.attrs["title"] = "older"
+    with pytest.raises(workflows.BadInput, match=r"folder = [^\n]*version 2 [^\n]*expected 3; run it again$"):
+        spindamp.load_results(tmp_path)

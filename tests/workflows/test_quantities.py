@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import json
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,70 +11,44 @@ import numpy as np
 import pytest
 
 import workflows
-from workflows.results import files, serialise
+from workflows.results import serialise
 from workflows.scene import quantities
-from workflows.solve.results import Entry, Part, Quantity, SpeedPoint, entries
+from workflows.scene.load import load
+from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.sweep.evaluate import QUANTITIES
 
 HOUSE = Path(workflows.__file__).parent
-ROOMS = (HOUSE / "solve", HOUSE / "results")
-"""Where names of quantities would be listed by hand."""
-
-SAID = {"structure_records.py", "damper_records.py", "records.py", "curves.py"}
-"""Where they are said; and the curves, whose columns bear the units of what a figure draws."""
-
-
-def said(record: type, seen: frozenset[type] = frozenset()) -> Iterator[tuple[type, Entry]]:
-    """Every quantity and part, with the record that has it."""
-    for entry in entries(record):
-        yield record, entry
-        if isinstance(entry.what, Part) and entry.kind not in seen:
-            yield from said(entry.kind, seen | {record})
 
 
 def test_published_schema_is_that_of_the_records() -> None:
     published = (HOUSE / "results.schema.json").read_text(encoding="utf-8")
-    assert published == serialise.text(), "python -m workflows.results.schema"
+    assert published == serialise.text(), "python -m workflows.results.serialise"
 
 
 def test_every_quantity_has_a_unit_and_a_meaning() -> None:
-    for record, entry in said(SpeedPoint):
-        if isinstance(entry.what, Quantity):
-            assert entry.kind in (float, int, str, tuple, list), (record, entry)
-            unit = {"J": "N*m"}.get(entry.what.unit, entry.what.unit)  # which no scene has
-            if unit not in ("", "1", "g", "rpm"):
-                assert quantities.to_si(f"3 {unit}", quantities.Kind("", "", unit, 0.0, 9.0)) == 3.0
-            assert entry.what.meaning or entry.name == "energy", (record, entry.name)
+    for quantity in serialise.quantities(SpeedPoint):
+        assert quantity.kind in ("number", "integer", "string"), quantity
+        unit = {"J": "N*m"}.get(quantity.unit, quantity.unit)  # which no scene has
+        if unit not in ("", "1", "g", "rpm"):
+            assert quantities.to_si(f"3 {unit}", quantities.Kind("", "", unit, 0.0, 9.0)) == 3.0
+        assert (unit == "") is (quantity.kind == "string"), quantity
+        assert quantity.meaning, quantity
 
 
 def test_no_two_quantities_have_one_name_in_a_data_set(finished: Path) -> None:
-    found = files.dataset(workflows.load_results(finished))
-    names = Counter(each.name for each in files.columns(SpeedPoint, [_full()], "rpm"))
+    found = workflows.dataset(workflows.load_results(finished))
+    names = Counter(each.name for each in serialise.quantities(SpeedPoint))
     assert set(found.variables) <= names.keys()
     assert max(names.values()) == 1, names.most_common(3)
 
 
 def test_columns_of_sweeps_are_those_of_runs() -> None:
     """By name and unit; a sweep adds what belongs to no speed of a run."""
-    known = {each.name: each.unit for each in files.columns(SpeedPoint, [_full()], "rpm")}
+    known = {each.name: each.unit for each in serialise.quantities(SpeedPoint)}
     mine = {quantity.name: quantity.unit for quantity in QUANTITIES}
     own = mine.keys() - known.keys()
     assert own == {"grade", "best_damping_ratio", "best_amplitude", "ball_mass"}
     assert all(known[name] == unit for name, unit in mine.items() if name not in own)
-
-
-def test_names_are_listed_in_one_place() -> None:
-    """No list in solve and results holds more than one of a record's names."""
-    names: dict[type, set[str]] = {}
-    for record, entry in said(SpeedPoint):
-        names.setdefault(record, set()).update({entry.name, entry.attribute})
-    for path in (path for room in ROOMS for path in room.rglob("*.py") if path.name not in SAID):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Tuple | ast.List | ast.Set | ast.Dict):
-                inner = node.keys if isinstance(node, ast.Dict) else node.elts
-                texts = {each.value for each in inner if isinstance(each, ast.Constant)}
-                for record, mine in names.items():
-                    assert len(texts & mine) <= 1, (path, node.lineno, record, texts & mine)
 
 
 def _full() -> Any:
@@ -109,15 +81,23 @@ def _full() -> Any:
 
 def test_every_number_of_the_document_is_in_the_data_set() -> None:
     """A number that each holds once, so that one missing, or one in the place of another, shows."""
-    from workflows.results.serialise import trees
-
     point = _full()
-    document = json.loads(json.dumps(trees(SpeedPoint, [point])[0]))
+    run = Results(load("structure").scene, {}, (point,))
+    document = workflows.document(run)["speeds"][0]
     numbers = sum(1 for _ in leaves(document))
-    columns = list(files.columns(SpeedPoint, [point], "rpm"))
+    columns = list(serialise.columns(SpeedPoint, [point], "rpm"))
     assert sum(column.values.size for column in columns) == numbers + 1  # the duration, which JSON leaves out
+    assert sum(variable.size for variable in workflows.dataset(run).variables.values()) == numbers + 1
     jsonschema = pytest.importorskip("jsonschema")
-    jsonschema.validate(document, serialise.of(SpeedPoint))
+    schema = serialise.schema()
+    jsonschema.validate(document, schema["$defs"]["SpeedPoint"] | {"$defs": schema["$defs"]})
+
+
+def test_a_speed_without_a_damper_has_neither_part_nor_columns() -> None:
+    plain = SpeedPoint(omega=1.0, rpm=1.0, radius=1.0, load_g=1.0)
+    results = Results(load("structure").scene, {}, (plain,))
+    assert workflows.document(results)["speeds"] == [{"rpm": 1.0, "load_g": 1.0, "modes": []}]
+    assert set(workflows.dataset(results).variables) == {"rpm", "load_g"}
 
 
 def leaves(node: Any) -> Iterator[Any]:

@@ -10,14 +10,14 @@ from typing import Any
 
 import pytest
 
+import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import mode_viewer
-from workflows.report import page as templating
 from workflows.results import crossings
 from workflows.scene.load import parse
 
-TEMPLATES = Path(templating.__file__).parents[1] / "templates"
+TEMPLATES = Path(workflows.__file__).parent / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 

@@ -39,7 +39,7 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_same_scene_same_bits(finished: Path, again: Path) -> None:
     names = {path.name for path in finished.iterdir()}
     assert names == {path.name for path in again.iterdir()}
-    assert {"results.json", "results.nc", "modes.vtu", "report.html", "csv-metadata.json", "run.npz"} < names
+    assert {"results.json", "results.nc", "modes.vtu", "report.html"} < names
     for name in names:
         one, other = (folder / name for folder in (finished, again))
         times = TIMES.get(name)
@@ -54,18 +54,13 @@ def test_every_file_says_where_it_comes_from(finished: Path, document: dict[str,
     import xarray as xr
 
     found = document["scene_sha256"]
-    for name in ("results.json", "report.html", "modes.vtu", "csv-metadata.json"):
+    for name in ("results.json", "report.html", "modes.vtu"):
         text = (finished / name).read_text(encoding="utf-8")
         assert found in text, name
         assert document["versions"]["numpy"] in text, name
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
         assert data.attrs["scene_sha256"] == found
         assert f"numpy {document['versions']['numpy']}" in data.attrs["versions"]
-    tables = json.loads((finished / "csv-metadata.json").read_text(encoding="utf-8"))["tables"]
-    assert {table["url"] for table in tables} == {path.name for path in finished.glob("*.csv")}
-    for table in tables:
-        columns = ",".join(column["name"] for column in table["tableSchema"]["columns"])
-        assert (finished / table["url"]).read_text(encoding="utf-8").splitlines()[0] == columns
 
 
 def test_the_hash_can_be_checked_with_other_means(document: dict[str, Any]) -> None:
@@ -100,7 +95,7 @@ def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Callable[...,
     assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", out).status == 0
     found = hashlib.sha256(mesh.read_bytes()).hexdigest()
     assert json.loads((out / "results.json").read_text(encoding="utf-8"))["mesh_sha256"] == found
-    for name in ("report.html", "modes.vtu", "csv-metadata.json"):
+    for name in ("report.html", "modes.vtu"):
         assert found in (out / name).read_text(encoding="utf-8"), name
     with xr.open_dataset(out / "results.nc", engine="h5netcdf") as data:
         assert data.attrs["mesh_sha256"] == found

@@ -157,7 +157,6 @@ def test_text_stays_text_in_every_file(spindamp: Callable[..., Outcome], tmp_pat
     assert "&lt;script&gt;" in page
     assert "{{ 7*7 }}" in page
     assert json.loads((out / "results.json").read_text(encoding="utf-8"))["title"] == HOSTILE
-    assert json.loads((out / "csv-metadata.json").read_text(encoding="utf-8"))["dc:title"] == HOSTILE
     with xr.open_dataset(out / "results.nc", engine="h5netcdf") as data:
         assert data.attrs["title"] == HOSTILE
 

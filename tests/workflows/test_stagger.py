@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import workflows
-from workflows.results import serialise as results_json
+from workflows.results import serialise
 
 SCENE = """
 title = "staggered"
@@ -46,7 +46,7 @@ def test_large_deflection_is_on_by_itself_and_counts(tmp_path: Path) -> None:
 
 def test_complex_modes_have_damping_ratios(tmp_path: Path) -> None:
     found = run(tmp_path, coriolis="true")
-    modes = json.loads(results_json.dumps(found))["speeds"][0]["modes"]
+    modes = json.loads(serialise.dumps(found))["speeds"][0]["modes"]
     assert all(abs(mode["damping_ratio"]) < 1e-9 for mode in modes)  # Coriolis forces do no work
     assert found.surface is not None
     assert found.surface.shapes.dtype.kind == "f"

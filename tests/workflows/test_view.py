@@ -123,7 +123,7 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: View, t
         (("nothere.msh",), "nothere.msh: no such folder of results, scene or mesh file"),
         (("nothere",), "nothere: no such scene"),
         (("structure",), "view needs a plate"),
-        ((".",), "holds no results.json"),
+        ((".",), "holds no run: expected a folder with results.json and results.nc"),
         ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100: a mesh alone has no speeds"),
         ((MESHES / "make.py",), "not a readable mesh file"),
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
@@ -148,19 +148,23 @@ def test_speeds_and_modes_that_a_folder_has_not(finished: Path, spindamp: View, 
     assert f"{option} = {value}" in outcome.err
 
 
-def test_damaged_results_are_named(finished: Path, spindamp: View, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "broken"), [("results.json", b"{"), ("results.nc", b"\x89HDF")])
+def test_damaged_results_are_named(finished: Path, spindamp: View, tmp_path: Path, name: str, broken: bytes) -> None:
     folder = tmp_path / "copy"
     folder.mkdir()
-    for name, broken in (("results.json", "{"), ("modes.vtu", "<VTKFile")):
-        for each in ("results.json", "modes.vtu"):
-            (folder / each).write_bytes((finished / each).read_bytes())
-        (folder / name).write_text(broken, encoding="utf-8")
-        outcome = spindamp("view", folder)
-        assert outcome.status == 2
-        assert name in outcome.err
-    (folder / "modes.vtu").unlink()
-    (folder / "results.json").write_bytes((finished / "results.json").read_bytes())
-    assert "without a plate" in spindamp("view", folder).err
+    for each in ("results.json", "results.nc"):
+        (folder / each).write_bytes((finished / each).read_bytes())
+    (folder / name).write_bytes(broken)
+    outcome = spindamp("view", folder)
+    assert outcome.status == 2
+    assert f"{folder}: {name} is damaged" in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_results_without_a_plate(spindamp: View) -> None:
+    assert spindamp("run", "structure", "--out", "out").status == 0
+    assert "without a plate" in spindamp("view", "out").err
 
 
 def test_a_window_draws_frames_and_closes(finished: Path) -> None:
@@ -248,23 +252,6 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
         assert late == pytest.approx(scale * kept.behind[0, number], abs=1e-6)
         swing = np.sqrt((in_phase**2 + late**2).sum(axis=1)).max()
         assert swing == pytest.approx(float(shown.given["largest"]), rel=1e-6)
-
-
-def test_without_the_run_only_what_is_in_phase_is_shown_and_said(turning: Path, tmp_path: Path) -> None:
-    for name in ("results.json", "modes.vtu"):
-        (tmp_path / name).write_bytes((turning / name).read_bytes())
-    sight = view_data.of(str(tmp_path))
-    assert sight.surface.behind is None
-    assert dict(sight.facts)["shapes"] == "without run.npz only what swings in phase: the modes are complex"
-    assert "shapes" not in dict(view_data.of(str(turning)).facts)
-
-
-def test_a_damaged_run_is_named(finished: Path, spindamp: View, tmp_path: Path) -> None:
-    (tmp_path / "run.npz").write_bytes((finished / "run.npz").read_bytes()[:2000])
-    outcome = spindamp("view", tmp_path)
-    assert outcome.status == 2
-    assert "run.npz" in outcome.err
-    assert outcome.err.count("\n") == 1
 
 
 def test_where_the_window_fails_there_is_the_page(

@@ -193,7 +193,7 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
     assert fine.behind is not None
     for drawn, found in ((fine.shapes, surface.shapes), (fine.behind, surface.behind)):
         assert np.abs((drawn[:, :, at] - found) / largest).max() <= 2.0**-15, "16 bits"
-    assert (finished / "run.npz").stat().st_size < 350_000, "no more digits than a picture shows"
+    assert (finished / "results.nc").stat().st_size < 650_000, "no more digits than a picture shows"
 
 
 @needs_chromium

@@ -307,7 +307,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     from workflows.report.mode_viewer import Artist
     from workflows.results import files, serialise
     from workflows.solve import resources
-    from workflows.solve.results import shown
+    from workflows.solve.results import middle
 
     resources.check(source)
     if out is not None:
@@ -320,7 +320,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
         artist = stack.enter_context(Artist()) if drawn else None
         state = pipeline.structure(source, stages, shapes=drawn)
         if artist is not None and state.surface is not None:
-            artist.draw(state.surface, shown(state.points))
+            artist.draw(state.surface, middle(state.points))
         results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
         if out is not None:
             from workflows.report.page import publish

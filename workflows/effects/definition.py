@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import InstanceOf
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
@@ -151,4 +152,4 @@ class Effect:
 
     on: bool
     why: str
-    left_out: LeftOut | None = field(default=None, repr=False, compare=False)
+    left_out: InstanceOf[LeftOut] | None = field(default=None, repr=False, compare=False)

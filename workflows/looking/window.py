@@ -24,7 +24,7 @@ from workflows import formatting
 from workflows.formatting import amount
 from workflows.looking.view_data import Sight
 from workflows.report import figures, mode_viewer, plots
-from workflows.report import page as templating
+from workflows.report.page import from_template, put, script
 from workflows.solve.results import Mode, Surface
 
 _PERIOD = 1.8
@@ -286,9 +286,7 @@ def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
         figure = figures.mesh_of(sight.surface, sight.mark, sight.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     words: dict[str, Callable[..., str]] = {"curly": formatting.curly, "whole": formatting.whole}
-    return templating.page(
-        "view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=templating.script("viewer.js")
-    )
+    return from_template("view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=script("viewer.js"))
 
 
 def thinned(seen: mode_viewer.View) -> str:
@@ -305,6 +303,4 @@ def write(sight: Sight, path: Path, first: int = 0, mode: int = 0) -> Path:
     Raises:
         BadInput: it cannot be written.
     """
-    from workflows.report.page import put
-
     return put(path, page(sight, first, mode), "--out")

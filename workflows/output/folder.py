@@ -171,7 +171,7 @@ def _umask() -> int:
 MANIFEST = ".spindamp"
 """Lists what a run wrote, so that the next one can tell its own files from a user's."""
 
-ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "run.npz", "report.html", "csv-metadata.json", MANIFEST}
+ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", MANIFEST}
 _CARRIED_AT_MOST = 1000
 _NAME_MAX = 255
 """Bytes that file systems take for a name."""

@@ -16,10 +16,11 @@ from workflows.report.plots import Value
 from workflows.results import files
 from workflows.results.crossings import crossings, orders
 from workflows.results.files import Curve
+from workflows.results.serialise import quantities
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
-from workflows.solve.results import BallPath, Energy, Floats, Quantity, Results, SpeedPoint, Surface, entries, shown
+from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,9 +49,7 @@ _MIDDLE = 0.5
 _LEAST_SHOWN = 1e-3
 """Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
 
-_REMAINING, *_LOST = (
-    (each.name, each.what.short) for each in entries(Energy) if isinstance(each.what, Quantity) and each.what.short
-)
+_REMAINING, *_LOST = ((each.name, each.short) for each in quantities(Energy) if each.short)
 
 _PARTS = (*_LOST, _REMAINING)
 """Parts of the books and what the record calls them: what was lost, first to the structure, then what is left."""
@@ -709,7 +708,7 @@ class Plots:
     def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
         """Which of the speeds kept is meant."""
         if rpm is None:
-            return int(np.argmin(np.abs(np.asarray(at) - shown(self.results.speeds))))
+            return int(np.argmin(np.abs(np.asarray(at) - middle(self.results.speeds))))
         kept = [self.results.speeds[number].rpm for number in at]
         row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
         if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.scene import plate_mesh
-from workflows.solve.results import Floats, Results, SpeedPoint, Surface, shown
+from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,7 +102,7 @@ def view(results: Results) -> View | None:
         mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
     plate = results.scene.plate
     thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
-    return of_surface(results.surface, results.speeds, mark, thickness, (shown(results.speeds), 0))
+    return of_surface(results.surface, results.speeds, mark, thickness, (middle(results.speeds), 0))
 
 
 def of_surface(

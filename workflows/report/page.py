@@ -20,19 +20,16 @@ from workflows.report import ball_player, figures, mode_viewer, plots
 from workflows.report.mode_viewer import Artist, Picture, View
 from workflows.report.text import shown
 from workflows.results import files, provenance, serialise
-from workflows.results import files as results_files
-from workflows.results import serialise as results_json
 from workflows.results.crossings import Crossing, crossings
 from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve import limits
-from workflows.solve import results as records
-from workflows.solve.results import Results, SpeedPoint, expect
+from workflows.solve.results import Results, SpeedPoint, expect, middle
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
 
-def page(template: str, words: Mapping[str, Callable[..., str]], css: str = "", **values: Any) -> str:
+def from_template(template: str, words: Mapping[str, Callable[..., str]], css: str = "", **values: Any) -> str:
     """A page as text.
 
     Args:
@@ -85,7 +82,7 @@ def draw(results: Results) -> Drawings:
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
     words = (formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.curly)
-    return page(
+    return from_template(
         "report.html.j2",
         {word.__name__: word for word in words},
         drawings.css,
@@ -208,7 +205,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
 
 
 def _shape_point(results: Results) -> SpeedPoint | None:
-    return results.speeds[records.shown(results.speeds)] if results.surface is not None else None
+    return results.speeds[middle(results.speeds)] if results.surface is not None else None
 
 
 def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -298,7 +295,7 @@ def artist(results: Results) -> Iterator[Artist | None]:
         yield None
         return
     with Artist() as drawing:
-        drawing.draw(results.surface, records.shown(results.speeds))
+        drawing.draw(results.surface, middle(results.speeds))
         yield drawing
 
 
@@ -350,15 +347,14 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
     """
     with store.replacing(out) as folder:
         with stages("write"):
-            results_files.write_csv(results, folder)
-            results_files.write_netcdf(results, folder / "results.nc")
+            files.write_csv(results, folder)
+            files.write_netcdf(results, folder / "results.nc")
             if results.surface is not None:
-                results_files.write_vtu(results.surface, results, folder / "modes.vtu")
+                files.write_vtu(results.surface, results, folder / "modes.vtu")
         with stages("report"):
             drawings = _drawn(results, artist)
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(render(finished, drawings), encoding="utf-8")
-        serialise.write(finished, folder / serialise.NAME)
-        (folder / "results.json").write_text(results_json.dumps(finished) + "\n", encoding="utf-8")
+        (folder / "results.json").write_text(serialise.dumps(finished) + "\n", encoding="utf-8")
     return finished

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Sequence
@@ -14,7 +13,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.results import provenance
-from workflows.results.serialise import Column, columns
+from workflows.results.serialise import Column, columns, keep
 from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
 
 if TYPE_CHECKING:
@@ -177,40 +176,26 @@ _ERRORS = ("frequency", "error")
 def write_csv(results: Results, folder: Path) -> None:
     """One file per plotted curve, with a header that names column and unit.
 
-    A remark in a CSV file trips its readers, so that hash and versions stand in `csv-metadata.json`, the place that
-    the W3C's "CSV on the Web" has for them.
+    A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
-    tables = []
     for curve in every(results):
         rows = np.column_stack([curve.x, curve.y])
-        columns = (curve.x_column, curve.y_column)
-        np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=",".join(columns), comments="")
-        described = [{"name": name, "datatype": "double"} for name in columns]
-        tables.append({"url": f"{curve.name}.csv", "tableSchema": {"columns": described}})
+        header = f"{curve.x_column},{curve.y_column}"
+        np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
     if any(point.modes for point in results.speeds):
-        described = [{"name": name, "datatype": "double"} for name in _write_errors(results, folder)]
-        tables.append({"url": f"{ERRORS}.csv", "tableSchema": {"columns": described}})
-    metadata = {
-        "@context": "http://www.w3.org/ns/csvw",
-        "dc:title": results.scene.title,
-        "dc:source": provenance.line(results),
-        "tables": tables,
-    }
-    text = json.dumps(metadata, indent=1, ensure_ascii=False)
-    (folder / "csv-metadata.json").write_text(text + "\n", encoding="utf-8")
+        _write_errors(results, folder)
 
 
-def _write_errors(results: Results, folder: Path) -> tuple[str, ...]:
-    """Every frequency with its relative error and its parts, 0 for effects not left out. Returns the columns."""
+def _write_errors(results: Results, folder: Path) -> None:
+    """Every frequency with its relative error and its parts, 0 for effects not left out."""
     numbered = [(point.rpm, number, mode) for point in results.speeds for number, mode in enumerate(point.modes, 1)]
     table: dict[str, Any] = {"speed_rpm": [rpm for rpm, *_ in numbered], "mode": [number for _, number, _ in numbered]}
     for each in columns(Mode, [mode for *_, mode in numbered], "mode"):
-        if each.name.startswith(_ERRORS):
-            left_out = each.name.removeprefix("error_") in results.effects
-            table[each.name] = np.nan_to_num(each.values) if left_out else each.values
+        if (name := each.quantity.name).startswith(_ERRORS):
+            left_out = name.removeprefix("error_") in results.effects
+            table[name] = np.nan_to_num(each.values) if left_out else each.values
     rows = np.column_stack(list(table.values()))
     np.savetxt(folder / f"{ERRORS}.csv", rows, "%.10g", ",", header=",".join(table), comments="")
-    return tuple(table)
 
 
 def write_netcdf(results: Results, path: Path) -> None:
@@ -231,6 +216,7 @@ def write_netcdf(results: Results, path: Path) -> None:
                 kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
                 file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
             file.attrs.update(_about(results))
+            keep(results, file)
     except RuntimeError as error:
         found = re.search(r"errno = (\d+)", str(error))
         if found is None:
@@ -265,7 +251,7 @@ def _variables(results: Results) -> dict[str, _Variable]:
     sizes: dict[str, int] = {}
     for each in found:
         sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
-    return {each.name: _variable(each, sizes) for each in found}
+    return {each.quantity.name: _variable(each, sizes) for each in found}
 
 
 def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:
@@ -285,10 +271,11 @@ def _about(results: Results) -> dict[str, str]:
 def _variable(column: Column, sizes: dict[str, int]) -> _Variable:
     """A column as xarray takes it, filled up to the sizes of the dimensions."""
     missing = [(0, sizes[name] - length) for name, length in zip(column.dims, column.values.shape, strict=True)]
-    nothing = np.nan if column.unit else ""
-    units = {"units": column.unit} if column.unit else {}
-    values = np.pad(column.values, missing, constant_values=nothing) if np.any(missing) else column.values
-    return column.dims, values, {**units, "long_name": column.meaning}
+    unit = column.quantity.unit
+    values = (
+        np.pad(column.values, missing, constant_values=np.nan if unit else "") if np.any(missing) else column.values
+    )
+    return column.dims, values, ({"units": unit} if unit else {}) | {"long_name": column.quantity.meaning}
 
 
 def write_vtu(surface: Surface, results: Results, path: Path) -> None:

@@ -72,16 +72,16 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
     tear, no ball is as dense, or the equations do not conserve energy.
     """
     if (reason := inadmissible(results, point)) is not None:
-        return Verdict(Grade.INADMISSIBLE, reason=reason)
+        return Verdict.without_figures(Grade.INADMISSIBLE, reason)
     most = best(results, point)
     if most is None:
         reason = _idle(results, point)
         moves = reason in (Reason.LOSSLESS, Reason.NOT_FOUND)
-        return Verdict(Grade.NEGLIGIBLE if moves else Grade.LOCKED, 0.0, reason=reason)
+        return Verdict.without_figures(Grade.NEGLIGIBLE if moves else Grade.LOCKED, reason, 0.0)
     if weight_governs(point):
-        return Verdict(Grade.UNKNOWN, reason=Reason.WEIGHT)
+        return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
     if friction_demand(results, point, most.amplitude) > DRY:
-        return Verdict(Grade.UNKNOWN, reason=Reason.SLIP)
+        return Verdict.without_figures(Grade.UNKNOWN, Reason.SLIP)
     grade = Grade.NEGLIGIBLE
     if most.damping_ratio >= AIR[0] / 10:
         grade = Grade.YES if most.damping_ratio >= AIR[0] else Grade.MODEST

@@ -1,6 +1,6 @@
-"""What a run hands on: frozen records, SI inside, from the stages to the writers.
+"""What a run hands on: frozen records, SI inside, from the stages to the writers; and how a sweep of modes fills them.
 
-Each number has its unit and meaning in its annotation, which JSON, netCDF, schema and sweeps follow.
+The annotation of a field is all that is said of it: files, their schema and the columns of sweeps follow from there.
 """
 
 from __future__ import annotations
@@ -9,12 +9,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from functools import cache
-from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    WithJsonSchema,
+    computed_field,
+    model_serializer,
+    model_validator,
+)
+from pydantic_core import core_schema
 
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
@@ -29,142 +37,107 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class Rows(NamedTuple):
-    """A list whose rows have arrays as their columns: its name, the dimension along it, and its meaning."""
+def quantity(unit: str, meaning: str, name: str | None = None, **more: Any) -> Any:
+    """A number, a pair of numbers, or a text of a record, as files carry it.
 
-    name: str
-    along: str
-    meaning: str = ""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number, a pair of numbers, or a text.
-
-    Attributes:
-        unit: of a number, "1" where it has none; empty for a text.
-        meaning: in words; empty where the name says it.
-        name: under which it is published, if not that of the field.
-        short: what the key of a picture calls it; empty where none does.
-        alone: its name where it stands beside those of other records, if not that of the field.
-        ends: what tells the two of a pair apart.
-        rows: the list that an array is a column of.
-        least: of a whole number.
-        unknown: whether a number may be none that is finite, which is published as null.
-        absent: whether it is left out where there is none, and not null.
-        inner: whether it is left out of JSON.
-        within: the part of the outer record in which it is published.
-        headline: whether a sweep has a column of it.
-    """
-
-    unit: str
-    meaning: str = ""
-    name: str = ""
-    short: str = ""
-    alone: str = ""
-    ends: tuple[str, str] = ("x", "y")
-    rows: Rows | None = None
-    least: int = 0
-    unknown: bool = False
-    absent: bool = False
-    inner: bool = False
-    within: str = ""
-    headline: bool = False
-
-    def said(self, name: str, end: int | None = None) -> str:
-        """The meaning, or else a name in words; `end`: of which of a pair."""
-        meaning = self.meaning or name.replace("_", " ")
-        return meaning if end is None else f"{meaning}: {self.ends[end]}"
-
-
-@dataclass(frozen=True)
-class Part:
-    """A record within a record, or a tuple of them; left out where there is none.
-
-    Attributes:
+    Args:
+        unit: "1" where it has none; empty for a text.
         meaning: in words.
         name: under which it is published, if not that of the field.
-        prefix: of its quantities' names where they stand beside those of other records.
-        along: the dimension of a tuple.
-        always: whether it is published where there is none, as null or as an empty list.
-        inline: whether its quantities stand in the outer record, with the prefix.
-        within: as of a quantity.
-        headline: whether a sweep has columns of it.
+        more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
+            `headline`: whether a sweep has a column of it; `short`: what the key of a picture calls it;
+            `unpublished`: whether JSON leaves it out.
     """
-
-    meaning: str = ""
-    name: str = ""
-    prefix: str = ""
-    along: str = ""
-    always: bool = False
-    inline: bool = False
-    within: str = ""
-    headline: bool = True
+    return Field(alias=name, description=meaning, json_schema_extra={"unit": unit, **more})
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A quantity or a part of a record.
+def part(meaning: str | None = None, name: str | None = None, **more: Any) -> Any:
+    """A record within a record, or a tuple of them; what has a default is left out of files where it has that value.
 
-    Attributes:
-        attribute: of the record; name: under which it is published.
-        what: quantity or part.
-        kind: `float`, `int`, `str`, `tuple` for a pair, `list` for an array, or the class of a record.
-        optional: whether None is among its values; many: whether it is a tuple of records.
+    Args:
+        meaning: in words.
+        name: under which it is published, if not that of the field.
+        more: for data sets `prefix`, of its quantities' names, and `along`, the dimension of a tuple;
+            `headline`: False where sweeps have no columns of it.
     """
-
-    attribute: str
-    name: str
-    what: Quantity | Part
-    kind: type
-    optional: bool
-    many: bool
+    return Field(alias=name, description=meaning, json_schema_extra=more)
 
 
-@cache
-def entries(record: type) -> tuple[Entry, ...]:
-    """The quantities and parts of a record, its fields first, in their order."""
-    hints = get_type_hints(record, include_extras=True)
-    found = [_entry(field.name, hints[field.name]) for field in fields(record)]
-    for kind in reversed(record.__mro__):
-        properties = {name: each.fget for name, each in vars(kind).items() if isinstance(each, property)}
-        found += [
-            _entry(name, get_type_hints(get, include_extras=True).get("return")) for name, get in properties.items()
-        ]
-    return tuple(entry for entry in found if entry is not None)
+KEPT = Field(exclude=True)
+"""What is not published, but kept in `results.nc` for whoever opens the run again."""
 
-
-def _entry(attribute: str, hint: Any) -> Entry | None:
-    if get_origin(hint) is not Annotated:
-        return None
-    inner, *said = get_args(hint)
-    what = next((each for each in said if isinstance(each, Quantity | Part)), None)
-    if what is None:
-        return None
-    kinds = get_args(inner) if get_origin(inner) is UnionType else (inner,)
-    (kind,) = (each for each in kinds if each is not NoneType)
-    many = isinstance(what, Part) and get_origin(kind) is tuple
-    if many:
-        kind = get_args(kind)[0]
-    elif get_origin(kind) is tuple:
-        kind = tuple
-    elif isinstance(what, Quantity) and what.rows is not None:
-        kind = list
-    return Entry(attribute, what.name or attribute, what, kind, NoneType in kinds, many)
+COLUMN = Field(exclude=True, json_schema_extra={"column": True})
+"""An array that is published as a column of a list of rows, which is a property of the record."""
 
 
 def taken_over(record: type[T], found: object, **more: object) -> T:
     """A record whose fields are those of the same names of another object, and more."""
-    given: Mapping[str, Any] = {f.name: getattr(found, f.name) for f in fields(record) if f.name not in more}  # type: ignore[arg-type]
+    given: Mapping[str, Any] = {
+        f.name: getattr(found, f.name)
+        for f in fields(record)  # type: ignore[arg-type]
+        if f.name not in more and hasattr(found, f.name)
+    }
     return record(**given, **more)
 
 
-Floats = npt.NDArray[np.float64]
-Pair = tuple[float, float]
+class _Array:
+    """How pydantic takes an array: from a list with null where there is no number, and to one."""
+
+    def __init__(self, kind: type) -> None:
+        self.kind = kind
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        written = core_schema.plain_serializer_function_ser_schema(np.ndarray.tolist, when_used="json")
+        return core_schema.no_info_plain_validator_function(self._read, serialization=written)
+
+    def _read(self, value: Any) -> npt.NDArray[Any]:
+        return value if isinstance(value, np.ndarray) else np.array(value, self.kind)
+
+
+Floats = Annotated[npt.NDArray[np.float64], _Array(float)]
+Ints = Annotated[npt.NDArray[np.int64], _Array(int)]
+Unknown = Annotated[
+    float,
+    BeforeValidator(lambda value: math.nan if value is None else value),
+    WithJsonSchema({"type": ["number", "null"]}),
+]
+"""A number that may be none that is finite, which is published as null."""
+
+Pair = tuple[Unknown, Unknown]
 
 _ENDS = ("low", "high")
-_CURVE = Rows("curve", "point", "damping ratio over amplitude")
-_CYCLES = Rows("cycles", "cycle", "one for each vibration cycle")
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A point of a damping curve."""
+
+    amplitude: Annotated[float, quantity("m", "amplitude", alone="working_amplitude")]
+    damping_ratio: Annotated[float, quantity("1", "damping ratio there", alone="working_damping_ratio")]
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A vibration cycle of a ring-down."""
+
+    amplitude_g: Annotated[float, quantity("g", "V ω1 / g")]
+    sdc: Annotated[
+        Unknown, quantity("1", "null: the ball gave the structure more energy than it had, which is no cycle")
+    ]
+    peak_velocity: Annotated[float, quantity("m/s", "of the structure")]
+
+
+def _rows(record: type[T], owner: object) -> list[T]:
+    """The arrays of an owner as rows, each a record of the fields of the same names."""
+    columns = (getattr(owner, f.name).tolist() for f in fields(record))  # type: ignore[arg-type]
+    return [record(*row) for row in zip(*columns, strict=True)]
+
+
+def _columns(record: type, data: Any, name: str) -> Any:
+    """Published data in which rows have become columns again."""
+    if not isinstance(data, Mapping) or name not in data:
+        return data
+    return {**data, **{f.name: [row[f.name] for row in data[name]] for f in fields(record)}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,14 +146,14 @@ class Figures:
 
     peak: Annotated[
         float,
-        Quantity("1", "largest damping ratio that the ball's losses amount to", "damping_ratio_peak", headline=True),
+        quantity("1", "largest damping ratio that the ball's losses amount to", "damping_ratio_peak", headline=True),
     ]
     peak_amplitude: Annotated[
-        float, Quantity("m", "amplitude at the cavity where that is", "at_amplitude", unknown=True, headline=True)
+        Unknown, quantity("m", "amplitude at the cavity where that is", "at_amplitude", headline=True)
     ]
     range: Annotated[
         Pair,
-        Quantity(
+        quantity(
             "m",
             "from where the ball begins to move (or half of the peak is reached) to where half is left",
             ends=_ENDS,
@@ -189,11 +162,22 @@ class Figures:
     ]
     half: Annotated[
         Pair,
-        Quantity("m", "between which the damping is at least half its peak", "half_range", ends=_ENDS, headline=True),
+        quantity("m", "between which the damping is at least half its peak", "half_range", ends=_ENDS, headline=True),
     ]
-    cutoff: Annotated[float, Quantity("m", "amplitude up to which the ball stays at rest", unknown=True, headline=True)]
-    amplitude: Annotated[Floats, Quantity("m", "amplitude", alone="working_amplitude", rows=_CURVE)]
-    damping_ratio: Annotated[Floats, Quantity("1", "damping ratio there", alone="working_damping_ratio", rows=_CURVE)]
+    cutoff: Annotated[Unknown, quantity("m", "amplitude up to which the ball stays at rest", headline=True)]
+    amplitude: Annotated[Floats, COLUMN]
+    damping_ratio: Annotated[Floats, COLUMN]
+
+    @computed_field(description="damping ratio over amplitude", json_schema_extra={"along": "point"})  # type: ignore[prop-decorator]
+    @property
+    def curve(self) -> list[CurvePoint]:
+        """The curve, point by point."""
+        return _rows(CurvePoint, self)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any) -> Any:
+        return _columns(CurvePoint, data, "curve")
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +186,7 @@ class OwnFigures(Figures):
 
     error: Annotated[
         float,
-        Quantity(
+        quantity(
             "1",
             "of the peak and of `half`, relative: spread of the measurement, and what its pace moved",
             alone="working_error",
@@ -245,35 +229,39 @@ class Verdict:
 
     grade: Annotated[
         str,
-        Quantity(
+        quantity(
             "",
             "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
             " moves at what the plate endures; inadmissible: no such ball, plate or law; unknown: outside the model",
         ),
     ]
     damping_ratio: Annotated[
-        float | None, Quantity("1", "largest damping ratio within what the plate endures; null: no verdict")
-    ] = None
-    amplitude: Annotated[float | None, Quantity("m", "amplitude at the cavity where that is")] = None
+        float | None, quantity("1", "largest damping ratio within what the plate endures; null: no verdict")
+    ]
+    amplitude: Annotated[float | None, quantity("m", "amplitude at the cavity where that is")]
     useful: Annotated[
         Pair,
-        Quantity(
+        quantity(
             "m",
             "amplitudes between which the damping is at least half its peak, as far as the plate endures them",
             "useful_range",
             ends=_ENDS,
-            unknown=True,
         ),
-    ] = (math.nan, math.nan)
+    ]
     reason: Annotated[
         str,
-        Quantity(
+        quantity(
             "",
             "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the plate"
             " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
             " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress",
         ),
-    ] = Reason.NONE
+    ]
+
+    @classmethod
+    def without_figures(cls, grade: Grade, reason: Reason, damping_ratio: float | None = None) -> Verdict:
+        """One that names no amplitude."""
+        return cls(grade, damping_ratio, None, (math.nan, math.nan), reason)
 
     @property
     def rank(self) -> int:
@@ -289,30 +277,30 @@ class CutOff:
 
     g: Annotated[
         float | None,
-        Quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
+        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
     ]
-    ratio: Annotated[float | None, Quantity("1", "that over load_g")]
+    ratio: Annotated[float | None, quantity("1", "that over load_g")]
 
 
 @dataclass(frozen=True)
 class Pendulum:
     """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
 
-    frequency_hz: Annotated[Pair, Quantity("Hz", "frequency along each of the damper's axes")]
-    order: Annotated[Pair, Quantity("1", "that over the rotation's frequency")]
+    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
+    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
 
 
 @dataclass(frozen=True)
 class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
-    initial: Annotated[float, Quantity("J", "at the release")]
-    final: Annotated[float, Quantity("J", "left at the end", short="left")]
-    structure: Annotated[float, Quantity("J", "lost to the structure's own damping", short="structure")]
-    rolling: Annotated[float, Quantity("J", "lost to rolling resistance", short="rolling")]
-    impact: Annotated[float, Quantity("J", "lost in hits of the walls", short="wall hits")]
-    slip: Annotated[float, Quantity("J", "lost to slip on the floor", short="slip")]
-    residual: Annotated[float, Quantity("J", "not explained by the books")]
+    initial: Annotated[float, quantity("J", "at the release")]
+    final: Annotated[float, quantity("J", "left at the end", short="left")]
+    structure: Annotated[float, quantity("J", "lost to the structure's own damping", short="structure")]
+    rolling: Annotated[float, quantity("J", "lost to rolling resistance", short="rolling")]
+    impact: Annotated[float, quantity("J", "lost in hits of the walls", short="wall hits")]
+    slip: Annotated[float, quantity("J", "lost to slip on the floor", short="slip")]
+    residual: Annotated[float, quantity("J", "not explained by the books")]
 
     @property
     def ball_share(self) -> float:
@@ -326,8 +314,8 @@ class Energy:
 class ModalEnergy:
     """Energy that is left at the end in a mode of the plate."""
 
-    mode: Annotated[int, Quantity("1", "its number", least=1)]
-    energy: Annotated[float, Quantity("J")]
+    mode: Annotated[int, quantity("1", "its number"), Field(ge=1)]
+    energy: Annotated[float, quantity("J", "modal energy")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,65 +342,65 @@ class BallPath:
     t: Floats = field(repr=False)
     ball: Floats = field(repr=False)
     structure: Floats = field(repr=False)
-    regime: npt.NDArray[np.int64] = field(repr=False)
-    at: npt.NDArray[np.int64] = field(repr=False)
+    regime: Ints = field(repr=False)
+    at: Ints = field(repr=False)
     kind: tuple[str, ...] = field(repr=False)
-    axis: npt.NDArray[np.int64] = field(repr=False)
+    axis: Ints = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
 class Damping:
     """One ring-down. Arrays hold a value per vibration cycle.
 
-    What has no annotation is not published, but serves pictures and findings: `stopped` is when the ball came to rest
+    What is not published serves pictures and findings: `stopped` is when the ball came to rest
     for good [s], None where it did not (yet); `ball_mass` that of all balls [kg]; `release` the displacement at the
     release along the damper's axes [m]. `modal_energies` [J] are those left at the end in the plate's modes, by number,
     where they are simulated. `history` and `path` are kept at the speed that the pictures show; there is no path of a
     ball that never moves.
     """
 
-    outcome: str
-    impacts: Annotated[int, Quantity("1", "hits of the walls", headline=True)]
-    events: Annotated[int, Quantity("1", "events of any kind", headline=True)]
-    duration: Annotated[float, Quantity("s", "time simulated", inner=True)]
-    stopped: float | None
-    ball_mass: float
-    release: Pair
-    intrinsic_sdc: Annotated[float, Quantity("1", "what the structure's own damping loses in a cycle")]
+    outcome: Annotated[str, KEPT]
+    impacts: Annotated[int, quantity("1", "hits of the walls", headline=True), Field(ge=0)]
+    events: Annotated[int, quantity("1", "events of any kind", headline=True), Field(ge=0)]
+    duration: Annotated[float, quantity("s", "time simulated", unpublished=True)]
+    stopped: Annotated[float | None, KEPT]
+    ball_mass: Annotated[float, KEPT]
+    release: Annotated[Pair, KEPT]
+    intrinsic_sdc: Annotated[float, quantity("1", "what the structure's own damping loses in a cycle")]
     peak_sdc: Annotated[
-        float | None, Quantity("1", "everything lost in a cycle over its energy, at most", headline=True)
+        float | None, quantity("1", "everything lost in a cycle over its energy, at most", headline=True)
     ]
-    peak_sdc_at_g: Annotated[float | None, Quantity("g", "amplitude where that is")]
-    cutoff_g: Annotated[float | None, Quantity("g", "amplitude of the last cycle in which the ball moved")]
-    cutoff_ratio: Annotated[float | None, Quantity("1", "cutoff_g over load_g", headline=True)]
+    peak_sdc_at_g: Annotated[float | None, quantity("g", "amplitude where that is")]
+    cutoff_g: Annotated[float | None, quantity("g", "amplitude of the last cycle in which the ball moved")]
+    cutoff_ratio: Annotated[float | None, quantity("1", "cutoff_g over load_g", headline=True)]
     largest_rolling_demand: Annotated[
-        float | None, Quantity("1", "friction that pure rolling needs, over the normal load")
+        float | None, quantity("1", "friction that pure rolling needs, over the normal load")
     ]
-    amplitude_g: Annotated[Floats, Quantity("g", "V ω1 / g", rows=_CYCLES)] = field(repr=False)
-    sdc: Annotated[
-        Floats,
-        Quantity(
-            "1",
-            "null: the ball gave the structure more energy than it had, which is no cycle",
-            rows=_CYCLES,
-            unknown=True,
+    amplitude_g: Annotated[Floats, COLUMN] = field(repr=False)
+    sdc: Annotated[Floats, COLUMN] = field(repr=False)
+    peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
+    energy: Annotated[Energy, part("joules; residual is what the books do not explain", prefix="energy_")]
+    modal_energies: Annotated[
+        dict[int, float],
+        PlainSerializer(
+            lambda known: tuple(ModalEnergy(*each) for each in known.items()), return_type=tuple[ModalEnergy, ...]
         ),
-    ] = field(repr=False)
-    peak_velocity: Annotated[Floats, Quantity("m/s", "of the structure", rows=_CYCLES)] = field(repr=False)
-    energy: Annotated[Energy, Part("joules; residual is what the books do not explain", prefix="energy_")]
-    modal_energies: dict[int, float] = field(default_factory=dict)
-    history: History | None = None
-    path: BallPath | None = None
+        BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
+        part("left at the end in the plate's modes, joules", prefix="modal_", along="modal"),
+    ] = field(default_factory=dict)
+    history: Annotated[History | None, KEPT] = None
+    path: Annotated[BallPath | None, KEPT] = None
 
+    @computed_field(description="one for each vibration cycle", json_schema_extra={"along": "cycle"})  # type: ignore[prop-decorator]
     @property
-    def modal(
-        self,
-    ) -> Annotated[
-        tuple[ModalEnergy, ...],
-        Part("left at the end in the plate's modes, joules", "modal_energies", prefix="modal_", along="modal"),
-    ]:
-        """The modal energies as records."""
-        return tuple(ModalEnergy(number, energy) for number, energy in self.modal_energies.items())
+    def cycles(self) -> list[Cycle]:
+        """The ring-down, cycle by cycle."""
+        return _rows(Cycle, self)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any) -> Any:
+        return _columns(Cycle, data, "cycles")
 
 
 @dataclass(frozen=True)
@@ -422,12 +410,12 @@ class ErrorParts:
     None where a part is not known, or an effect is not left out.
     """
 
-    mesh: Annotated[float | None, Quantity("1", "left by the mesh")]
-    layers: Annotated[float, Quantity("1", "left by the layers of a solid")]
-    basis: Annotated[float, Quantity("1", "added by the reduced basis that answers many speeds, at most", unknown=True)]
-    theory: Annotated[float, Quantity("1", "of the plate theory, against a solid")]
-    large_deflection: Annotated[float | None, Quantity("1", "what large deflection would move, left out")]
-    coriolis: Annotated[float | None, Quantity("1", "what Coriolis forces would move, left out")]
+    mesh: Annotated[float | None, quantity("1", "left by the mesh")]
+    layers: Annotated[float, quantity("1", "left by the layers of a solid")]
+    basis: Annotated[Unknown, quantity("1", "added by the reduced basis that answers many speeds, at most")]
+    theory: Annotated[float, quantity("1", "of the plate theory, against a solid")]
+    large_deflection: Annotated[float | None, quantity("1", "what large deflection would move, left out")]
+    coriolis: Annotated[float | None, quantity("1", "what Coriolis forces would move, left out")]
 
     @property
     def whole(self) -> float | None:
@@ -445,22 +433,23 @@ class Mode:
     The branch is the number of the mode at the lowest speed that this one continues.
     """
 
-    frequency_hz: Annotated[float, Quantity("Hz", "natural frequency")]
-    family: Annotated[str, Quantity("", "what the mode does")]
+    frequency_hz: Annotated[float, quantity("Hz", "natural frequency")]
+    family: Annotated[str, quantity("", "what the mode does")]
     error_parts: Annotated[
         ErrorParts | None,
-        Part(
+        part(
             "of the relative error, each without sign; null where unknown, or where an effect is not left out",
             prefix="error_",
         ),
     ] = None
-    damping_ratio: Annotated[float | None, Quantity("1", "of a complex mode", absent=True)] = None
-    branch: int = 0
+    damping_ratio: Annotated[float | None, quantity("1", "of a complex mode")] = None
+    branch: Annotated[int, KEPT] = 0
 
+    @computed_field(  # type: ignore[prop-decorator]
+        description="relative error of the frequency as a whole, the sum of its parts", json_schema_extra={"unit": "1"}
+    )
     @property
-    def error_estimate(
-        self,
-    ) -> Annotated[float | None, Quantity("1", "relative error of the frequency as a whole, the sum of its parts")]:
+    def error_estimate(self) -> float | None:
         """Relative error of the frequency, all parts together; None where unknown."""
         return None if self.error_parts is None else self.error_parts.whole
 
@@ -469,13 +458,13 @@ class Mode:
 class Reduced:
     """The structure as the damper feels it, at its place: 1 with the ball stuck, 2 without it."""
 
-    f1_hz: Annotated[float, Quantity("Hz", "frequency with the ball stuck", headline=True)]
-    M1: Annotated[float, Quantity("kg", "mass with the ball stuck")]
-    K1: Annotated[float, Quantity("N/m", "stiffness with the ball stuck")]
-    f2_hz: Annotated[float, Quantity("Hz", "frequency without the ball")]
-    M2: Annotated[float, Quantity("kg", "mass without the ball", headline=True)]
-    K2: Annotated[float, Quantity("N/m", "stiffness without the ball")]
-    floor_tilt: Annotated[float, Quantity("1/m", "slope of the cavity's floor over its displacement")] = 0.0
+    f1_hz: Annotated[float, quantity("Hz", "frequency with the ball stuck", headline=True)]
+    M1: Annotated[float, quantity("kg", "mass with the ball stuck")]
+    K1: Annotated[float, quantity("N/m", "stiffness with the ball stuck")]
+    f2_hz: Annotated[float, quantity("Hz", "frequency without the ball")]
+    M2: Annotated[float, quantity("kg", "mass without the ball", headline=True)]
+    K2: Annotated[float, quantity("N/m", "stiffness without the ball")]
+    floor_tilt: Annotated[float, quantity("1/m", "slope of the cavity's floor over its displacement")]
 
 
 @dataclass(frozen=True)
@@ -487,12 +476,12 @@ class CavityMode:
         pressed: force by a unit pressure all over the plate [m²].
     """
 
-    number: Annotated[int, Quantity("1", "of the mode", least=1)]
-    stiffness: Annotated[float, Quantity("N/m", "modal, under the ball's pull but without its inertia")]
-    shape: Annotated[Pair, Quantity("1", "displacement of the cavity")]
-    slope: Annotated[Pair, Quantity("1/m", "of its floor")]
-    drawn: Pair = (0.0, 0.0)
-    pressed: float = 0.0
+    number: Annotated[int, quantity("1", "of the mode"), Field(ge=1)]
+    stiffness: Annotated[float, quantity("N/m", "modal, under the ball's pull but without its inertia")]
+    shape: Annotated[Pair, quantity("1", "displacement of the cavity")]
+    slope: Annotated[Pair, quantity("1/m", "of its floor")]
+    drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
+    pressed: Annotated[float, KEPT] = 0.0
 
 
 @dataclass(frozen=True)
@@ -531,11 +520,15 @@ __all__ = [
     "Surface",
     "Verdict",
     "expect",
+    "middle",
     "rpm",
-    "shown",
 ]
 
-_OWN = "working"
+_WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
+"""What files have within the damper's own figures, and a speed beside them."""
+
+_TILTED = "tilted_cutoff_"
+"""How the names of the cut-off with the tilt left out begin there."""
 
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
@@ -554,70 +547,95 @@ class SpeedPoint:
         pendulum: of a ball in a hollow floor.
     """
 
-    omega: float
-    rpm: Annotated[float, Quantity("rpm", "rotation speed")]
-    radius: float
-    load_g: Annotated[float, Quantity("g", "centrifugal acceleration at the damper", headline=True)]
-    modes: Annotated[tuple[Mode, ...], Part(along="mode", always=True)] = ()
-    reduced: Annotated[Reduced | None, Part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
+    omega: Annotated[float, KEPT]
+    rpm: Annotated[float, quantity("rpm", "rotation speed")]
+    radius: Annotated[float, KEPT]
+    load_g: Annotated[float, quantity("g", "centrifugal acceleration at the damper", headline=True)]
+    modes: Annotated[tuple[Mode, ...], part(along="mode")] = ()
+    reduced: Annotated[Reduced | None, part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
     cavity_modes: Annotated[
         tuple[CavityMode, ...],
-        Part(
+        part(
             "a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes",
             prefix="cavity_",
             along="cavity_mode",
         ),
     ] = ()
-    damping: Annotated[Damping | None, Part("the ring-down of the scene's release", "damper")] = None
+    damping: Annotated[Damping | None, part("the ring-down of the scene's release", "damper")] = None
     working: Annotated[
         OwnFigures | None,
-        Part(
+        part(
             "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
             " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
         ),
     ] = None
     verdict: Annotated[
         Verdict | None,
-        Part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
+        part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
     ] = None
     level: Annotated[
         Figures | None,
-        Part(
+        part(
             "the same figures on a floor that stays level, where the scene keeps it so; else null",
             "level_floor",
             prefix="level_",
-            always=True,
-            within=_OWN,
             headline=False,
         ),
     ] = None
-    tilted: Annotated[CutOff | None, Part(prefix="tilted_cutoff_", inline=True, within=_OWN)] = None
+    tilted: CutOff | None = None
     pendulum: Annotated[
         Pendulum | None,
-        Part(
+        part(
             "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
             prefix="pendulum_",
-            within=_OWN,
         ),
     ] = None
 
+    @computed_field(  # type: ignore[prop-decorator]
+        alias="floor_tilt_share",
+        description="share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
+        json_schema_extra={"unit": "1", "headline": True},
+    )
     @property
-    def tilt_share(
-        self,
-    ) -> Annotated[
-        float,
-        Quantity(
-            "1",
-            "share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
-            "floor_tilt_share",
-            within=_OWN,
-            headline=True,
-        ),
-    ]:
+    def tilt_share(self) -> float:
         """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
         if self.reduced is None:
             return 0.0
         return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
+
+    @model_serializer(mode="wrap")
+    def _published(self, handler: Any) -> dict[str, Any]:
+        """As files have it: what belongs to the damper's own figures stands there."""
+        found = handler(self)
+        inner = {"level_floor": None} | {name: found.pop(name) for name in _WITHIN if name in found}
+        tilted = found.pop("tilted", {})
+        if "working" in found:
+            found["working"] |= inner | {_TILTED + name: value for name, value in tilted.items()}
+        return {"modes": [], **found}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping) or not data.get("working"):
+            return data
+        inner = data["working"]
+        tilted = {name.removeprefix(_TILTED): value for name, value in inner.items() if name.startswith(_TILTED)}
+        return {**data, **{name: inner[name] for name in _WITHIN if name in inner}, "tilted": tilted or None}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: Any) -> dict[str, Any]:
+        """The schema of the same."""
+        fields_alone = {name: each for name, each in core.items() if name != "serialization"}
+        found: dict[str, Any] = handler.resolve_ref_schema(handler(fields_alone))
+        speed = found["properties"]
+        working, tilted = (handler.resolve_ref_schema(speed[name]["anyOf"][0]) for name in ("working", "tilted"))
+        del speed["tilted"]
+        inner = {name: speed.pop(name) for name in _WITHIN}
+        inner |= {_TILTED + name: each for name, each in tilted["properties"].items()}
+        working["properties"] |= inner
+        working["required"] += ["level_floor", "floor_tilt_share"]
+        found["required"] = [*(name for name in found["required"] if name not in _WITHIN), "modes"]
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -637,15 +655,15 @@ class Surface:
     """
 
     points: Floats = field(repr=False)
-    cells: tuple[str, npt.NDArray[np.int64]] = field(repr=False)
-    outline: npt.NDArray[np.int64] = field(repr=False)
-    root: npt.NDArray[np.int64] = field(repr=False)
+    cells: tuple[str, Ints] = field(repr=False)
+    outline: Ints = field(repr=False)
+    root: Ints = field(repr=False)
     shapes: Floats = field(repr=False)
     at: tuple[int, ...]
     thickness: Floats | None = field(default=None, repr=False)
     behind: Floats | None = field(default=None, repr=False)
     finer: Surface | None = field(default=None, repr=False)
-    lines: npt.NDArray[np.int64] | None = field(default=None, repr=False)
+    lines: Ints | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -678,9 +696,9 @@ class Results:
     scene: Scene
     effects: dict[str, Effect]
     speeds: tuple[SpeedPoint, ...]
-    surface: Surface | None = None
-    theory: Theory | None = None
-    diagram: Diagram | None = None
+    surface: Annotated[Surface | None, KEPT] = None
+    theory: Annotated[Theory | None, KEPT] = None
+    diagram: Annotated[Diagram | None, KEPT] = None
     mesh_sha256: str | None = None
     notes: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
@@ -691,7 +709,7 @@ def rpm(omega: float) -> float:
     return float(f"{omega * 30 / math.pi:.13g}")
 
 
-def shown(points: tuple[SpeedPoint, ...]) -> int:
+def middle(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
 

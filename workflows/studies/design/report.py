@@ -16,8 +16,8 @@ from workflows import formatting
 from workflows.findings import phrases
 from workflows.formatting import significant, whole
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
 from workflows.studies.design import objectives
@@ -524,7 +524,7 @@ def render(found: Designed) -> str:
     """The page."""
     from markupsafe import Markup
 
-    return templating.page(
+    return from_template(
         "design.html.j2",
         {},
         plot.shades_css(maps.SHADES),

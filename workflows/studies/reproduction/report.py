@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.output import folder as store
-from workflows.report import page
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.files import as_json, write_csv
 from workflows.studies.reproduction.claims import Value
@@ -125,7 +125,7 @@ def render(found: Reproduction) -> str:
     """The page."""
     from markupsafe import Markup
 
-    return page.page(
+    return from_template(
         "reproduce.html.j2",
         {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
         plot.shades_css(7),

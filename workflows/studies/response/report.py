@@ -16,8 +16,8 @@ from workflows import formatting
 from workflows.findings import phrases
 from workflows.formatting import significant, whole
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.results import files, provenance
 from workflows.results.crossings import Crossing
 from workflows.solve.limits import AIR
@@ -545,7 +545,7 @@ def render(found: Response) -> str:
         formatting.curly,
         formatting.whole,
     )
-    return templating.page(
+    return from_template(
         "response.html.j2",
         {word.__name__: word for word in words},
         plot.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),

@@ -17,7 +17,7 @@ from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
 from workflows.progress import Stages
-from workflows.results.serialise import headlines
+from workflows.results import serialise
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
@@ -158,11 +158,11 @@ class Quantity:
     kind: str = "f8"
 
 
-_OF_A_RUN = tuple(headlines(SpeedPoint))
+_OF_A_RUN = tuple(each for each in serialise.quantities(SpeedPoint) if each.headline)
 """Columns that a run's data set has too, by the same names."""
 
 QUANTITIES = (
-    *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind is int else "f8") for each in _OF_A_RUN),
+    *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind == "integer" else "f8") for each in _OF_A_RUN),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
     Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
@@ -231,9 +231,8 @@ def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
 
 
 def _fill(row: Any, point: SpeedPoint) -> None:
-    for quantity in _OF_A_RUN:
-        if (value := quantity.of(point)) is not None:
-            row[quantity.name] = value
+    for name, value in serialise.headlines(point):
+        row[name] = value
 
 
 def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]) -> None:

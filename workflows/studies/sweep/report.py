@@ -15,8 +15,8 @@ import numpy as np
 
 from workflows import formatting
 from workflows.formatting import significant, whole
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -552,7 +552,7 @@ def render(data: xr.Dataset) -> str:
     from markupsafe import Markup
 
     found = document(data)
-    return templating.page(
+    return from_template(
         "sweep.html.j2",
         {"significant": formatting.significant, "fixed": formatting.fixed},
         plot.shades_css(SHADES),

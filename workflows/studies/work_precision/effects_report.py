@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.studies.files import as_json, write_csv
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES
@@ -136,7 +136,7 @@ def write(found: Switches, out: Path) -> None:
             ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
             [_flat(row) for row in found.rows],
         )
-        page = templating.page(
+        page = from_template(
             "effects.html.j2",
             {"significant": formatting.significant},
             found=found,

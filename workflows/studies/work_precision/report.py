@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from workflows import formatting
 from workflows.output import folder as store
-from workflows.report import page as templating
 from workflows.report import plots as plot
+from workflows.report.page import from_template
 from workflows.studies.files import as_json, write_csv
 from workflows.studies.work_precision.study import WITH_THEORY
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
@@ -80,7 +80,7 @@ def write(found: WorkPrecision, out: Path) -> None:
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
             [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows],
         )
-        page = templating.page(
+        page = from_template(
             "accuracy.html.j2",
             {"milliseconds": _milliseconds, "exponent": _exponent, "significant": formatting.significant},
             found=found,

@@ -18,10 +18,9 @@ from workflows.scene.load import SceneFile
 from workflows.scene.rotor import Accuracy
 from workflows.solve import coupling
 from workflows.solve import damper as ringdowns
-from workflows.solve import results as records
 from workflows.solve import structure as plate
 from workflows.solve.model_choice import ModelChoice, choose_model
-from workflows.solve.results import Discrete, Floats, Results, SpeedPoint
+from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle
 from workflows.studies.work_precision.integration import Integrator, integrate
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
 
@@ -164,7 +163,7 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
     theory = None if known is None else known.name
     step.advance("reference")
     finest = pipeline.run(_asking(source, FINEST, theory), quiet())
-    shown = records.shown(finest.speeds)
+    shown = middle(finest.speeds)
     best = finest.speeds[shown]
     runs: list[tuple[Setting, Results | None]] = []
     for asked in ASKED:
@@ -510,7 +509,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     if source.scene.damper is not None:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
-            point = points[records.shown(points)]
+            point = points[middle(points)]
             system = level(ringdowns.particle_damper(source.scene, decided.effects, point))
             balls, exact = damper_study(system, coupling.released_at(source.scene, point), point, step)
         studies += [] if balls is None else [balls]
