@@ -29,7 +29,7 @@ def design(
     from workflows.progress import Stages
     from workflows.scene import load as scene_file
     from workflows.studies.design import report, study
-    from workflows.studies.sweep.study import crew_of
+    from workflows.studies.sweep.executor import crew_of
 
     source = scene_file.load(scene)
     if source.scene.damper is not None:

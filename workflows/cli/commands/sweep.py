@@ -50,8 +50,7 @@ def sweep(
     from workflows.cli.commands import kernels
     from workflows.progress import Stages
     from workflows.scene import load as scene_file
-    from workflows.studies.sweep import report, store, study
-    from workflows.studies.sweep import sensitivity as doubts
+    from workflows.studies.sweep import executor, report, sensitivity, store, study
 
     asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     if out is None and not json:
@@ -63,11 +62,11 @@ def sweep(
             if instead := axis.key.displaced(asked.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     kernels.say()
-    hired = study.crew_of(workers, dask)
+    hired = executor.crew_of(workers, dask)
     with Stages() as stages:
         data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
         if uncertain:
-            data = doubts.analysed(data, seed)
+            data = sensitivity.analysed(data, seed)
         if out is not None:
             with stages("report"):
                 report.write(data, out)

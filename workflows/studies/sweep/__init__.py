@@ -1,8 +1,6 @@
-"""Any keys of a scene over a grid or a sample: many runs as one study, which survives and may be spread over machines.
+"""Any keys of a scene over a grid or a sample: one study that survives and may use many machines.
 
-From what is asked to what is found: `keys`, `key_data` and `axes` (what is varied), `plans` (points by absolute index),
-`scenes` (the scene of a point), `plates` (structures, solved once for all dampers on them), `placed` (a damper on one),
-`quantities` (the headline numbers, in rows), `blocks` (many points at once), `folder` (immutable shards), `crew` (who
-computes), `study` (the loop), `table` (one labelled data set), `summary`, `page`, and `pictures` with `map_pictures`,
-`labels` and `maps`.
+From what is asked to what is found: `axes` (what is varied), `plan` (points by absolute index, and the scene of each),
+`evaluate` (many points at once: structures, dampers, rows of headline numbers), `executor` (who computes), `store` (the
+data set on the disk), `study` (the loop), `sensitivity` (percentiles and Sobol' indices), `report` (text, JSON, page).
 """
