@@ -254,7 +254,9 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, s
     aside = target / f"{_ASIDE}{DATA}"
     xr.Dataset(coords=_coordinates(plan), attrs=said).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
     group = zarr.open_group(aside, mode="r+")
-    described = [(each.name, each.kind, each.meaning, {"units": each.unit}) for each in QUANTITIES]
+    described: list[tuple[str, str, str, dict[str, Any]]] = [
+        (each.name, each.kind, each.meaning, {"units": each.unit}) for each in QUANTITIES
+    ]
     described.append(("reason", "string", "why there is no answer; empty where there is one", {}))
     described.append((DONE, "bool", "whether the point has been computed", {}))
     for name, kind, meaning, more in described:
@@ -265,7 +267,7 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, s
             dtype=kind,
             fill_value=np.nan if kind.startswith("f") else None,
             dimension_names=list(plan.dimensions),
-            attributes={"long_name": meaning} | more,
+            attributes=more | {"long_name": meaning},
             compressors=[ZstdCodec(), Crc32cCodec()],
         )
     with warnings.catch_warnings():
