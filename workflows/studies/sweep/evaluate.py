@@ -293,11 +293,6 @@ def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]
         rows["cutoff_ratio"] = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
 
 
-def grades() -> str:
-    """The words behind the grades."""
-    return ", ".join(f"{grade.value} {grade.name.lower()}" for grade in Grade)
-
-
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: Plates, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`."""
     rows, reasons = empty(end - begin), Reasons()
