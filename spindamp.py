@@ -155,8 +155,6 @@ def sweep(
 ) -> xarray.Dataset:
     """The damper's headline numbers over any keys of a scene.
 
-    A script that lets it start processes needs ``if __name__ == "__main__":`` around what it does.
-
     Args:
         scene: see :func:`run`.
         vary: what each key takes, by its dotted name: a list, or text such as ``"0.1 mm:4 mm:20"``, ``"log:…"``. A key
@@ -206,7 +204,7 @@ def design(
         NoAnswer: the plate has none.
     """
     from workflows.studies.design import study
-    from workflows.studies.sweep.study import crew_of
+    from workflows.studies.sweep.executor import crew_of
 
     return study.design(scene, seed=seed, hired=crew_of(workers, dask, executor))
 

@@ -3,7 +3,7 @@
     python -m tests.benchmarks.sweep_kills [KILLS [SEED]]
 
 One sweep that nothing disturbs says what the folder must hold to the last byte. Another is killed KILLS times at a
-moment drawn from the whole of what is left of it, and started again; after each kill all its shards must be whole. A
+moment drawn from the whole of what is left of it, and started again; after each kill all its blocks must be whole. A
 third loses a worker process every few seconds; two more run into one folder at once, and one finds the code changed in
 between. Where a disk in memory may be mounted (as root on Linux), one fills it up three times, each larger than the one
 before. The last is computed by a scheduler and two workers on this machine, one of which is killed in the middle; the
@@ -27,7 +27,7 @@ from typing import Any
 import psutil
 
 from tests.limits import HANG
-from workflows.studies.sweep.store import LOCK
+from workflows.studies.sweep.store import DATA, DONE, LOCK
 
 ROOT = Path(__file__).parents[2]
 
@@ -47,7 +47,7 @@ def main(kills: int = 20, seed: int = 7) -> None:
         ended(start(place / "right"))
         whole = time.perf_counter() - began
         right = contents(place / "right")
-        print(f"undisturbed: {whole:.1f} s, {len(right)} files, {len(shards(place / 'right'))} shards")
+        print(f"undisturbed: {whole:.1f} s, {len(right)} files, {len(done(place / 'right'))} blocks")
         print(killed(place / "killed", right, kills, whole, draw))
         print(without_workers(place / "workers", right, draw))
         print(two_writers(place / "two", right))
@@ -73,8 +73,9 @@ def ended(process: subprocess.Popen[str]) -> None:
 
 
 def contents(out: Path) -> dict[str, bytes]:
-    """All files but the lock's."""
+    """All files but the lock's, and those that are not whole yet."""
     files = (path for path in sorted(out.rglob("*")) if path.is_file() and path.name != LOCK)
+    files = (path for path in files if "partial" not in str(path.relative_to(out)))
     return {path.relative_to(out).as_posix(): path.read_bytes() for path in files}
 
 
@@ -86,14 +87,14 @@ def same(out: Path, right: dict[str, bytes]) -> None:
         raise AssertionError(f"not as undisturbed: {', '.join(wrong)}")
 
 
-def shards(out: Path) -> dict[str, bytes]:
-    """The shards that are there."""
-    return {path.name: path.read_bytes() for path in sorted((out / "shards").glob("*.npz"))}
+def done(out: Path) -> set[Path]:
+    """What says of the blocks that they are there."""
+    return {path for path in (out / DATA / DONE / "c").rglob("*") if path.is_file() and path.suffix != ".partial"}
 
 
 def killed(out: Path, right: dict[str, bytes], kills: int, whole: float, draw: random.Random) -> str:
     """Kill the sweep again and again; nothing that is finished may be lost or torn."""
-    known: dict[str, bytes] = {}
+    known: set[Path] = set()
     finished = 0
     for _ in range(kills):
         process = start(out)
@@ -105,28 +106,28 @@ def killed(out: Path, right: dict[str, bytes], kills: int, whole: float, draw: r
         _, alive = psutil.wait_procs(children, timeout=10)
         if alive:
             raise AssertionError(f"{len(alive)} workers outlive the sweep")
-        there = shards(out)
-        if any(right[f"shards/{name}"] != data for name, data in there.items()) or not known.keys() <= there.keys():
-            raise AssertionError("a shard is torn, or lost")
-        known = there
-        if len(known) == len([name for name in right if name.startswith("shards/")]) and draw.random() < 0.7:
-            for name in list(known)[1:]:  # begin again, or there would be nothing left to kill
-                (out / "shards" / name).unlink()
-            known = shards(out)
+        torn = [name for name, data in contents(out).items() if right[name] != data]
+        if torn or not known <= done(out):
+            raise AssertionError("a block is torn, or lost")
+        known = done(out)
+        if len(known) == len([name for name in right if name.startswith(f"{DATA}/{DONE}/c/")]) and draw.random() < 0.7:
+            for path in sorted(known)[1:]:  # begin again, or there would be nothing left to kill
+                path.unlink()
+            known = done(out)
     ended(start(out))
     same(out, right)
     return f"{kills} kills at random moments ({finished} after the end): every byte as undisturbed, no worker left"
 
 
 def without_workers(out: Path, right: dict[str, bytes], draw: random.Random) -> str:
-    """Kill one worker at a time, each time that a shard more is there."""
+    """Kill one worker at a time, each time that a block more is there."""
     process, count = start(out), 0
     while process.poll() is None:
         time.sleep(draw.uniform(0.0, 1.0))
-        if process.poll() is not None or len(shards(out)) < count:
+        if process.poll() is not None or len(done(out)) < count:
             continue
         workers = [
-            child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())
+            child for child in psutil.Process(process.pid).children() if "popen_loky" in " ".join(child.cmdline())
         ]
         if workers:
             draw.choice(workers).send_signal(signal.SIGKILL)
@@ -139,7 +140,7 @@ def without_workers(out: Path, right: dict[str, bytes], draw: random.Random) -> 
 def two_writers(out: Path, right: dict[str, bytes]) -> str:
     """The same sweep twice into one folder: one is refused while the other works, and harms nothing."""
     first = start(out)
-    while first.poll() is None and not shards(out):
+    while first.poll() is None and not done(out):
         time.sleep(0.05)
     second = start(out)
     said = refused(second)
@@ -157,7 +158,7 @@ def other_code(out: Path, right: dict[str, bytes]) -> str:
         with (Path(folder) / "damper" / "model.py").open("a", encoding="utf-8") as file:
             file.write("# other code\n")
         process = start(out)
-        while process.poll() is None and not shards(out):
+        while process.poll() is None and not done(out):
             time.sleep(0.05)
         process.kill()
         process.communicate(timeout=HANG)
@@ -185,18 +186,18 @@ def on_a_small_disk(out: Path, right: dict[str, bytes]) -> str:
     try:
         for share in (0.2, 0.4, 0.6):
             subprocess.run(["mount", "-o", f"remount,size={int(share * whole)}", out], check=True)
-            said.append((refused(start(out / "map")), len(shards(out / "map"))))
+            said.append((refused(start(out / "map")), len(done(out / "map"))))
         subprocess.run(["mount", "-o", "remount,size=100m", out], check=True)
         ended(start(out / "map"))
         same(out / "map", right)
     finally:
         subprocess.run(["umount", out], check=True)
     counts = ", ".join(str(count) for _, count in said)
-    return f"a full disk: {said[0][0]!r} with {counts} shards; then every byte as undisturbed"
+    return f"a full disk: {said[0][0]!r} with {counts} blocks; then every byte as undisturbed"
 
 
 def on_a_cluster(out: Path, right: dict[str, bytes]) -> str:
-    """A scheduler and two workers on loopback; one is killed when the first shard is there."""
+    """A scheduler and two workers on loopback; one is killed when the first block is there."""
     started = [dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")]
     try:
         address = found(started[0], r"Scheduler at:\s+(tcp://\S+)")
@@ -204,15 +205,13 @@ def on_a_cluster(out: Path, right: dict[str, bytes]) -> str:
             started.append(dask("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"))
             found(started[-1], "Registered to")
         process = start(out, "--dask", address)
-        while process.poll() is None and not list((out / "shards").glob("*.npz")):
+        while process.poll() is None and not done(out):
             time.sleep(0.05)
-        before = len(shards(out))
+        before = len(done(out))
         started[1].kill()
         ended(process)
         same(out, right)
-        return (
-            f"Dask, one of two workers killed after {before} shards of {len(shards(out))}: every byte as the local run"
-        )
+        return f"Dask, one of two workers killed after {before} blocks of {len(done(out))}: every byte as the local run"
     finally:
         for each in reversed(started):
             each.kill()

@@ -4,7 +4,7 @@
 
 The map of the paper's damper over mass ratio, clearance and speed, quickly: 4 sweeps through the amplitudes a point. An
 event is a hit, a reversal, a sticking or a release, in ring-downs and in sweeps through the amplitudes; those of the
-sweeps are counted on one shard. Efficiency is the time with one worker over twice that with two; it means something on
+sweeps are counted on two blocks. Efficiency is the time with one worker over twice that with two; it means something on
 a machine with two idle cores only, so that the processor time of all processes is printed beside it.
 """
 
@@ -34,7 +34,7 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
     asked = study.asked("paper", vary, quick=True)
     points = plan.size(asked.plan)
     each = events_of_a_point(asked)
-    print(f"{points} points in {len(asked.ranges)} shards, {each:.0f} events each")
+    print(f"{points} points in {len(asked.regions())} blocks, {each:.0f} events each")
     seconds = []
     for workers in (1, 2):
         with tempfile.TemporaryDirectory() as place:
@@ -52,7 +52,7 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
 
 
 def events_of_a_point(asked: study.Study) -> float:
-    """Events of a point on average, over the first shard and the last."""
+    """Events of a point on average, over the first block and the last."""
     seen = []
     real = damper.motion.prepare
 
@@ -63,10 +63,9 @@ def events_of_a_point(asked: study.Study) -> float:
 
     count = 0
     with mock.patch("damper.working.prepare", watched), mock.patch("damper.batch.prepare", watched):
-        for number in (0, len(asked.ranges) - 1):
-            begin, end = asked.ranges[number]
-            evaluate.block(asked.source, asked.plan, begin, end, PlateCache(), quick=asked.quick)
-            count += end - begin
+        for region in (asked.regions()[0], asked.regions()[-1]):
+            evaluate.block(asked.source, asked.plan, region.begin, region.end, PlateCache(), quick=asked.quick)
+            count += region.end - region.begin
     return sum(int(clocks["events"].sum()) for clocks in seen) / count
 
 

@@ -16,7 +16,6 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
 from workflows.output import folder
-from workflows.output import folder as folders
 from workflows.output.signals import Terminated
 from workflows.scene.load import SHIPPED
 
@@ -301,7 +300,7 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait(HANG)
     out = tmp_path / "out"
-    aside = tmp_path / f"{folder._prefix(out)}{dead.pid}-abc{folders.ASIDE}"
+    aside = tmp_path / f"{folder._prefix(out)}{dead.pid}-abc{folder.ASIDE}"
     aside.mkdir()
     (aside / "results.json").write_text("old")
     (aside / folder.MANIFEST).write_text("results.json\n")

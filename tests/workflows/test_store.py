@@ -185,6 +185,19 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
     assert list(tmp_path.iterdir()) == [out]
 
 
+def test_what_another_run_writes_stays(tmp_path: Path) -> None:
+    """Only what processes that are gone have left is removed."""
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait(HANG)
+    out = tmp_path / "out"
+    alive, dead = (tmp_path / f"{store._prefix(out)}{number}-abc" for number in (os.getpid(), ended.pid))
+    alive.mkdir()
+    dead.mkdir()
+    _publish(out, "new", "results.json")
+    assert alive.exists()
+    assert not dead.exists()
+
+
 def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
     """A folder that no run wrote is the user's, even where a file has the name of one of ours."""
     out = tmp_path / "out"

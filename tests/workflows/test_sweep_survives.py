@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import errno
 import os
+import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import xarray as xr
+import zarr
 
 from workflows.errors import BadInput
 from workflows.output import signals
 from workflows.progress import Stages
+from workflows.studies.sweep import evaluate, store, study
 from workflows.studies.sweep import executor as crew
-from workflows.studies.sweep import store, study
 from workflows.studies.sweep.executor import Crew
 
 VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], "damper.restitution": [0.3, 0.6]}
+
+
+BLOCKS = 6
+"""Of at most three points, one dimension whole."""
 
 
 class Here(Executor):
@@ -40,11 +47,17 @@ class Here(Executor):
 
 @contextmanager
 def crew_of(executor, size=2):
-    yield Crew(lambda: (executor, lambda: size))
+    yield Crew(lambda: executor, lambda: size)
+
+
+def finished(out):
+    """Points that are done."""
+    with xr.open_zarr(out / store.DATA) as data:
+        return int(data[store.DONE].sum())
 
 
 @pytest.fixture(autouse=True)
-def _small_shards(monkeypatch):
+def _small_blocks(monkeypatch):
     monkeypatch.setattr(study, "LEAST", 3)
 
 
@@ -75,21 +88,28 @@ def undisturbed(tmp_path_factory):
 
 def test_the_order_of_the_work_is_not_seen(asked, undisturbed, tmp_path):
     assert complete(asked, tmp_path / "out", size=7) == undisturbed
-    assert len([name for name in undisturbed if name.startswith("shards/")]) == 4
+    assert len([name for name in undisturbed if name.startswith("sweep.zarr/done/c/")]) == BLOCKS
 
 
-def test_stopped_while_the_whole_is_put_together(asked, undisturbed, tmp_path, monkeypatch):
-    def stopped(*_):
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("call", [0, 4, 25, 26, 60])
+def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypatch, call):
+    """A block is done when all of its arrays are there, whichever was the last."""
+    left, real = iter(range(call)), zarr.Array.__setitem__
+
+    def stopped(*arguments):
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return real(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr("workflows.studies.sweep.store.write", stopped)
+        patch.setattr(zarr.Array, "__setitem__", stopped)
         with pytest.raises(KeyboardInterrupt):
             complete(asked, tmp_path / "out")
     assert signals.again() == "what is finished stays; the same command goes on"
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
-    assert second.count == 0
+    coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
+    assert second.count == BLOCKS - max(call - coordinates, 0) // arrays
 
 
 def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tmp_path):
@@ -99,11 +119,11 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     assert signals.again() == "what is finished stays; the same command goes on"
     with signals.heard(to_the_end=False):
         assert signals.again().endswith("starts over")
-    finished = len(list((tmp_path / "out" / "shards").glob("*.npz")))
-    assert 0 < finished < 4
+    blocks = finished(tmp_path / "out") // 2
+    assert 0 < blocks < 4
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
-    assert second.count == 4 - finished
+    assert second.count == BLOCKS - blocks
     third = Here()
     assert complete(asked, tmp_path / "out", third) == undisturbed
     assert third.count == 0
@@ -112,7 +132,7 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
 def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):
     executor = Here(dies={1, 3})
     assert complete(asked, tmp_path / "out", executor) == undisturbed
-    assert executor.count > 4
+    assert executor.count == BLOCKS + 2
 
 
 def test_workers_that_always_die_end_the_study(asked, tmp_path):
@@ -120,28 +140,40 @@ def test_workers_that_always_die_end_the_study(asked, tmp_path):
         complete(asked, tmp_path / "out", Here(dies=range(1000)))
 
 
-def test_a_torn_shard_is_computed_again(asked, undisturbed, tmp_path):
+@pytest.mark.parametrize("name", ["f1_hz", "reason", "done"])
+def test_a_damaged_block_is_computed_again(asked, undisturbed, tmp_path, name):
     complete(asked, tmp_path / "out")
-    shard = tmp_path / "out" / "shards" / "000001.npz"
-    whole = shard.read_bytes()
-    for torn in (whole[: len(whole) // 2], b"", whole[:300] + bytes([whole[300] ^ 1]) + whole[301:]):
-        shard.write_bytes(torn)
+    chunk = tmp_path / "out" / "sweep.zarr" / name / "c" / "1" / "0" / "0"
+    whole = chunk.read_bytes()
+    for damaged in (whole[: len(whole) // 2], b"", whole[:9] + bytes([whole[9] ^ 1]) + whole[10:], None):
+        if damaged is None:
+            chunk.unlink()
+        else:
+            chunk.write_bytes(damaged)
         executor = Here()
         assert complete(asked, tmp_path / "out", executor) == undisturbed
         assert executor.count == 1
 
 
+def test_what_describes_the_data_is_put_right(asked, undisturbed, tmp_path):
+    complete(asked, tmp_path / "out")
+    for name in ("f1_hz/zarr.json", "damper.friction/c/0"):
+        (tmp_path / "out" / "sweep.zarr" / name).write_bytes(b"")
+    executor = Here()
+    assert complete(asked, tmp_path / "out", executor) == undisturbed
+    assert executor.count == 0
+
+
 def test_what_was_half_written_goes(asked, undisturbed, tmp_path):
     complete(asked, tmp_path / "out")
-    (tmp_path / "out" / "shards" / ".partial-000001.npz").write_bytes(b"half")
+    (tmp_path / "out" / "sweep.zarr" / "f1_hz" / "c" / "0" / "0" / "0.1234.partial").write_bytes(b"half")
     (tmp_path / "out" / ".partial-sweep.zarr").mkdir()
     assert complete(asked, tmp_path / "out") == undisturbed
 
 
-@pytest.mark.parametrize("call", ["fsync", "replace"])
-def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, monkeypatch, call):
-    left = iter(range(3))
-    real = getattr(os, call)
+@pytest.mark.parametrize("writes", [1, 30, 70])
+def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, monkeypatch, writes):
+    left, real = iter(range(writes)), Path.replace
 
     def full(*arguments):
         if next(left, None) is None:
@@ -149,18 +181,18 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
         return real(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(os, call, full)
+        patch.setattr(Path, "replace", full)
         patch.chdir(tmp_path)
         says = r"^--out = 'out': cannot be written: No space left on device; what is finished stays"
         with pytest.raises(BadInput, match=says):
             complete(asked, Path("out"))
-    assert not list((tmp_path / "out" / "shards").glob(".partial*"))
+    assert not list((tmp_path / "out").rglob("*.partial"))
     assert complete(asked, tmp_path / "out") == undisturbed
 
 
 def test_two_writers_are_refused(asked, tmp_path):
     with (
-        store.opened(tmp_path / "out", asked.key, asked.identity),
+        store.opened(tmp_path / "out", asked.plan, asked.size, asked.attributes),
         pytest.raises(BadInput, match="another sweep is writing into it"),
     ):
         complete(asked, tmp_path / "out")
@@ -185,7 +217,7 @@ def test_other_code_is_refused(asked, tmp_path, monkeypatch):
     with pytest.raises(BadInput, match="differs in its code and versions"):
         complete(study.asked("structure", VARY, quick=True), tmp_path / "out")
     with pytest.raises(BadInput, match="a worker has other code"):
-        study.compute(asked, 0)
+        study.compute(asked, asked.regions()[0])
 
 
 def test_the_digest_sees_every_module():
@@ -210,9 +242,11 @@ def test_processes_give_the_same_bits(asked, undisturbed, tmp_path):
 
 def test_the_data_set_is_read_back(undisturbed, asked, tmp_path):
     complete(asked, tmp_path / "out")
-    import xarray as xr
-
-    found = xr.open_dataset(tmp_path / "out" / study.DATA, engine="zarr", consolidated=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = xr.open_dataset(tmp_path / "out" / "sweep.zarr", engine="zarr")
+        assert found.identical(xr.open_zarr(tmp_path / "out" / "sweep.zarr"))
+    assert found.done.all()
     assert dict(found.sizes) == {"damper.friction": 6, "damper.restitution": 2, "rotor.speeds": 1}
     assert list(found["damper.friction"].values) == VARY["damper.friction"]
     assert found.damping_ratio_peak.attrs["units"] == "1"

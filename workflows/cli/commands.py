@@ -169,7 +169,7 @@ def sweep(
     Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
     --json and no --out nothing is written.
     """
-    from workflows.studies.sweep import report, sensitivity, store, study
+    from workflows.studies.sweep import executor, report, sensitivity, store, study
 
     asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     out = _folder(out, json, "spindamp-sweep", asked.source)
@@ -180,7 +180,7 @@ def sweep(
             if instead := axis.key.displaced(asked.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
-    hired = study.crew_of(workers, dask)
+    hired = executor.crew_of(workers, dask)
     with Stages() as stages:
         data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
         if uncertain:
@@ -206,7 +206,7 @@ def design(
     Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
     """
     from workflows.studies.design import report, study
-    from workflows.studies.sweep.study import crew_of
+    from workflows.studies.sweep.executor import crew_of
 
     def solve(source: SceneFile, stages: Stages) -> report.Designed:
         return study.design(source, seed=seed, hired=crew_of(workers, dask), stages=stages)

@@ -1,12 +1,14 @@
-"""Signals that end a command: heard as exceptions while it works, unheard once its results are in place."""
+"""Signals that end a command: raised as exceptions while it works, ignored once its results are in place.
+
+What a handler raises is lost where nothing can be raised (in a finaliser, in a callback of C) or where a library passes
+over everything. A timer therefore raises it again until the command ends.
+"""
 
 from __future__ import annotations
 
-import _thread
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -14,40 +16,40 @@ from typing import Any, TypeAlias
 
 _Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | None
 
+_USUAL = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGHUP": signal.SIG_DFL}
+"""What is done at the signals that end a command, unless somebody has it otherwise: nohup, say."""
+
+_REPEAT = 0.2
+"""Seconds after which a signal is raised again if nothing has come of it."""
+
 _AGAIN = "nothing is half-written; the same command starts over"
-_said = [_AGAIN]
+_outcome = [_AGAIN]
 
 _came: list[BaseException] = []
-"""The signals that have come since a command began, each as what it raises."""
+"""What the signals raise that have come since a command began."""
 
 _before: dict[int, _Handler] = {}
 """The signals that a running command has taken, and what was done at them before."""
 
-_REPEAT = 0.2
-"""After how long a signal is raised once more if nothing has come of it [s]."""
+_timer: list[tuple[float, float]] = []
+"""The timer that was set before a signal came."""
 
-_repeated: list[int] = []
-"""The signal that is being raised once more."""
 
-_ending = threading.Lock()
-"""Held while a signal is raised once more, and where a command ends."""
+class Terminated(BaseException):
+    """A signal asked the program to end; no handler of a library takes it for its own."""
 
 
 def again() -> str:
     """What an end from outside leaves, in words."""
-    return _said[-1]
+    return _outcome[-1]
 
 
 @contextmanager
 def going_on(words: str) -> Iterator[None]:
     """While the block lasts, and where it is ended from outside, an end leaves something else; in these words."""
-    _said.append(words)
+    _outcome.append(words)
     yield
-    _said.pop()
-
-
-class Terminated(BaseException):
-    """A signal asked the program to end; no handler of a library takes it for its own."""
+    _outcome.pop()
 
 
 @contextmanager
@@ -56,32 +58,28 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
 
     Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
     """
-    _said[:] = [_AGAIN]
+    _outcome[:] = [_AGAIN]
     _came.clear()
-    _repeated.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    usual = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGHUP": signal.SIG_DFL}
-    usual["SIGBREAK"] = signal.SIG_DFL  # Ctrl-Break on Windows, which has no SIGHUP
-    for name, handler in usual.items():
+    for name, usual in _USUAL.items():
         number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == handler:
-            _before[number] = handler
-            signal.signal(number, _terminated if handler == signal.SIG_DFL else _interrupted)
-    told = sys.unraisablehook
-    sys.unraisablehook = lambda lost: None if lost.exc_value in _came else told(lost)  # it is raised again
+        if number is not None and signal.getsignal(number) == usual:
+            _before[number] = signal.signal(number, _raise)
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda lost: None if lost.exc_value in _came else hook(lost)  # it is raised again
     try:
         yield
     finally:
-        sys.unraisablehook = told
+        sys.unraisablehook = hook
         if to_the_end:
             ignore()
-        with _ending:
-            before = dict(_before)
-            _before.clear()
-        if not to_the_end:
-            for number, handler in before.items():
+        elif _timer:
+            signal.setitimer(signal.ITIMER_REAL, *_timer.pop())
+        while _before:
+            number, handler = _before.popitem()
+            if not to_the_end:
                 signal.signal(number, handler)
 
 
@@ -105,41 +103,19 @@ def ignore() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def _terminated(number: int, frame: FrameType | None) -> None:
-    _raise(number, Terminated(signal.Signals(number).name))
-
-
-def _interrupted(number: int, frame: FrameType | None) -> None:
-    _raise(number, KeyboardInterrupt())
-
-
-def _raise(number: int, error: BaseException) -> None:
-    if _repeated and _on_its_way(sys.exc_info()[1]):
-        _repeated.clear()
-        return
-    _repeated.clear()
+def _raise(number: int, frame: FrameType | None) -> None:
+    error = KeyboardInterrupt() if number == signal.SIGINT else Terminated(signal.Signals(number).name)
     _came.append(error)
-    if len(_came) == 1:
-        _thread.start_new_thread(_repeat, (number, error))  # threading's own locks may be those it came amid
+    if len(_came) == 1 and hasattr(signal, "setitimer"):
+        _before[signal.SIGALRM] = signal.signal(signal.SIGALRM, _raise_again)
+        _timer[:] = [signal.setitimer(signal.ITIMER_REAL, _REPEAT, _REPEAT)]
     raise error
 
 
-def _on_its_way(error: BaseException | None) -> bool:
-    """Whether a signal, or what a library made of it, is what is being handled."""
+def _raise_again(number: int, frame: FrameType | None) -> None:
+    """Raise what came, unless that, or what a library made of it, is being handled already."""
+    error = sys.exc_info()[1]
     while error is not None and error not in _came:
         error = error.__context__
-    return error is not None
-
-
-def _repeat(number: int, error: BaseException) -> None:
-    """Raise a signal until the command ends.
-
-    What a handler raises is lost where nothing can be raised: in a finaliser, in a callback, in a look-up of C.
-    """
-    while True:
-        time.sleep(_REPEAT)
-        with _ending:
-            if number not in _before or _came[:1] != [error]:
-                return
-            _repeated.append(number)
-            _thread.interrupt_main(signal.Signals(number))  # nothing where the signal is ignored
+    if error is None and _came:
+        raise _came[0]

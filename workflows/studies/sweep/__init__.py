@@ -1,7 +1,6 @@
-"""Any keys of a scene over a grid or a sample: many runs as one study, which survives and may be spread over machines.
+"""Any keys of a scene over a grid or a sample: one study that survives and may use many machines.
 
-`axes` (what is varied), `plan` (points by absolute index, and their scenes), `evaluate` (many points at once:
-structures solved once for all dampers on them, the headline numbers in rows), `executor` (who computes), `store`
-(what stays, as one data set), `study` (the loop), `sensitivity` (what a scatter does), `report` (summary, page and
-pictures).
+From what is asked to what is found: `axes` (what is varied), `plan` (points by absolute index, and the scene of each),
+`evaluate` (many points at once: structures, dampers, rows of headline numbers), `executor` (who computes), `store` (the
+data set on the disk), `study` (the loop), `sensitivity` (percentiles and Sobol' indices), `report` (text, JSON, page).
 """

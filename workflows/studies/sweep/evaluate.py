@@ -79,7 +79,7 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how
 
 
 _KEPT = 4
-"""Plates that are kept at a time."""
+"""PlateCache that are kept at a time."""
 
 
 @dataclass(frozen=True, eq=False)

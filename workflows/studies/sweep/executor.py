@@ -1,7 +1,7 @@
-"""Who computes the shards: any `concurrent.futures.Executor`; processes of this machine, or a Dask cluster.
+"""Who computes: processes of this machine, a Dask cluster, or any `concurrent.futures.Executor`; and by which code.
 
-Tasks are handed out a few at a time, in the order of their numbers, and taken as they come: what a worker returns does
-not depend on which worker it is. A worker that dies costs the tasks it had, which are handed out again.
+Tasks are handed out a few at a time, in order, and taken as they come: what a worker returns does not depend on which
+worker it is. A worker that dies costs the tasks it had, which are handed out again.
 """
 
 from __future__ import annotations
@@ -11,122 +11,91 @@ import os
 import signal
 import tempfile
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from contextlib import contextmanager
-from functools import cache
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from workflows.errors import BadInput
 from workflows.versions import versions
 
-if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
-
-
 T = TypeVar("T")
+Task = TypeVar("Task")
 
 _AHEAD = 2
 """Tasks handed out for each worker: one that it does, one that waits."""
 
 _DEATHS = 6
-"""Times in a row that workers may die before any task is finished."""
+"""How often every task that is handed out may be lost before any is finished."""
 
-_DYING = (
-    "its workers die as soon as they begin: is there memory enough? A script that starts workers needs"
-    " `if __name__ == '__main__':` around what it does"
-)
+_DYING = "its workers die as soon as they begin: is there memory enough?"
 
 _LOST = ("KilledWorker", "FutureCancelledError", "CancelledError", "LostDependency")
 """Errors by which Dask says that a task's workers have died."""
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
+}
+"""Of processes of this machine: one thread each, as there is one for each core, and solved plates that are kept."""
 
-_LOOK = 0.5
-"""Seconds after which a wait looks up, so that Ctrl-C is heard everywhere."""
 
-
+@dataclass(frozen=True)
 class Crew:
-    """An executor that can be had anew when its workers have died.
+    """Who computes.
 
-    Args:
-        hire: makes an executor, and what says how many work in it.
+    Attributes:
+        executor: gives an executor that works, a new one where the workers of the last have died.
+        workers: how many work now.
     """
 
-    def __init__(self, hire: Callable[[], tuple[Executor, Callable[[], int]]]) -> None:
-        self._hire = hire
-        self._executor, self._size = hire()
-
-    @property
-    def size(self) -> int:
-        """How many work now, at least one."""
-        return max(self._size(), 1)
-
-    def renew(self) -> None:
-        """Dismiss what is left of the workers and hire others."""
-        before = self._executor
-        self._executor, self._size = self._hire()
-        before.shutdown(wait=False)
-
-    def submit(self, task: Callable[..., T], *arguments: Any) -> Future[T]:
-        """Hand out a task."""
-        return self._executor.submit(task, *arguments)
-
-    def dismiss(self, *, wait: bool = False) -> None:
-        """Hand out no more; `wait` for the end of workers that end by themselves."""
-        self._executor.shutdown(wait=wait)
+    executor: Callable[[], Executor]
+    workers: Callable[[], int]
 
 
-def results(crew: Crew, task: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-    """What a task gives for each number, as it comes.
+def results(crew: Crew, compute: Callable[[Task], T], tasks: Iterable[Task]) -> Iterator[tuple[Task, T]]:
+    """What is computed for each task, as it comes.
 
     Raises:
         BadInput: workers die again and again.
     """
-    pending: dict[Future[T], int] = {}
+    waiting, pending, lost = deque(tasks), dict[Future[T], Task](), 0
     try:
-        yield from _all(crew, task, deque(numbers), pending)
+        while waiting or pending:
+            most = _AHEAD * max(crew.workers(), 1)
+            while waiting and len(pending) < most:
+                pending[_submitted(crew, compute, waiting[0])] = waiting[0]
+                waiting.popleft()
+            for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                task = pending.pop(future)
+                if _died(future):
+                    waiting.appendleft(task)
+                    lost += 1
+                else:
+                    lost = 0
+                    yield task, future.result()
+            if lost > _DEATHS * most:
+                raise BadInput(_DYING, key="sweep")
     finally:
         for future in pending:
             future.cancel()
 
 
-def _all(
-    crew: Crew, task: Callable[[int], T], waiting: deque[int], pending: dict[Future[T], int]
-) -> Iterator[tuple[int, T]]:
-    deaths = 0
-    while waiting or pending:
-        whole = _hand_out(crew, task, waiting, pending)
-        finished, _ = wait(pending, timeout=_LOOK, return_when=FIRST_COMPLETED)
-        for future in finished:
-            number = pending.pop(future)
-            if _died(future):
-                waiting.appendleft(number)
-                whole = False
-            else:
-                deaths = 0
-                yield number, future.result()
-        if not whole:
-            waiting.extendleft(pending.values())
-            pending.clear()
-            deaths += 1
-            if deaths > _DEATHS:
-                raise BadInput(_DYING, key="sweep")
-            crew.renew()
-
-
-def _hand_out(crew: Crew, task: Callable[[int], T], waiting: deque[int], pending: dict[Future[T], int]) -> bool:
-    """Keep every worker busy; False if the executor takes no more tasks."""
-    most = _AHEAD * crew.size
-    while waiting and len(pending) < most:
-        try:
-            pending[crew.submit(task, waiting[0])] = waiting[0]
-        except BrokenExecutor:
-            return False
-        waiting.popleft()
-    return True
+def _submitted(crew: Crew, compute: Callable[[Task], T], task: Task) -> Future[T]:
+    """A task handed out; as lost where the workers died in this moment."""
+    try:
+        return crew.executor().submit(compute, task)
+    except BrokenExecutor as error:
+        future: Future[T] = Future()
+        future.set_exception(error)
+        return future
 
 
 def _died(future: Future[Any]) -> bool:
@@ -136,42 +105,34 @@ def _died(future: Future[Any]) -> bool:
     return isinstance(error, BrokenExecutor) or type(error).__name__ in _LOST
 
 
+def crew_of(
+    workers: int | None = None, dask: str | None = None, executor: Executor | None = None
+) -> AbstractContextManager[Crew]:
+    """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
+    if executor is not None:
+        return given(executor)
+    return local(workers) if dask is None else cluster(dask)
+
+
 @contextmanager
 def given(executor: Executor, workers: int = 1) -> Iterator[Crew]:
     """A crew on an executor that is somebody else's, and stays open."""
-    hired = iter([(executor, lambda: workers)])
-
-    def hire() -> tuple[Executor, Callable[[], int]]:
-        try:
-            return next(hired)
-        except StopIteration:
-            raise BadInput("its workers have died", key="executor") from None
-
-    yield Crew(hire)
+    yield Crew(lambda: executor, lambda: workers)
 
 
 @contextmanager
 def local(workers: int | None = None) -> Iterator[Crew]:
     """Processes of this machine, one for each core unless it is said; each computes with one thread."""
-    count = _cores() if workers is None else workers
+    import loky
+
+    count = loky.cpu_count() if workers is None else workers
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise BadInput("expected a whole number of processes from 1 on", key="--workers", value=count)
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    context = get_context("spawn")
-    held, let_go = context.Pipe(duplex=False)  # workers end when the end that lets go is closed
-
-    def hire() -> tuple[Executor, Callable[[], int]]:
-        return ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(held,)), lambda: count
-
-    with held, let_go, _one_thread():
-        crew = Crew(hire)
-        try:
-            yield crew
-        finally:
-            let_go.close()
-            crew.dismiss(wait=True)
+    executor = partial(loky.get_reusable_executor, count, initializer=_begin, initargs=(os.getpid(),), env=_ENVIRONMENT)
+    try:
+        yield Crew(executor, lambda: count)
+    finally:
+        executor().shutdown(kill_workers=True)
 
 
 @contextmanager
@@ -196,46 +157,19 @@ def cluster(address: str) -> Iterator[Crew]:
                 key="--dask",
                 value=address,
             )
-        crew = Crew(lambda: (client.get_executor(pure=False, retries=10), lambda: sum(client.ncores().values())))
-        try:
-            yield crew
-        finally:
-            crew.dismiss()
+        with client.get_executor(pure=False, retries=10) as executor:
+            yield Crew(lambda: executor, lambda: sum(client.ncores().values()))
 
 
-def _cores() -> int:
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:
-        return os.cpu_count() or 1
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Processes started meanwhile compute with one thread each: there is one for each core."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def _begin(held: Connection) -> None:
-    """In a new process: leave Ctrl-C to the one that started it, and end when that one lets go or ends, however."""
+def _begin(parent: int) -> None:
+    """In a new process: leave Ctrl-C to the one that started it, and end when that one has ended, however."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_the_parent, args=(held,), daemon=True).start()
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
-def _end_with_the_parent(held: Connection) -> None:
-    from multiprocessing import connection, parent_process
-
-    parent = parent_process()
-    connection.wait([held] if parent is None else [held, parent.sentinel])
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(0.5)
     os._exit(0)
 
 

@@ -1,4 +1,4 @@
-"""The points of a study by absolute index: a grid, a Sobol' sample, or what Sobol' indices are estimated from."""
+"""The points of a study by absolute index, over a grid or a sample, and the scene of each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -14,9 +13,20 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.scene.load import SceneFile, parse
 from workflows.scene.scene import FLAT
-from workflows.studies.sweep import axes as key_data
-from workflows.studies.sweep import axes as keys
-from workflows.studies.sweep.axes import CLEARANCE, MOST, SPEEDS, Axis, Data, Key, Value
+from workflows.studies.sweep.axes import (
+    CLEARANCE,
+    MOST,
+    SPEEDS,
+    Axis,
+    Data,
+    Key,
+    Value,
+    find,
+    of_the_mass,
+    of_the_plate,
+    plain,
+    written_out,
+)
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -156,11 +166,6 @@ class Sample:
         axes = {axis.name: vars(axis.spread) if axis.spread else said(axis.values) for axis in self.axes}
         return {"sample": axes, "count": self.count, "seed": self.seed, "tiled": self.tiles is not None}
 
-    @cached_property
-    def indexed(self) -> bool:
-        """Whether Sobol' indices can be estimated from it."""
-        return self.tiles is not None
-
 
 def said(values: Sequence[Value]) -> list[Value]:
     """Values as JSON has them, in which nothing is infinite."""
@@ -201,11 +206,11 @@ def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]
     def rank(axis: Axis) -> int:
         if axis.name == SPEEDS:
             return 3
-        return 0 if key_data.of_the_plate(axis.key) else 1 if key_data.of_the_mass(axis.key) else 2
+        return 0 if of_the_plate(axis.key) else 1 if of_the_mass(axis.key) else 2
 
     given = list(axes)
     if not any(axis.name == SPEEDS for axis in given):
-        given.append(Axis(keys.find(SPEEDS, "--vary"), tuple(speeds)))
+        given.append(Axis(find(SPEEDS, "--vary"), tuple(speeds)))
     return tuple(sorted(given, key=rank))
 
 
@@ -219,7 +224,7 @@ def base(source: SceneFile, varied: Sequence[Key]) -> Data:
     Raises:
         BadInput: it lacks a table that a key belongs to.
     """
-    data = key_data.written_out(key_data.plain(source.scene), varied)
+    data = written_out(plain(source.scene), varied)
     for key in varied:
         table = key.table[0]
         if table not in data:

@@ -14,13 +14,10 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
-from workflows.studies.sweep import axes as keys
-from workflows.studies.sweep import axes as read_axes
-from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep import store
-from workflows.studies.sweep.axes import SPEEDS, Axis, Spread
+from workflows.studies.sweep.axes import SPEEDS, Axis, Spread, find, read
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE, Sample
+from workflows.studies.sweep.plan import SAMPLE, Sample, sample
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -46,7 +43,7 @@ def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axi
     Raises:
         BadInput: see :func:`workflows.studies.sweep.axes.read`; the speeds are not uncertain.
     """
-    found = read_axes.read(given, scene.rotor.gravity) or defaults(scene)
+    found = read(given, scene.rotor.gravity) or defaults(scene)
     for axis in found:
         if axis.spread is None or axis.name == SPEEDS:
             raise BadInput(
@@ -76,7 +73,7 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
         "damper.clearance[0]": Spread(gap - tolerance, gap + tolerance),
     }
     known = {name: spread for name, spread in spreads.items() if spread.high > spread.low}
-    return tuple(Axis(keys.find(name, "--vary"), (), spread) for name, spread in known.items())
+    return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
 
 
 def plan(given: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Sample:
@@ -85,7 +82,7 @@ def plan(given: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -
         raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
     from SALib.sample import sobol
 
-    ordered = plans.sample(given, speeds, 1, seed)
+    ordered = sample(given, speeds, 1, seed)
     tiles = sobol.sample(_problem(len(given)), base, calc_second_order=False, scramble=True, seed=seed)
     return Sample(ordered.axes, len(tiles), seed, tiles=tiles)
 

@@ -1,49 +1,81 @@
-"""The folder of a study: immutable shards, each written aside, synced and renamed by the one process with the lock.
+"""The folder of a study: one Zarr data set, written in place by the one process that holds the lock.
 
-study.json        what is computed, and by which code; written first, never changed
-shards/000000.npz rows of the points from there on
-sweep.zarr        all of them as one labelled data set, once they are there
+Points are computed in blocks of neighbours. A block is one chunk of every array: Zarr puts a chunk in place whole, and
+its checksum shows damage. The block's chunk of `done` is written last, so that a study killed anywhere goes on where it
+was.
 """
 
 from __future__ import annotations
 
 import contextlib
-import io
+import itertools
 import json
 import math
 import os
 import shutil
-import zipfile
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from workflows.errors import BadInput
 from workflows.output import folder as folders
-from workflows.output import folder as store
 from workflows.studies.sweep.axes import SPEEDS, Value
 from workflows.studies.sweep.evaluate import QUANTITIES, Block
 
 if TYPE_CHECKING:
     import xarray as xr
+    import zarr
 
-    from workflows.studies.sweep.evaluate import Block
     from workflows.studies.sweep.plan import Plan
 
+DATA, DONE, LOCK = "sweep.zarr", "done", ".lock"
 
-STUDY, SHARDS, LOCK = "study.json", "shards", ".lock"
+_METADATA = "zarr.json"
 _ASIDE = ".partial-"
 """How the names of files begin that are not whole yet; the lock's owner may remove them."""
 
-OURS = r"sweep\.(json|zarr|csv)|study\.json|shards|report\.html|uncertain\.csv|best\.toml"
-"""Names that a study writes, as a regular expression."""
+
+@dataclass(frozen=True)
+class Region:
+    """Neighbouring points that are computed and written together: one chunk of every array.
+
+    Attributes:
+        begin, end: absolute indices of its first point, and of the one after its last.
+        slices: where they lie along each dimension.
+        chunk: numbers of the chunk.
+    """
+
+    begin: int
+    end: int
+    slices: tuple[slice, ...]
+    chunk: tuple[int, ...]
 
 
-_TORN = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
+def regions(plan: Plan, most: int) -> list[Region]:
+    """All points of a plan, in order, in regions of at most so many."""
+    lengths, sides = tuple(plan.dimensions.values()), _sides(plan, most)
+    found, begin = [], 0
+    for chunk in itertools.product(*(range(-(-n // side)) for n, side in zip(lengths, sides, strict=True))):
+        slices = tuple(
+            slice(k * side, min((k + 1) * side, n)) for k, side, n in zip(chunk, sides, lengths, strict=True)
+        )
+        end = begin + math.prod(each.stop - each.start for each in slices)
+        found.append(Region(begin, end, slices, chunk))
+        begin = end
+    return found
+
+
+def _sides(plan: Plan, most: int) -> tuple[int, ...]:
+    """Points of a chunk along each dimension: the fastest ones whole, so that its points are neighbours."""
+    sides: list[int] = []
+    for length in reversed(plan.dimensions.values()):
+        sides.insert(0, min(length, max(most // math.prod(sides), 1)))
+    return tuple(sides)
 
 
 @dataclass(frozen=True)
@@ -53,68 +85,61 @@ class Folder:
     Attributes:
         path: where it is.
         given: the same as it was asked for.
-        key: digest of what is computed and of the code that does it.
+        arrays: of the data set, by name.
     """
 
     path: Path
     given: Path
-    key: str
+    arrays: dict[str, zarr.Array[Any]]
 
-    def shard(self, number: int) -> Path:
-        """The file of a shard."""
-        return self.path / SHARDS / f"{number:06d}.npz"
+    def holds(self, region: Region) -> bool:
+        """Whether a region is done, and every byte of it is as it was written."""
+        try:
+            if not np.all(self.arrays[DONE][region.slices]):
+                return False
+            for name, array in self.arrays.items():
+                if not self.path.joinpath(DATA, name, "c", *map(str, region.chunk)).is_file():
+                    return False  # Zarr reads what is missing as empty
+                array[region.slices]
+        except (OSError, ValueError):
+            return False
+        return True
 
-    def done(self, ranges: list[tuple[int, int]]) -> set[int]:
-        """Numbers of the shards that are there and whole; what is not is removed, and will be computed again."""
-        found = set()
-        for number, (begin, end) in enumerate(ranges):
-            if not self.shard(number).exists():
-                continue
-            try:
-                block = self.read(number)
-                if block.begin != begin or len(block.rows) != end - begin:
-                    raise ValueError("other points")
-            except _TORN:
-                self.shard(number).unlink(missing_ok=True)
-            else:
-                found.add(number)
-        return found
-
-    def write(self, number: int, block: Block) -> None:
-        """Write a shard.
+    def write(self, region: Region, block: Block) -> None:
+        """Write the rows of a region.
 
         Raises:
             BadInput: the disk does not take it; what is finished stays.
         """
-        out = io.BytesIO()
-        np.savez(out, key=np.array(self.key), begin=block.begin, rows=block.rows, reasons=np.array(block.reasons, "U"))
+        shape = tuple(each.stop - each.start for each in region.slices)
+        texts = np.array([*block.reasons, ""], dtype=object)[block.rows["reason"]]
         with writing(self.given):
-            write_whole(self.shard(number), out.getvalue())
-
-    def read(self, number: int) -> Block:
-        """Read a shard; every byte of it is checked.
-
-        Raises:
-            OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile: it is not whole.
-        """
-        with np.load(io.BytesIO(self.shard(number).read_bytes())) as found:
-            if str(found["key"]) != self.key:
-                raise ValueError("a shard of another study")
-            return Block(int(found["begin"]), found["rows"], tuple(map(str, found["reasons"])))
+            for name, array in self.arrays.items():
+                if name != DONE:
+                    values = texts if name == "reason" else block.rows[name]
+                    array[region.slices] = values.reshape(shape)
+            self.arrays[DONE][region.slices] = True
 
 
 @contextmanager
-def opened(path: Path, key: str, identity: dict[str, Any]) -> Iterator[Folder]:
+def opened(path: Path, plan: Plan, most: int, said: dict[str, str]) -> Iterator[Folder]:
     """The folder of a study for as long as the block lasts, new or begun before.
+
+    Args:
+        path: the folder.
+        plan: its points.
+        most: points of a region at most.
+        said: what makes it this study; see :func:`attributes`.
 
     Raises:
         BadInput: another process writes into it, it holds another study, or it cannot be written.
     """
+    import zarr
     from filelock import FileLock, Timeout
 
     target = checked(path)
     with writing(path):
-        (target / SHARDS).mkdir(parents=True, exist_ok=True)
+        target.mkdir(parents=True, exist_ok=True)
     lock = FileLock(target / LOCK, timeout=0)
     try:
         lock.acquire()
@@ -126,8 +151,13 @@ def opened(path: Path, key: str, identity: dict[str, Any]) -> Iterator[Folder]:
         raise BadInput(f"cannot be locked: {error}", key="--out", value=str(path)) from error
     try:
         _clear(target)
-        _settle(target, path, key, identity)
-        yield Folder(target, path, key)
+        _check_same(target, path, said)
+        with writing(path):
+            _lay_out(target, plan, _sides(plan, most), said)
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            arrays = dict(zarr.open_group(target / DATA, mode="r+", use_consolidated=False).arrays())
+            names = (*(quantity.name for quantity in QUANTITIES), "reason", DONE)
+            yield Folder(target, path, {name: arrays[name] for name in names})
     finally:
         lock.release()
 
@@ -139,35 +169,34 @@ def checked(path: Path) -> Path:
         BadInput: see :func:`workflows.output.folder.check`; or it holds what no study wrote.
     """
     target = Path(os.path.realpath(path))
-    if (target / STUDY).is_file():
+    if (target / DATA / _METADATA).is_file():
         return target
-    target = store.check(path)
+    target = folders.check(path)
     if target.is_dir():
-        others = [found.name for found in sorted(target.iterdir()) if found.name not in (SHARDS, LOCK)]
-        others = [name for name in others if not name.startswith(_ASIDE)]
-        if others:
-            raise BadInput(
-                f"holds a {others[0]} and no study: expected a new folder or one with a study",
-                key="--out",
-                value=str(path),
-            )
+        for found in sorted(target.iterdir()):
+            if found.name != LOCK and not found.name.startswith(_ASIDE):
+                raise BadInput(
+                    f"holds a {found.name} and no study: expected a new folder or one with a study",
+                    key="--out",
+                    value=str(path),
+                )
     return target
 
 
-def _settle(target: Path, path: Path, key: str, identity: dict[str, Any]) -> None:
-    """Say in a new folder what is computed in it; see that an old one is of the same study."""
-    known = target / STUDY
-    text = json.dumps({"key": key} | identity, indent=1, ensure_ascii=False, allow_nan=False)
+_CALLED = {"code": "code and versions", "plan": "points"}
+
+
+def _check_same(target: Path, path: Path, said: dict[str, str]) -> None:
+    """See that what an old folder holds is of the same study."""
+    known = target / DATA / _METADATA
     if not known.exists():
-        with writing(path):
-            write_whole(known, f"{text}\n".encode())
         return
     try:
-        before = json.loads(known.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise BadInput(f"its {STUDY} cannot be read: {error}", key="--out", value=str(path)) from error
-    if before.get("key") != key:
-        names = [name for name in identity if json.loads(json.dumps(identity[name])) != before.get(name)]
+        before = json.loads(known.read_text(encoding="utf-8"))["attributes"]
+    except (OSError, ValueError, LookupError) as error:
+        raise BadInput(f"its {DATA} cannot be read: {error}", key="--out", value=str(path)) from error
+    if before.get("study") != said["study"]:
+        names = [name for name in said if name != "study" and said[name] != before.get(name)]
         what = " and ".join(_CALLED.get(name, name) for name in names) or "key"
         raise BadInput(
             f"holds a study that differs in its {what}: expected another folder, or the old one removed",
@@ -176,17 +205,13 @@ def _settle(target: Path, path: Path, key: str, identity: dict[str, Any]) -> Non
         )
 
 
-_CALLED = {"code": "code and versions", "plan": "points", "scene": "scene"}
-
-
 def _clear(target: Path) -> None:
     """Remove what a killed process left half-written."""
-    for folder in (target, target / SHARDS):
-        for path in folder.glob(f"{_ASIDE}*"):
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
+    for path in (*target.glob(f"{_ASIDE}*"), *(target / DATA).rglob("*.partial")):
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -215,90 +240,60 @@ def write_whole(path: Path, data: bytes) -> None:
         with contextlib.suppress(OSError):
             aside.unlink()
         raise
-    folders.sync_folder(path.parent)
 
 
-@contextmanager
-def replaced(target: Path) -> Iterator[Path]:
-    """A folder aside that takes the place of `target` once it is whole and on the disk."""
-    aside = target.with_name(f"{_ASIDE}{target.name}")
-    shutil.rmtree(aside, ignore_errors=True)
-    try:
-        yield aside
-        for folder, _, _ in os.walk(aside):
-            folders.sync(Path(folder))
-        folders.swap(aside, target)
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, str]) -> None:
+    """Put the data set in place but for its points: what describes it, and the values of the keys.
 
-
-Along: TypeAlias = dict[str, tuple[str, list[Value]]]
-"""The values of every axis, and the dimension that they lie along."""
-
-_SLAB = 16384
-"""Points that are held at a time while a data set is written, and of its chunks."""
-
-
-def write(plan: Plan, rows: Callable[[int, int], Block], attributes: dict[str, str], path: Path) -> None:
-    """Write the data set of a whole study as Zarr, slab by slab along its first dimension.
-
-    Args:
-        plan: the study's points.
-        rows: gives the rows of the points from one to before another, and their reasons.
-        attributes: of the data set.
-        path: where to.
+    In an old folder this puts right what was damaged.
     """
-    first = next(iter(plan.dimensions))
-    length, along_axes = plan.dimensions[first], plan.coordinates()
-    for begin, end in slabs(plan):
-        data = _slab(plan, along_axes, rows, begin, end).assign_attrs(attributes)
-        if begin == 0:
-            chunks = (min(length, _step(plan)), *list(plan.dimensions.values())[1:])
-            encoding = {name: {"chunks": chunks} for name in data.data_vars}
-            data.to_zarr(path, mode="w", encoding=encoding, consolidated=False, zarr_format=3)
-        else:
-            along = data.drop_vars([name for name in data.variables if first not in data[name].dims])
-            along.to_zarr(path, append_dim=first, consolidated=False, zarr_format=3)
-
-
-def slabs(plan: Plan) -> Iterator[tuple[int, int]]:
-    """Stretches of the first dimension that are written at a time."""
-    length, step = next(iter(plan.dimensions.values())), _step(plan)
-    for begin in range(0, length, step):
-        yield begin, min(begin + step, length)
-
-
-def _step(plan: Plan) -> int:
-    return max(1, _SLAB // math.prod(list(plan.dimensions.values())[1:]))
-
-
-def _slab(plan: Plan, along_axes: Along, rows: Callable[[int, int], Block], begin: int, end: int) -> xr.Dataset:
     import xarray as xr
+    import zarr
+    from zarr.codecs import Crc32cCodec, ZstdCodec
 
-    names = tuple(plan.dimensions)
-    shape = (end - begin, *list(plan.dimensions.values())[1:])
-    each = math.prod(shape[1:])
-    block = rows(begin * each, end * each)
-    data: dict[str, Any] = {}
-    for quantity in QUANTITIES:
-        attributes = {"long_name": quantity.meaning, "units": quantity.unit}
-        data[quantity.name] = (names, block.rows[quantity.name].reshape(shape), attributes)
-    texts = np.array([*block.reasons, ""], dtype=object)[block.rows["reason"]]
-    data["reason"] = (names, texts.reshape(shape), {"long_name": "why there is no answer; empty where there is one"})
-    return xr.Dataset(data, coords=_coordinates(plan, along_axes, names[0], begin, end))
+    aside = target / f"{_ASIDE}{DATA}"
+    xr.Dataset(coords=_coordinates(plan), attrs=said).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
+    group = zarr.open_group(aside, mode="r+")
+    described: list[tuple[str, str, str, dict[str, Any]]] = [
+        (each.name, each.kind, each.meaning, {"units": each.unit}) for each in QUANTITIES
+    ]
+    described.append(("reason", "string", "why there is no answer; empty where there is one", {}))
+    described.append((DONE, "bool", "whether the point has been computed", {}))
+    for name, kind, meaning, more in described:
+        group.create_array(
+            name,
+            shape=tuple(plan.dimensions.values()),
+            chunks=sides,
+            dtype=kind,
+            fill_value=np.nan if kind.startswith("f") else None,
+            dimension_names=list(plan.dimensions),
+            attributes=more | {"long_name": meaning},
+            compressors=[ZstdCodec(), Crc32cCodec()],
+        )
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Consolidated metadata")  # in no specification yet, but xarray looks for it
+        zarr.consolidate_metadata(aside)
+    if not (target / DATA).exists():
+        os.rename(aside, target / DATA)
+        return
+    for path in sorted(aside.rglob("*")):
+        if path.is_file():
+            place = target / DATA / path.relative_to(aside)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(path, place)
+    shutil.rmtree(aside)
 
 
-def _coordinates(plan: Plan, along_axes: Along, first: str, begin: int, end: int) -> dict[str, Any]:
+def _coordinates(plan: Plan) -> dict[str, Any]:
     """Values of the keys along their dimensions, and the speeds in rpm beside them."""
     units = {axis.name: axis.key.unit for axis in plan.axes}
     found: dict[str, Any] = {}
-    for name, (along, values) in along_axes.items():
-        mine = values[begin:end] if along == first else values
-        found[name] = (along, _array(mine), {"units": units[name]} if units[name] else {})
+    for name, (along, values) in plan.coordinates().items():
+        found[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
             from workflows.solve.results import rpm
 
-            found["rpm"] = (along, np.array([rpm(float(value)) for value in mine]), {"units": "rpm"})
+            found["rpm"] = (along, np.array([rpm(float(value)) for value in values]), {"units": "rpm"})
     return found
 
 
@@ -313,7 +308,7 @@ def opened_table(path: Path) -> xr.Dataset:
     """A data set that was written, read as it is asked for."""
     import xarray as xr
 
-    found = xr.open_dataset(path, engine="zarr", consolidated=False)
+    found = xr.open_dataset(path, engine="zarr")
     # Zarr lists its arrays in any order.
     data = {name: found[name].variable for name in (*(quantity.name for quantity in QUANTITIES), "reason")}
     coordinates = {name: found[name].variable for name in (*keys_of(found), "rpm")}
@@ -324,14 +319,3 @@ def keys_of(data: xr.Dataset) -> list[str]:
     """The keys that are varied, in the order of the plan."""
     found: list[str] = json.loads(data.attrs["keys"])
     return found
-
-
-def attributes(title: str, plan: Plan, identity: dict[str, Any], key: str) -> dict[str, str]:
-    """What a data set says of its origin."""
-    return {
-        "title": title,
-        "keys": json.dumps([axis.name for axis in plan.axes]),
-        "study": key,
-        "scene": json.dumps(identity["scene"], ensure_ascii=False, sort_keys=True),
-        "code": json.dumps(identity["code"], sort_keys=True),
-    }

@@ -13,32 +13,22 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from workflows.errors import BadInput
 from workflows.output import signals
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
-from workflows.studies.sweep import axes, evaluate, store
-from workflows.studies.sweep import executor as crew
-from workflows.studies.sweep import executor as fingerprint
-from workflows.studies.sweep import executor as kernels
-from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep import plan as scenes
-from workflows.studies.sweep import sensitivity as doubts
+from workflows.studies.sweep import axes, evaluate, executor, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import Block, PlateCache
-from workflows.studies.sweep.executor import Crew
+from workflows.studies.sweep.executor import Crew, crew_of
 from workflows.studies.sweep.plan import Plan
-from workflows.studies.sweep.store import Folder
+from workflows.studies.sweep.store import Folder, Region
 
 if TYPE_CHECKING:
     import xarray as xr
 
 LEAST, _MOST, _MANY = 256, 4096, 1024
-"""Points of a shard, and the number of shards above which they grow."""
-
-DATA = "sweep.zarr"
+"""Points of a block at most, and the number of blocks above which they grow."""
 
 _GOES_ON = "what is finished stays; the same command goes on"
 
@@ -64,17 +54,11 @@ class Study:
 
     @cached_property
     def size(self) -> int:
-        """Points of a shard."""
-        points, size = plans.size(self.plan), LEAST
+        """Points of a block at most."""
+        points, size = plan.size(self.plan), LEAST
         while size < _MOST and size * _MANY < points:
             size *= 2
         return size
-
-    @cached_property
-    def ranges(self) -> list[tuple[int, int]]:
-        """First point of every shard, and the one after its last."""
-        points = plans.size(self.plan)
-        return [(begin, min(begin + self.size, points)) for begin in range(0, points, self.size)]
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -85,9 +69,9 @@ class Study:
             "mesh_sha256": self.source.mesh_sha256,
             "plan": self.plan.identity(),
             "quick": self.quick,
-            "points": plans.size(self.plan),
-            "shard": self.size,
-            "code": fingerprint.identity(),
+            "points": plan.size(self.plan),
+            "block": self.size,
+            "code": executor.identity(),
         }
 
     @cached_property
@@ -95,6 +79,17 @@ class Study:
         """Digest of the identity."""
         canonical = json.dumps(self.identity, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
         return hashlib.sha256(canonical.encode()).hexdigest()
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What its data set says of its origin."""
+        texts = {name: json.dumps(each, ensure_ascii=False, sort_keys=True) for name, each in self.identity.items()}
+        keys = json.dumps([axis.name for axis in self.plan.axes])
+        return texts | {"title": self.source.scene.title, "keys": keys, "study": self.key}
+
+    def regions(self) -> list[Region]:
+        """Its points, block by block."""
+        return store.regions(self.plan, self.size)
 
 
 def asked(
@@ -122,56 +117,46 @@ def asked(
         raise BadInput(
             "nothing is varied: expected KEY=START:STOP:COUNT, such as damper.friction=0.1:0.5:9", key="--vary"
         )
-    scenes.base(source, [axis.key for axis in given])
+    plan.base(source, [axis.key for axis in given])
     speeds = source.scene.rotor.speeds
     if count is None:
-        return Study(source, plans.grid(given, speeds), quick, fingerprint.digest())
-    return Study(source, plans.sample(given, speeds, count, seed), quick, fingerprint.digest())
+        return Study(source, plan.grid(given, speeds), quick, executor.digest())
+    return Study(source, plan.sample(given, speeds, count, seed), quick, executor.digest())
 
 
 def _uncertain(
     source: SceneFile, vary: Mapping[str, object] | Iterable[str], count: int | None, seed: int, quick: bool
 ) -> Study:
     """The study from which percentiles and Sobol' indices are taken."""
-    given = doubts.axes(vary, source.scene)
-    scenes.base(source, [axis.key for axis in given])
-    plan = doubts.plan(given, source.scene.rotor.speeds, doubts.BASE if count is None else count, seed)
-    return Study(source, plan, quick, fingerprint.digest())
+    given = sensitivity.axes(vary, source.scene)
+    plan.base(source, [axis.key for axis in given])
+    points = sensitivity.plan(given, source.scene.rotor.speeds, sensitivity.BASE if count is None else count, seed)
+    return Study(source, points, quick, executor.digest())
 
 
-def compute(study: Study, number: int) -> Block:
-    """A shard's rows; what a worker does.
+def compute(study: Study, region: Region) -> Block:
+    """The rows of a region; what a worker does.
 
     Raises:
         BadInput: the worker has other code.
     """
-    fingerprint.same(study.code)
-    kernels.ready()
-    begin, end = study.ranges[number]
-    return evaluate.block(study.source, study.plan, begin, end, _plates, quick=study.quick)
-
-
-def crew_of(
-    workers: int | None = None, dask: str | None = None, executor: Executor | None = None
-) -> AbstractContextManager[Crew]:
-    """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
-    if executor is not None:
-        return crew.given(executor)
-    return crew.local(workers) if dask is None else crew.cluster(dask)
+    executor.same(study.code)
+    executor.ready()
+    return evaluate.block(study.source, study.plan, region.begin, region.end, _plates, quick=study.quick)
 
 
 def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stages: Stages) -> xr.Dataset:
-    """Compute what a folder lacks of a study, and put all of it together there.
+    """Compute what a folder lacks of a study, and open all of it.
 
     Raises:
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
-    with signals.going_on(_GOES_ON), store.opened(out, study.key, study.identity) as place:
+    with (
+        signals.going_on(_GOES_ON),
+        store.opened(out, study.plan, study.size, study.attributes) as place,
+    ):
         fill(study, place, hired, stages)
-        with stages("write"), store.writing(out), store.replaced(place.path / DATA) as aside:
-            said = store.attributes(study.source.scene.title, study.plan, study.identity, study.key)
-            store.write(study.plan, partial(rows, study, place), said, aside)
-        return store.opened_table(place.path / DATA)
+        return store.opened_table(place.path / store.DATA)
 
 
 def in_memory(study: Study, hired: AbstractContextManager[Crew], stages: Stages) -> xr.Dataset:
@@ -181,34 +166,19 @@ def in_memory(study: Study, hired: AbstractContextManager[Crew], stages: Stages)
 
 
 def fill(study: Study, place: Folder, hired: AbstractContextManager[Crew], stages: Stages) -> None:
-    """Compute the shards that are missing."""
-    there = place.done(study.ranges)
-    left = [number for number in range(len(study.ranges)) if number not in there]
-    with stages("sweep", len(study.ranges), done=len(there)) as step:
-        if not left:
+    """Compute the regions that are missing or damaged."""
+    regions = study.regions()
+    missing = [region for region in regions if not place.holds(region)]
+    points = plan.size(study.plan)
+    done = points - sum(region.end - region.begin for region in missing)
+    with stages("sweep", len(regions), done=len(regions) - len(missing)) as step:
+        if not missing:
             return
         with hired as workers:
-            done = len(there)
-            for number, block in crew.results(workers, partial(compute, study), left):
-                place.write(number, block)
-                done += 1
-                step.advance(f"{min(done * study.size, plans.size(study.plan))} of {plans.size(study.plan)} points")
-
-
-def rows(study: Study, place: Folder, begin: int, end: int) -> Block:
-    """The rows of the points from one to before another, out of the shards."""
-    first, last = begin // study.size, -(-end // study.size)
-    texts: list[str] = []
-    parts = []
-    for number in range(first, last):
-        block = place.read(number)
-        start, stop = max(begin - block.begin, 0), min(end - block.begin, len(block.rows))
-        part = block.rows[start:stop].copy()
-        texts += [text for text in block.reasons if text not in texts]
-        numbers = np.array([*(texts.index(text) for text in block.reasons), -1])
-        part["reason"] = np.take(numbers, part["reason"])
-        parts.append(part)
-    return Block(begin, np.concatenate(parts), tuple(texts))
+            for region, block in executor.results(workers, partial(compute, study), missing):
+                place.write(region, block)
+                done += region.end - region.begin
+                step.advance(f"{done} of {points} points")
 
 
 def sweep(
@@ -229,4 +199,4 @@ def sweep(
     study = asked(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
     hired, clock = crew_of(workers, dask, executor), stages or Stages()
     found = in_memory(study, hired, clock) if out is None else complete(study, Path(out), hired, clock)
-    return doubts.analysed(found, seed) if uncertain else found
+    return sensitivity.analysed(found, seed) if uncertain else found
