@@ -143,10 +143,7 @@ BREAKS = (
     ),
     Break(
         "wall friction has the wrong sign",
-        (
-            ("damper/impacts.py", "axis.w - way * change", "axis.w + way * change"),
-            ("damper/impacts.py", "axis.w - way * change", "axis.w + way * change"),
-        ),
+        (("damper/impacts.py", "axis.w - way * change", "axis.w + way * change"),),
     ),
     Break(
         "the rolling threshold is 1 % too high",

@@ -176,7 +176,7 @@ def test_no_plate_is_published_by_programs_that_fail(
 def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
     """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
     (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
-    tree = broken_kernels.copied(broken_kernels.ROOT, tmp_path, each)
+    tree = broken_kernels.broken_copy(tmp_path, each)
     ended, said, _ = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
     assert ended == "status 1", said
     assert "in the self-check of the compiled kernels" in said

@@ -112,6 +112,7 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     names |= {f"level_{name}" for name in ("amplitude", "damping_ratio")}
     names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
+    names |= {f"verdict_{name}" for name in _flat(point["verdict"])}
     with xr.open_dataset(finished / "results.nc", engine="h5netcdf") as data:
         assert set(data.variables) <= names
         assert names - set(data.variables) <= {"cycles", "energy", "branch", "error_parts"}

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import re
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -201,27 +200,21 @@ def _write_errors(results: Results, folder: Path) -> None:
 def write_netcdf(results: Results, path: Path) -> None:
     """All numbers of the run as one labelled data set, that of :func:`dataset`; h5netcdf writes it in half the time.
 
-    Raises:
-        OSError: the file system refuses, also where HDF5 says so in words of its own.
+    It is made in memory: HDF5 may end the process where a disk is full.
     """
     import h5netcdf
     import h5py
 
-    variables = _variables(results)
-    try:
-        with h5netcdf.File(path, "w") as file:
-            file.dimensions = _sizes(variables)
-            for name, (dims, values, attributes) in variables.items():
-                missing = np.nan if values.dtype.kind == "f" else None
-                kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
-                file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
-            file.attrs.update(_about(results))
-            keep(results, file)
-    except RuntimeError as error:
-        found = re.search(r"errno = (\d+)", str(error))
-        if found is None:
-            raise
-        raise OSError(int(found[1]), os.strerror(int(found[1]))) from error
+    variables, content = _variables(results), io.BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        file.dimensions = _sizes(variables)
+        for name, (dims, values, attributes) in variables.items():
+            missing = np.nan if values.dtype.kind == "f" else None
+            kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
+            file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
+        file.attrs.update(_about(results))
+        keep(results, file)
+    path.write_bytes(content.getbuffer())
 
 
 def dataset(results: Results) -> xr.Dataset:

@@ -519,7 +519,7 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
     page, out = render(found), Path(out)
     with store.replacing(out) as folder:
         (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        dataset(found).to_netcdf(folder / "response.nc", engine="h5netcdf")
+        (folder / "response.nc").write_bytes(dataset(found).to_netcdf(engine="h5netcdf"))  # HDF5 dies on a full disk
         write_csv(found, folder)
         campbell = plot.standalone(campbell_plot(found))
         (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
