@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from workflows.solve.results import Results
     from workflows.studies.design.report import Designed
     from workflows.studies.reproduction import Reproduction
-    from workflows.studies.response.results import Response
+    from workflows.studies.response.study import Response
     from workflows.studies.work_precision.effects import Switches
     from workflows.studies.work_precision.timing import WorkPrecision
 
@@ -83,25 +83,27 @@ def run(scene: SceneLike = DEFAULT) -> Results:
         NoAnswer: the physics has none.
         TypeError: it is no scene.
     """
-    from workflows import running
+    from workflows.report import text
 
-    return running.run(scene)
+    return text.run(scene)
 
 
 @lawful()
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
-    from workflows import pipeline, running
+    from workflows import pipeline
+    from workflows.report import text
 
-    return running.run(pipeline.plate_only(opened(scene)))
+    return text.run(pipeline.plate_only(opened(scene)))
 
 
 @lawful()
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
-    from workflows import pipeline, running
+    from workflows import pipeline
+    from workflows.report import text
 
-    return running.run(pipeline.at_one_speed(opened(scene), rpm))
+    return text.run(pipeline.at_one_speed(opened(scene), rpm))
 
 
 @lawful()
@@ -211,14 +213,14 @@ def design(
 
 def dataset(results: Results) -> xarray.Dataset:
     """The same numbers as labelled arrays; see :func:`workflows.dataset`."""
-    from workflows.results import files
+    from workflows.io import files
 
     return files.dataset(results)
 
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from workflows.studies.response.results import Response
+    from workflows.studies.response.study import Response
 
     if isinstance(results, Response):
         from workflows.studies.response import report as of_response

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from workflows.cli.main import main
-from workflows.looking import window
+from workflows.report import viewer
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -32,7 +32,7 @@ def test_an_example_runs(path, tmp_path, monkeypatch):
 def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     text = (DOCS / "tour.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(window, "there_is", lambda: False)
+    monkeypatch.setattr(viewer, "there_is", lambda: False)
     (scene,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")
@@ -82,12 +82,12 @@ ANSWERS = {
     "What is the verdict at a speed, and what bounds a damper?": [
         ("workflows/solve/limits.py", "def verdict("),
         ("workflows/solve/results.py", "class Verdict"),
-        ("workflows/findings/verdict.py", "def answer("),
+        ("workflows/report/verdict.py", "def answer("),
     ],
-    "Where does a sentence of the report come from?": [("workflows/findings/verdict.py", 'f"At its best')],
+    "Where does a sentence of the report come from?": [("workflows/report/verdict.py", 'f"At its best')],
     "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
     "What do I write for a new effect?": [
-        ("workflows/scene/rotor.py", "class Effects"),
+        ("workflows/scene/scene.py", "class Effects"),
         ("CONTRIBUTING.md", "workflows/effects/<key>.py"),
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],

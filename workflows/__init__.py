@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
+    from workflows.io.files import dataset
+    from workflows.io.serialise import document
     from workflows.report.page import load_results, save, save_report
-    from workflows.results.files import dataset
-    from workflows.results.serialise import document
-    from workflows.running import run
+    from workflows.report.text import run
     from workflows.scene.load import SceneFile, load, parse, shipped
     from workflows.scene.scene import Scene
     from workflows.solve.results import Results
@@ -34,12 +34,12 @@ _HOMES = {
     "Scene": "workflows.scene.scene",
     "SceneFile": "workflows.scene.load",
     "SpindampError": "workflows.errors",
-    "dataset": "workflows.results.files",
-    "document": "workflows.results.serialise",
+    "dataset": "workflows.io.files",
+    "document": "workflows.io.serialise",
     "load": "workflows.scene.load",
     "load_results": "workflows.report.page",
     "parse": "workflows.scene.load",
-    "run": "workflows.running",
+    "run": "workflows.report.text",
     "save": "workflows.report.page",
     "save_report": "workflows.report.page",
     "shipped": "workflows.scene.load",

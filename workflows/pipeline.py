@@ -9,9 +9,8 @@ from workflows.errors import BadInput, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
-from workflows.scene.rotor import FASTEST, typed
-from workflows.solve import damper as ringdowns
-from workflows.solve import limits, resources
+from workflows.scene.scene import FASTEST, typed
+from workflows.solve import damper, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle
 from workflows.solve.structure import StructureSolver, StructureState
@@ -45,7 +44,7 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
     if scene.damper is None:
         return state
     with read_from(state.source.name):
-        points = ringdowns.simulate(scene, state.effects, state.points, stages, middle(state.points))
+        points = damper.simulate(scene, state.effects, state.points, stages, middle(state.points))
     return replace(state, points=points)
 
 

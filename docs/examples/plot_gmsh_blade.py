@@ -9,10 +9,10 @@ First look at what is understood of the file.
 from pathlib import Path
 
 import spindamp
-from workflows.looking import view_data
+from workflows.report import viewer
 
 meshes = Path(spindamp.__file__).parent / "meshes"
-for name, words in view_data.sight_of_mesh(meshes / "plate_with_hole.msh").facts:
+for name, words in viewer.sight_of_mesh(meshes / "plate_with_hole.msh").facts:
     print(f"{name:15} {words}")
 
 # %%

@@ -7,7 +7,7 @@ f² goes with Ω² along a straight line.
 """
 
 import spindamp
-from workflows.results.crossings import crossings
+from workflows.solve.engine_orders import crossings
 
 scene = {
     "title": "A steel plate",

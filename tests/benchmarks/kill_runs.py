@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tests.limits import HANG
-from workflows.output.folder import MANIFEST
+from workflows.io.folder import MANIFEST
 from workflows.scene.load import SHIPPED
 
 TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in seconds: [^\n]*"}

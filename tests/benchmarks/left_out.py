@@ -14,7 +14,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from fem import Divergence, Effects, Material, NoEquilibrium, Plate, Rectangle, Rotor, assemble, solve_modes
-from workflows.effects import selection as effects
+from workflows.effects import selection
 from workflows.scene.scene import Scene
 
 COUNT = 6
@@ -73,7 +73,7 @@ def survey(seeds):
     """For each seed and effect left out: (seed, name, accuracy asked for, what it moves, why it was left out)."""
     for seed in seeds:
         scene = draw(seed)
-        decided = effects.resolve(scene)
+        decided = selection.resolve(scene)
         switches = Effects(**{name: decided[name].on for name in EFFECTS})
         out = [name for name in EFFECTS if not decided[name].on]
         found = frequencies(scene, switches) if out else None

@@ -27,7 +27,7 @@ import spindamp
 from damper import ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
 from tests.benchmarks.damper_speed import scene
-from workflows.results.serialise import dumps
+from workflows.io.serialise import dumps
 
 RUNS = 5
 TURNS = 15

@@ -9,7 +9,7 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN
-from workflows.findings.verdict import answer, known_within
+from workflows.report.verdict import answer, known_within
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")

@@ -15,9 +15,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed
-from workflows.findings import phrases
-from workflows.findings.verdict import answer
 from workflows.report import text as summary
+from workflows.report.remarks import BEYOND, BEYOND_MEANS, beyond
+from workflows.report.verdict import answer
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
@@ -323,7 +323,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     found = SimpleNamespace(scene=ruler.scene, surface=None)
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
-    assert phrases.beyond(by_deflection=limits.deflection_governs(found)).startswith(
+    assert beyond(by_deflection=limits.deflection_governs(found)).startswith(
         "bend the plate by over 25 % of its length"
     )
 
@@ -412,9 +412,9 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
     found = workflows.load_results(finished)
     assert [limits.is_beyond(found, point) for point in found.speeds] == [False, False, True, True, True, True, True]
     printed = summary.text(found, None)
-    marked = [line for line in printed.splitlines() if phrases.BEYOND in line]
+    marked = [line for line in printed.splitlines() if BEYOND in line]
     assert len(marked) == 6
-    assert phrases.BEYOND_MEANS in " ".join(printed.split())
+    assert BEYOND_MEANS in " ".join(printed.split())
     page = (finished / "report.html").read_text(encoding="utf-8")
-    assert page.count(f"{phrases.BEYOND}</td>") == 5
-    assert phrases.BEYOND_MEANS in page
+    assert page.count(f"{BEYOND}</td>") == 5
+    assert BEYOND_MEANS in page

@@ -12,7 +12,7 @@ import pytest
 from fem.meshes.planform import MeshError, check_mesh
 from tests.workflows.conftest import Scene, changed
 from workflows.errors import BadInput
-from workflows.findings import remarks
+from workflows.report import remarks
 from workflows.scene import quantities
 from workflows.scene.load import parse
 

@@ -10,8 +10,7 @@ import pytest
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.neglected_effects import bent
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import large_deflection as bending
-from workflows.effects import selection as effects
+from workflows.effects import large_deflection, selection
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import model_choice
@@ -48,7 +47,7 @@ def ell(folder: Path, rpm: float) -> SceneFile:
 def test_an_unsymmetric_planform_calls_for_it_at_stagger_0(tmp_path: Path, rpm: float, on: bool) -> None:
     """CalculiX: linear stiffening is off by 1.4 % at 3000 rpm, by 7 % at 6000, and so by 0.006 % at 200."""
     source = ell(tmp_path, rpm)
-    found = effects.of(source)["large_deflection"]
+    found = selection.of(source)["large_deflection"]
     assert found.on is on
     assert "rad" in found.why
     theory = model_choice.chosen_theory(source.scene, plate_mesh.planform(source), found.on)
@@ -58,8 +57,8 @@ def test_an_unsymmetric_planform_calls_for_it_at_stagger_0(tmp_path: Path, rpm: 
 
 def test_a_staggered_plate_that_hardly_bends_does_not(paper: Scene) -> None:
     staggered = changed(paper, rotor__stagger="45 deg", rotor__speeds=["3000 rpm"])
-    assert not effects.resolve(parse(staggered))["large_deflection"].on
-    assert effects.resolve(parse(changed(staggered, accuracy={"frequency": 1e-6})))["large_deflection"].on
+    assert not selection.resolve(parse(staggered))["large_deflection"].on
+    assert selection.resolve(parse(changed(staggered, accuracy={"frequency": 1e-6})))["large_deflection"].on
 
 
 def test_with_it_thin_plates_are_mindlins(paper: Scene) -> None:
@@ -83,9 +82,9 @@ def test_the_strain_alone_tells_enough(paper: Scene, nu: float, width: float, th
             rotor__speeds=speeds,
         )
     )
-    strain = bending.strain_of_a_flat_blade(given)
+    strain = large_deflection.strain_of_a_flat_blade(given)
     assert strain == pytest.approx(2e-3)
     material = Material(2e11, nu, 7850.0)
     found = bent(Plate(Rectangle(0.2, width).mesh(1), thickness, material), Rotor(hub), Effects(), tuple(speeds), 6)
     assert found is not None
-    assert 0.25 < found.shift / bending.moved_by_strain(given, 2e-3) < 1.0
+    assert 0.25 < found.shift / large_deflection.moved_by_strain(given, 2e-3) < 1.0

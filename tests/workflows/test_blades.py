@@ -12,9 +12,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import selection as effects
+from workflows.effects import selection
 from workflows.errors import BadInput
-from workflows.results import provenance
+from workflows.io import provenance
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import model_choice
@@ -80,7 +80,7 @@ def test_a_table_a_polynomial_and_a_field_of_the_same_taper(tmp_path: Path) -> N
 def test_a_resolved_scene_is_the_same_scene() -> None:
     for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL)):
         scene = parse(given)
-        decided = effects.resolve(scene)
+        decided = selection.resolve(scene)
         again = parse(tomllib.loads(provenance.as_toml(scene, decided, model_choice.chosen_theory(scene))))
         assert again.plate is not None
         assert scene.plate is not None
@@ -90,7 +90,7 @@ def test_a_resolved_scene_is_the_same_scene() -> None:
 def test_check_says_the_thickness(tmp_path: Path) -> None:
     source = SceneFile(parse(changed(TAPER, damper=BALL, release={"ratio": 0.3})), "scene", tmp_path)
     assert "# Thickness: 2 mm to 4 mm, 2 mm at the damper" in provenance.heading(source)
-    found = provenance.document(source, effects.resolve(source.scene), None)
+    found = provenance.document(source, selection.resolve(source.scene), None)
     assert found["thickness"] == pytest.approx({"least": 2e-3, "greatest": 4e-3, "damper": 2e-3})
     json.dumps(found, allow_nan=False)
 
@@ -219,7 +219,7 @@ def test_a_root_on_springs() -> None:
 
 def test_a_resolved_root_is_the_same_root() -> None:
     scene = parse(changed(TAPER, plate__root=ROOT))
-    again = parse(tomllib.loads(provenance.as_toml(scene, effects.resolve(scene), model_choice.chosen_theory(scene))))
+    again = parse(tomllib.loads(provenance.as_toml(scene, selection.resolve(scene), model_choice.chosen_theory(scene))))
     assert again.plate is not None
     assert again.plate.root is not None
     assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)
@@ -248,7 +248,7 @@ def test_a_cone_calls_for_large_deflection() -> None:
     """The load has a part across the plate, which bends it: at stagger 0 too; flat in the plane it does not."""
     exact = changed(TAPER, accuracy={"frequency": 1e-3})
     flat, coned = (parse(changed(exact, rotor__precone=angle)) for angle in ("0 deg", "4 deg"))
-    decided = [effects.resolve(scene)["large_deflection"] for scene in (flat, coned)]
+    decided = [selection.resolve(scene)["large_deflection"] for scene in (flat, coned)]
     assert [effect.on for effect in decided] == [False, True]
 
 

@@ -17,8 +17,8 @@ from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown, work
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.progress import Stages
-from workflows.scene import load as scene_file
-from workflows.scene.rotor import Accuracy
+from workflows.scene import load
+from workflows.scene.scene import Accuracy
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
@@ -106,7 +106,7 @@ def test_what_fails_stays_in_the_table() -> None:
 @pytest.fixture(scope="module")
 def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
-    source = scene_file.load("paper")
+    source = load.load("paper")
     plate = source.scene.plate
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
@@ -128,7 +128,7 @@ def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
     monkeypatch.setattr(studies, "FINEST", 1e-4)
-    source = scene_file.load("campbell")
+    source = load.load("campbell")
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
     with QUIET("pipeline", 3) as step:
         (ladder,), chosen = studies.pipeline_studies(
@@ -308,7 +308,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(studies, "SPEEDS", 7)
     monkeypatch.setattr(studies, "limits", lambda *_: {})
     monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
-    source = scene_file.load("paper").changed(damper=None, release=None)
+    source = load.load("paper").changed(damper=None, release=None)
     assert source.scene.plate is not None
     thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger
     for stagger, coriolis, words in (
@@ -374,7 +374,7 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
         else:
             counted = lambda *a, work=plain, name=name, **k: (calls.append(name), work(*a, **k))[1]  # noqa: E731
         monkeypatch.setattr(owner, name, counted)
-    source = scene_file.load("paper")
+    source = load.load("paper")
     switches = dict.fromkeys(OF_THE_PLATE, False) | {effect: on}
     switches["stress_stiffening"] |= effect == "large_deflection" and on
     effects = source.scene.effects.model_copy(update=switches)
@@ -562,7 +562,7 @@ def test_from_nothing_to_something_is_no_number() -> None:
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    rows = {row.effect: row for row in switching(scene_file.load("structure"), QUIET).rows}
+    rows = {row.effect: row for row in switching(load.load("structure"), QUIET).rows}
     on, off = rows["impact_friction"], rows["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
     assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)
@@ -577,7 +577,7 @@ def test_what_has_no_number_is_not_drawn_as_nothing() -> None:
 @pytest.mark.usefixtures("hasty")
 def test_effects_study_is_deterministic_but_for_times(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whether an effect is run once or in pairs that are timed."""
-    source = scene_file.load("structure")
+    source = load.load("structure")
     once = switching(source, QUIET).rows
     monkeypatch.setattr(timing, "PAIRS", 1)
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", timing.compared)

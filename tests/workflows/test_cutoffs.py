@@ -9,10 +9,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN, changed
-from workflows.findings import phrases
-from workflows.findings.remarks import remarks
 from workflows.report import page
 from workflows.report import text as summary
+from workflows.report.remarks import AT_REST, AT_REST_MEANS, remarks
 from workflows.solve import limits
 from workflows.solve.results import Results
 
@@ -57,19 +56,19 @@ def test_a_ring_down_without_a_cut_off_shows_the_one_of_a_ball_at_rest() -> None
     found, loads = at(3, 3500, 10000), [(rpm * math.pi / 30) ** 2 * 0.2 / 9.80665 for rpm in (3500, 10000)]
     assert [point.damping.cutoff_g for point in found.speeds] == [None, None]
     for (g, ratio), load in zip(cells(found), loads, strict=True):
-        assert ratio == f"0.100{phrases.AT_REST}"
-        assert float(g.removesuffix(phrases.AT_REST).replace("\u2009", "")) == pytest.approx(0.1 * load, rel=2e-3)
-    assert phrases.AT_REST_MEANS in _joined(summary.text(found, None))
+        assert ratio == f"0.100{AT_REST}"
+        assert float(g.removesuffix(AT_REST).replace("\u2009", "")) == pytest.approx(0.1 * load, rel=2e-3)
+    assert AT_REST_MEANS in _joined(summary.text(found, None))
     whole = at("auto", 3500, 10000)
-    assert not any(phrases.AT_REST in cell for row in cells(whole) for cell in row)
-    assert phrases.AT_REST_MEANS not in _joined(summary.text(whole, None))
+    assert not any(AT_REST in cell for row in cells(whole) for cell in row)
+    assert AT_REST_MEANS not in _joined(summary.text(whole, None))
 
 
 def test_the_page_shows_the_same() -> None:
     found = at(3, 3500)
     (row,) = page._tabulated(found)["rows"]
     assert row["cutoff"] == limits.cutoff(found, found.speeds[0])
-    assert phrases.AT_REST_MEANS in page._tabulated(found)["at_rest"]
+    assert AT_REST_MEANS in page._tabulated(found)["at_rest"]
 
 
 def test_no_load_has_no_cut_off() -> None:
@@ -85,4 +84,4 @@ def test_every_speed_whose_ring_down_was_cut_off_is_named() -> None:
         ((0, 2), "At 3500 rpm (2740 g) and 7500 rpm (12580 g)"),
     ):
         (said,) = (note for note in remarks(capped(found, *which)) if CAP in note)
-        assert said == f"{where} {CAP}: the cut-offs marked {phrases.AT_REST} are those of a ball at rest."
+        assert said == f"{where} {CAP}: the cut-offs marked {AT_REST} are those of a ball at rest."

@@ -12,10 +12,10 @@ from tests.workflows.conftest import Scene, changed
 from workflows.effects import selection
 from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput
-from workflows.findings.remarks import assumptions
 from workflows.pipeline import run
+from workflows.report.remarks import assumptions
 from workflows.scene.load import parse
-from workflows.scene.rotor import Effects
+from workflows.scene.scene import Effects
 
 SHARED = {"definition", "selection"}
 """What several effects share."""

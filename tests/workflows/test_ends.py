@@ -15,8 +15,8 @@ from tests.benchmarks.kill_runs import Trial, contents, ended
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
-from workflows.output import folder
-from workflows.output.signals import Terminated
+from workflows.io import folder
+from workflows.io.folder import Terminated
 from workflows.scene.load import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
@@ -135,7 +135,7 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
     code = (
         "import os, signal, sys\nfrom workflows import cli\nfrom workflows.cli import commands\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "import workflows.results.provenance as r\nold = r.as_toml\n"
+        "import workflows.io.provenance as r\nold = r.as_toml\n"
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
         "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
     )
@@ -279,7 +279,7 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
     code = """
 import sys
 from pathlib import Path
-from workflows.output import folder as store
+from workflows.io import folder as store
 me = sys.argv[2]
 for turn in range(40):
     with store.replacing(Path(sys.argv[1])) as scratch:

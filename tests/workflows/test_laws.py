@@ -21,7 +21,7 @@ from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Outcome, changed, write
 from workflows.cli.main import main
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
-from workflows.solve import self_check
+from workflows.solve import structure
 from workflows.studies.sweep import executor
 
 SCENE = changed(KNOWN, rotor__speeds=["9000 rpm"], title="wrong")
@@ -143,20 +143,20 @@ def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.Monkey
 
 @pytest.fixture
 def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    monkeypatch.setattr(self_check, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
-    self_check.plates.cache_clear()
+    monkeypatch.setattr(structure, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
+    structure.plates.cache_clear()
     yield tmp_path / "plates.0.checked"
-    self_check.plates.cache_clear()
+    structure.plates.cache_clear()
 
 
 def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[int] = []
     monkeypatch.setattr("fem.sweep.reference.check", lambda: ran.append(1))
     for _ in range(2):
-        self_check.plates()
+        structure.plates()
     assert (ran, new_machine.exists()) == ([1], True)
-    self_check.plates.cache_clear()
-    self_check.plates()
+    structure.plates.cache_clear()
+    structure.plates()
     assert ran == [1]
 
 

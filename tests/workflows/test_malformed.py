@@ -20,8 +20,7 @@ from tests.limits import HANG
 from tests.workflows.conftest import Outcome, toml
 from workflows.scene.load import SHIPPED, key_name
 from workflows.scene.quantities import Table
-from workflows.scene.rotor import Effects
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Effects, Scene
 
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""

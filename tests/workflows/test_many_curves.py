@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 import workflows
 from tests.workflows.conftest import KNOWN, changed
+from workflows.io.files import Curve
 from workflows.report import figures, plots
-from workflows.results.files import Curve
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")

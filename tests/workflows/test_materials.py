@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.effects import selection as effects
+from workflows.effects import selection
 from workflows.errors import BadInput
-from workflows.results import provenance
+from workflows.io import provenance
 from workflows.scene.load import parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
@@ -82,7 +82,7 @@ def test_check_and_results_show_the_numbers_with_their_source(
 def test_a_name_has_the_hash_of_its_numbers(paper: Scene) -> None:
     def digest(scene: Scene) -> str:
         given = parse(scene)
-        return provenance.scene_sha256(Results(given, effects.resolve(given), speeds=()))
+        return provenance.scene_sha256(Results(given, selection.resolve(given), speeds=()))
 
     numbers = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
     by_density = changed(paper, damper__mass_ratio=None, damper__ball_density="7850 kg/m^3", material=numbers)
@@ -170,7 +170,7 @@ def test_wrong_materials(changes: dict[str, object], key: str, message: str, pap
 
 def test_the_resolved_scene_has_no_names(paper: Scene) -> None:
     scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material="lead"))
-    plain = provenance.resolved_scene(scene, effects.resolve(scene), None)
+    plain = provenance.resolved_scene(scene, selection.resolve(scene), None)
     assert "name" not in plain["material"]
     assert "ball_material" not in plain["damper"]
     assert plain["damper"]["ball_density"] == 11_300.0

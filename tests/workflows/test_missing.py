@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 import workflows
 from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
-from workflows.findings import remarks
 from workflows.progress import Stages
+from workflows.report import remarks
 from workflows.scene.load import opened
 from workflows.solve import limits
 from workflows.solve.results import Reduced

@@ -18,9 +18,9 @@ import pytest
 import spindamp
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.output import folder as store
+from workflows.io import files
+from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.report import page
-from workflows.results import files
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -172,7 +172,7 @@ def test_save(damper: Results, plate: Results, tmp_path: Path, monkeypatch: pyte
     assert workflows.save(damper, "out") == tmp_path / "out"
     assert workflows.save(plate, Path("out")) == tmp_path / "out"
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names >= store.ALWAYS_OURS
+    assert names >= ALWAYS_OURS
     assert any(re.fullmatch(files.FILES, name) for name in names)
     assert list(tmp_path.iterdir()) == [tmp_path / "out"]
     document = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
@@ -193,7 +193,7 @@ def test_a_saved_run_is_that_of_the_command(tmp_path: Path, spindamp: Any) -> No
         document = json.loads((tmp_path / folder / "results.json").read_text(encoding="utf-8"))
         del document["timings"]
         (tmp_path / folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
-    texts = ("results.json", store.MANIFEST)
+    texts = ("results.json", MANIFEST)
     for name in texts:
         assert (tmp_path / "one" / name).read_text() == (tmp_path / "two" / name).read_text()
 

@@ -21,14 +21,12 @@ import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, measured_quickly, write
 from workflows.report import figures as figures_of
-from workflows.report import mode_picture, mode_viewer
-from workflows.report import page as report
-from workflows.report import plots as plot
+from workflows.report import mode_picture, mode_viewer, plots
+from workflows.report.page import Drawings, draw, render
 from workflows.scene.load import SceneLike
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
-from workflows.studies.work_precision import effects_report
-from workflows.studies.work_precision import report as costs_report
+from workflows.studies.work_precision import effects_report, report
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
@@ -41,7 +39,7 @@ class Drawn:
     """A run, the pictures of its report, and the figures that they came from, laid out as they were drawn."""
 
     results: Results
-    pictures: report.Drawings
+    pictures: Drawings
     figures: list[Any]
 
 
@@ -49,14 +47,14 @@ class Drawn:
 def captured() -> Iterator[list[Any]]:
     """The figures that are drawn, as matplotlib has them; of dampers whose curves are measured quickly."""
     drawn: list[Any] = []
-    kept = plot.svg
+    kept = plots.svg
 
     def keep(figure: Any, *rest: Any, **options: Any) -> str:
         drawn.append(figure)
         return kept(figure, *rest, **options)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plot, "svg", keep)
+        patch.setattr(plots, "svg", keep)
         patch.setattr(damper_stage, "figures", measured_quickly)
         yield drawn
 
@@ -71,7 +69,7 @@ def drawn_by(captured: list[Any], work: Callable[[], object]) -> list[Any]:
 def drawn(captured: list[Any], scene: SceneLike) -> Drawn:
     captured.clear()
     results = workflows.run(scene)
-    pictures = report.draw(results)
+    pictures = draw(results)
     assert captured
     return Drawn(results, pictures, list(captured))
 
@@ -100,7 +98,7 @@ def spinning_up(captured: list[Any]) -> Drawn:
 @pytest.fixture(scope="module")
 def page_of_it(spinning_up: Drawn) -> str:
     """Its report."""
-    return report.render(spinning_up.results, spinning_up.pictures)
+    return render(spinning_up.results, spinning_up.pictures)
 
 
 @pytest.fixture(scope="module")
@@ -160,9 +158,9 @@ def costs(captured: list[Any]) -> list[Any]:
     """What accuracy and effects cost."""
 
     def work() -> None:
-        costs_report.study_plot(SHORT, "ladder0", 1e-3)
-        costs_report.study_plot(LADDER, "ladder1", 1e-3)
-        costs_report.overview([LADDER, LADDER], 1e-3)
+        report.study_plot(SHORT, "ladder0", 1e-3)
+        report.study_plot(LADDER, "ladder1", 1e-3)
+        report.overview([LADDER, LADDER], 1e-3)
         effects_report.draw(EFFECTS)
 
     return drawn_by(captured, work)
@@ -181,7 +179,7 @@ def odd(captured: list[Any]) -> Drawn:
 @pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])
 def figures(request: pytest.FixtureRequest) -> Iterator[list[Any]]:
     found = request.getfixturevalue(request.param)
-    with plot.style():  # labels are made anew where they are asked for
+    with plots.style():  # labels are made anew where they are asked for
         yield list(found.figures if isinstance(found, Drawn) else found)
 
 
@@ -416,7 +414,7 @@ def test_every_plate_shows_its_mesh(
     taken = {} if damped else {"damper": None, "release": None}
     scene = changed(paper, rotor__speeds=["3500 rpm"], rotor__modes=1, accuracy__frequency=0.05, **taken)
     assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", "out").status == 0
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "html").read_text(encoding="utf-8")
     figures = re.findall(r'<svg[^>]*aria-label="Mesh of the plate from above[^>]*>.*?</svg>', page, re.S)
     assert len(figures) == 1
     for figure in figures:
@@ -439,9 +437,9 @@ def study() -> WorkPrecision:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    costs_report.write(study(), folder / "accuracy")
+    report.write(study(), folder / "accuracy")
     effects_report.write(EFFECTS, folder / "effects")
-    return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
+    return {name: folder / name / "html" for name in ("accuracy", "effects")}
 
 
 def test_pages_and_files_have_one_drawing(pages: dict[str, Path]) -> None:

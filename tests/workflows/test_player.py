@@ -17,8 +17,9 @@ from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.workflows.browser import driven, needs_chromium, printed
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.report import ball_player, figures
-from workflows.results import files
+from workflows.io import files
+from workflows.report import figures
+from workflows.report import page as ball_player
 from workflows.solve import damper as ball_path
 from workflows.solve.results import BallPath, Results
 

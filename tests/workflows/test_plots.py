@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import workflows
+from workflows.io import files
 from workflows.report import plots
-from workflows.results import files
 
 
 @pytest.fixture(scope="module")

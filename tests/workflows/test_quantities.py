@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import workflows
-from workflows.results import serialise
+from workflows.io import serialise
 from workflows.scene import quantities
 from workflows.scene.load import load
 from workflows.solve.results import Results, SpeedPoint
@@ -22,7 +22,7 @@ HOUSE = Path(workflows.__file__).parent
 
 def test_published_schema_is_that_of_the_records() -> None:
     published = (HOUSE / "results.schema.json").read_text(encoding="utf-8")
-    assert published == serialise.text(), "python -m workflows.results.serialise"
+    assert published == serialise.text(), "python -m workflows.io.serialise"
 
 
 def test_every_quantity_has_a_unit_and_a_meaning() -> None:

@@ -14,8 +14,8 @@ import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows.report import mode_viewer
-from workflows.results import crossings
 from workflows.scene.load import parse
+from workflows.solve import engine_orders
 
 TEMPLATES = Path(workflows.__file__).parent / "templates"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -196,5 +196,5 @@ def test_forces_that_a_run_leaves_out_are_said(finished: Path, document: dict[st
 
 def test_a_diagram_has_the_orders_of_its_scene(paper: Scene) -> None:
     scene = parse(changed(paper, excitation__orders=[5, 2]))
-    assert crossings.orders(scene) == (1, 2, 3, 4, 5, 6, 8, 12, 16)
-    assert crossings.orders(scene.model_copy(update={"excitation": None})) == crossings.ENGINE_ORDERS
+    assert engine_orders.orders(scene) == (1, 2, 3, 4, 5, 6, 8, 12, 16)
+    assert engine_orders.orders(scene.model_copy(update={"excitation": None})) == engine_orders.ENGINE_ORDERS

@@ -17,8 +17,8 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome, Scene, changed, write
-from workflows.effects import selection as effects
-from workflows.results import provenance
+from workflows.effects import selection
+from workflows.io import provenance
 from workflows.scene.load import parse
 from workflows.solve.results import Results
 
@@ -70,7 +70,7 @@ def test_the_hash_can_be_checked_with_other_means(document: dict[str, Any]) -> N
 
 def _hash(scene: Scene) -> str:
     given = parse(scene)
-    return provenance.scene_sha256(Results(given, effects.resolve(given), speeds=()))
+    return provenance.scene_sha256(Results(given, selection.resolve(given), speeds=()))
 
 
 def test_a_scene_has_one_hash_however_it_is_written(structure: Scene) -> None:

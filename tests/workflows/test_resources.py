@@ -19,8 +19,8 @@ from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import load, shipped
 from workflows.solve import resources
-from workflows.solve import structure as plate
 from workflows.solve.model_choice import choose_model, model
+from workflows.solve.structure import discretise
 
 GB = 1e9
 PLAIN = {"coriolis": False, "large_deflection": False, "structural_modes": False, "floor_tilt": False}
@@ -147,7 +147,7 @@ def test_first_meshes_too_large_are_refused_before_any_is_solved(
     monkeypatch.setattr("fem.assemble", begun)
     monkeypatch.setattr(resources, "available", lambda: 3.5e8)
     with pytest.raises(BadInput, match=r"\[rotor\] modes = 100: this needs about .* ask for fewer modes"):
-        plate.discretise(source, decided, Stages(visible=False))
+        discretise(source, decided, Stages(visible=False))
 
 
 def test_the_same_scene_passes_where_there_is_room(
@@ -177,7 +177,7 @@ def test_a_plate_grows_no_further_than_the_memory(
     monkeypatch.setattr(
         resources, "available", lambda: resources.BASE + others + resources.of_a_plate(name, most, 6) + 1
     )
-    choice = plate.discretise(source, decided, quiet).choice
+    choice = discretise(source, decided, quiet).choice
     assert 1000 < choice.operators.mass.shape[0] <= most
     assert not choice.met
 
@@ -297,7 +297,7 @@ def test_check_says_sizes(
     assert found["modes"] == alone["rotor"].get("modes", 6)
     source = load(scene)
     decided = choose_model(source, Stages(visible=False))
-    tried = plate.discretise(source, decided, Stages(visible=False)).choice.tried
+    tried = discretise(source, decided, Stages(visible=False)).choice.tried
     form = decided.plate[0]
     counted = [resources.unknowns(model(source, decided), form.mesh(size)) for size, _ in tried]
     assert found["unknowns"] in counted

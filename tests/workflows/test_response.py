@@ -16,14 +16,14 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from tests.workflows.browser import findings, needs_axe, needs_chromium
 from workflows.errors import BadInput
-from workflows.findings import phrases
 from workflows.progress import Stages
-from workflows.results import crossings
+from workflows.report import remarks
 from workflows.scene.load import opened, schema
 from workflows.scene.scene import Excitation
+from workflows.solve import engine_orders
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.design import objectives
-from workflows.studies.response import report, results, study
+from workflows.studies.response import report, study
 from workflows.studies.response.study import FEW_SPEEDS, respond
 
 STRUCTURE = """
@@ -77,7 +77,7 @@ def test_a_known_structure(known):
     hertz = 200 * math.sqrt(1.01)
     assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
     assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
-    weak, strong = results.rows(known)
+    weak, strong = study.rows(known)
     assert (weak.force, strong.force) == (2.0, 20.0)
     omega = 2 * math.pi * hertz
     assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
@@ -89,7 +89,7 @@ def test_a_known_structure(known):
 
 
 def test_the_short_way_stands_beside(known):
-    for row in results.rows(known):
+    for row in study.rows(known):
         assert abs(row.difference) < 0.02
 
 
@@ -144,7 +144,7 @@ def test_a_moving_base():
     """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
     one = respond(read(changed('force = ["20 N", "2 N"]', 'base = "2 m/s^2"')))
     same = respond(read(changed('force = ["20 N", "2 N"]', 'force = "2 N"')))
-    (base,), (force,) = results.rows(one), results.rows(same)
+    (base,), (force,) = study.rows(one), study.rows(same)
     assert base.without == pytest.approx(force.without, rel=1e-9)
     assert base.mean == pytest.approx(1.01 * force.mean, rel=1e-9)  # on the ball too
 
@@ -203,7 +203,7 @@ def test_crossings_beyond_the_speeds():
             )
             for rpm in (low, high)
         ]
-        found = crossings.beyond(points, order)
+        found = engine_orders.beyond(points, order)
         if share > order**2:
             assert found is None
         else:
@@ -233,7 +233,7 @@ def test_crossings_between_few_speeds_are_exact():
         )
         for rpm in (500.0, 9000.0)
     )
-    (met,) = crossings.of_points(points, [k, 1])
+    (met,) = engine_orders.of_points(points, [k, 1])
     turns = f0 / math.sqrt(k**2 - share)
     assert met.rpm == pytest.approx(60 * turns, rel=1e-12)
     assert met.frequency_hz == pytest.approx(k * turns, rel=1e-12)
@@ -321,7 +321,7 @@ orders = [3]
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (21, FEW_SPEEDS)
-    (row,) = results.rows(found)
+    (row,) = study.rows(found)
     omega = 2 * math.pi * through.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
@@ -344,7 +344,7 @@ def test_a_floor_tuned_to_the_order():
         assert old in text
         text = text.replace(old, new)
     found = respond(read(text))
-    (row,) = results.rows(found)
+    (row,) = study.rows(found)
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
     assert report.sentences(found)[0].startswith("Yes: at order 3 the ball takes up to")
@@ -353,22 +353,22 @@ def test_a_floor_tuned_to_the_order():
 @pytest.mark.usefixtures("undrawn")
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
     """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
-    weak, strong = results.rows(known)
+    weak, strong = study.rows(known)
     monkeypatch.setattr(report, "HELPS", max(weak.ratio, strong.ratio))
     assert report.sentences(known)[0].startswith("Yes: at order 3 the ball takes up to")
-    assert phrases.BEYOND not in report.text(known)
-    monkeypatch.setattr(results, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
+    assert remarks.BEYOND not in report.text(known)
+    monkeypatch.setattr(study, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said, crossing = report.sentences(known)
     assert "Hz: the ball helps at 2 N, taking up to" in crossing
     assert said.startswith("Yes, up to 2 N at order 3: the ball takes up to")
     assert said.endswith("Larger forces are more than the plate endures.")
-    marked = [line for line in report.text(known).splitlines() if phrases.BEYOND in line]
+    marked = [line for line in report.text(known).splitlines() if remarks.BEYOND in line]
     assert [line.split()[4] for line in marked[:-1]] == ["20"]
-    assert marked[-1] == f"{phrases.BEYOND_MEANS}."
+    assert marked[-1] == f"{remarks.BEYOND_MEANS}."
     written = report.render(known)
-    assert written.count(phrases.BEYOND) == 2
-    assert phrases.BEYOND_MEANS in written
-    monkeypatch.setattr(results, "endured", lambda *_: weak.greatest / 2)
+    assert written.count(remarks.BEYOND) == 2
+    assert remarks.BEYOND_MEANS in written
+    monkeypatch.setattr(study, "endured", lambda *_: weak.greatest / 2)
     assert report.sentences(known)[0].startswith("No: at order 3 the ball does not help")
 
 

@@ -16,9 +16,9 @@ import pytest
 import workflows
 from tests.workflows.conftest import Outcome, Scene, changed, write
 from workflows import pipeline
-from workflows.effects import selection as effects
+from workflows.effects import selection
+from workflows.io import provenance
 from workflows.progress import Stages
-from workflows.results import provenance
 from workflows.scene import plate_mesh
 from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
 from workflows.solve import model_choice
@@ -135,7 +135,7 @@ def test_mesh_is_beside_the_scene(paper: Scene, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", shipped())
 def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
     scene = load(name).scene
-    decided, theory = effects.resolve(scene), model_choice.chosen_theory(scene)
+    decided, theory = selection.resolve(scene), model_choice.chosen_theory(scene)
     again = parse(provenance.resolved_scene(scene, decided, theory))
     assert again.model_copy(update={"effects": scene.effects, "plate": scene.plate}) == scene
 
@@ -189,28 +189,28 @@ def test_shipped_scenes_meet_the_published_schema(name: str, published: dict[str
 
 
 def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
-    decided = effects.resolve(parse(changed(paper, effects=None)))
+    decided = selection.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
     plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
     assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes"}
     assert all(effect.why for effect in decided.values())
 
-    still = effects.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
+    still = selection.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
     on = {name for name, effect in still.items() if effect.on}
     assert on == {"rotary_inertia", "impact_friction", "structural_modes"}
 
     one = changed(paper, effects=None, rotor__modes=1)
-    assert effects.resolve(parse(one))["spin_softening"].on  # cross-sections turn across the axis
-    assert effects.resolve(parse(changed(one, rotor__stagger="90 deg")))["spin_softening"].on
+    assert selection.resolve(parse(one))["spin_softening"].on  # cross-sections turn across the axis
+    assert selection.resolve(parse(changed(one, rotor__stagger="90 deg")))["spin_softening"].on
 
-    smooth = effects.resolve(parse(changed(structure, damper__friction=0, damper__rolling_friction=0)))
+    smooth = selection.resolve(parse(changed(structure, damper__friction=0, damper__rolling_friction=0)))
     assert not any(effect.on for effect in smooth.values())
 
 
 def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
-    assert effects.resolve(parse(changed(paper, rotor__stagger="45 deg")))["large_deflection"].on
+    assert selection.resolve(parse(changed(paper, rotor__stagger="45 deg")))["large_deflection"].on
     slower = changed(paper, rotor__stagger="90 deg", rotor__speeds=["10000 rpm"])
-    assert not effects.resolve(parse(slower))["large_deflection"].on
+    assert not selection.resolve(parse(slower))["large_deflection"].on
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
 def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rpm: float, on: bool, moved: str) -> None:
     """It lowers the lag mode at 17500 rpm by 0.43 %; a rule without modes says 0.5; with the square of the speed."""
     scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], accuracy={"frequency": accuracy})
-    effect = effects.resolve(parse(scene))["coriolis"]
+    effect = selection.resolve(parse(scene))["coriolis"]
     assert effect.on is on
     assert moved in effect.why
 
@@ -236,10 +236,10 @@ def test_coriolis_is_called_for_where_modes_nearly_coincide(paper: Scene, thickn
     steel = {"youngs_modulus": 2e11, "poissons_ratio": 0.3, "density": 7850}
     scene = changed(paper, damper=None, release=None, material=steel, plate__theory="auto", plate__thickness=thickness)
     scene = changed(scene, rotor__speeds=["8000 rpm"], rotor__hub_radius=hub, rotor__stagger="90 deg")
-    effect = effects.resolve(parse(scene))["coriolis"]
+    effect = selection.resolve(parse(scene))["coriolis"]
     assert effect.on
     assert moved in effect.why
-    assert not effects.resolve(parse(changed(scene, rotor__modes=1)))["coriolis"].on
+    assert not selection.resolve(parse(changed(scene, rotor__modes=1)))["coriolis"].on
 
 
 def test_what_is_left_out_moves_no_frequency_by_more_than_the_accuracy() -> None:
@@ -254,13 +254,13 @@ def test_the_length_of_a_mesh_is_read() -> None:
     source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
     form = plate_mesh.planform(source)
     assert form.sides[0] == pytest.approx(0.25)
-    assert "asked for" in effects.resolve(source.scene, source.name, form)["coriolis"].why
+    assert "asked for" in selection.resolve(source.scene, source.name, form)["coriolis"].why
     with pytest.raises(ValueError, match="planform of a plate from a mesh is needed"):
-        effects.resolve(source.scene)
+        selection.resolve(source.scene)
 
 
 def test_switches_override_the_rules(paper: Scene) -> None:
-    decided = effects.resolve(parse(changed(paper, effects={"stress_stiffening": False, "spin_softening": True})))
+    decided = selection.resolve(parse(changed(paper, effects={"stress_stiffening": False, "spin_softening": True})))
     assert not decided["stress_stiffening"].on
     assert "switched off by the scene" in decided["stress_stiffening"].why
     assert decided["spin_softening"].why == "asked for by the scene"
@@ -268,19 +268,19 @@ def test_switches_override_the_rules(paper: Scene) -> None:
 
 def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
     off = {"stress_stiffening": False}
-    bent = effects.resolve(parse(changed(paper, rotor__stagger="30 deg", effects=off)))["large_deflection"]
+    bent = selection.resolve(parse(changed(paper, rotor__stagger="30 deg", effects=off)))["large_deflection"]
     assert (bent.on, bent.why) == (False, "stress_stiffening is off, of which it is a part")
-    on = effects.resolve(parse(changed(paper, rotor__speeds=[0], effects={"large_deflection": True})))
+    on = selection.resolve(parse(changed(paper, rotor__speeds=[0], effects={"large_deflection": True})))
     assert on["large_deflection"].on
     assert on["stress_stiffening"].on
 
 
 def test_nothing_spins_is_the_reason_at_rest(paper: Scene) -> None:
     still = changed(paper, rotor__speeds=[0], rotor__stagger="30 deg")
-    decided = effects.resolve(parse(still))
+    decided = selection.resolve(parse(still))
     for name in ("stress_stiffening", "spin_softening", "coriolis", "large_deflection"):
         assert (decided[name].on, decided[name].why) == (False, "nothing spins")
-    asked = effects.resolve(parse(changed(still, effects__coriolis=True)))["coriolis"]
+    asked = selection.resolve(parse(changed(still, effects__coriolis=True)))["coriolis"]
     assert (asked.on, asked.why) == (True, "asked for by the scene, although nothing spins")
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import workflows
-from workflows.results import serialise
+from workflows.io import serialise
 
 SCENE = """
 title = "staggered"

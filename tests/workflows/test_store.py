@@ -16,9 +16,9 @@ import pytest
 from tests.limits import HANG
 from tests.workflows.conftest import Outcome
 from workflows.errors import BadInput
-from workflows.output import folder as folders
-from workflows.output import folder as store
-from workflows.results import files
+from workflows.io import files
+from workflows.io import folder as folders
+from workflows.io.folder import MANIFEST, _prefix, check, replacing
 
 
 def _fill(folder: Path, text: str, *names: str) -> None:
@@ -27,18 +27,18 @@ def _fill(folder: Path, text: str, *names: str) -> None:
 
 
 def _publish(folder: Path, text: str, *names: str) -> None:
-    with store.replacing(folder) as scratch:
+    with replacing(folder) as scratch:
         _fill(scratch, text, *names)
 
 
 def _publish_and_raise(folder: Path, error: Exception) -> None:
-    with store.replacing(folder) as scratch:
+    with replacing(folder) as scratch:
         _fill(scratch, "half", "results.json")
         raise error
 
 
 def _content(folder: Path) -> dict[str, str]:
-    return {path.name: path.read_text() for path in folder.iterdir() if path.name != store.MANIFEST}
+    return {path.name: path.read_text() for path in folder.iterdir() if path.name != MANIFEST}
 
 
 def test_new_results_replace_old_ones(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_without_an_atomic_exchange(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_two_runs_in_one_folder(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with store.replacing(out) as first:
+    with replacing(out) as first:
         _fill(first, "first", "results.json")
         _publish(out, "second", "results.json")
     assert _content(out) == {"results.json": "first"}
@@ -127,7 +127,7 @@ def test_places_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.chdir(tmp_path / "here")
     for place in (tmp_path / "file", tmp_path / "file" / "below", Path(), Path(".."), Path("/")):
         with pytest.raises(BadInput, match="--out"):
-            store.check(place)
+            check(place)
     assert (tmp_path / "file").read_text() == "mine"
 
 
@@ -144,7 +144,7 @@ def test_a_folder_without_permission(tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
     try:
         with pytest.raises(BadInput, match="cannot be written"):
-            store.check(tmp_path / "out")
+            check(tmp_path / "out")
     finally:
         tmp_path.chmod(0o755)
 
@@ -160,8 +160,8 @@ def test_a_full_disk(tmp_path: Path) -> None:
 WRITER = """
 import sys, time
 from pathlib import Path
-from workflows.output import folder as store
-with store.replacing(Path(sys.argv[1])) as scratch:
+from workflows.io import folder as store
+with replacing(Path(sys.argv[1])) as scratch:
     (scratch / "results.json").write_text("half")
     print("writing", flush=True)
     time.sleep(60)
@@ -190,7 +190,7 @@ def test_what_another_run_writes_stays(tmp_path: Path) -> None:
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait(HANG)
     out = tmp_path / "out"
-    alive, dead = (tmp_path / f"{store._prefix(out)}{number}-abc" for number in (os.getpid(), ended.pid))
+    alive, dead = (tmp_path / f"{_prefix(out)}{number}-abc" for number in (os.getpid(), ended.pid))
     alive.mkdir()
     dead.mkdir()
     _publish(out, "new", "results.json")

@@ -15,8 +15,7 @@ from tests.workflows.browser import findings_if_any
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load
 from workflows.studies.sweep import axes, report, study
-from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep import plan as scenes
+from workflows.studies.sweep.plan import base, grid, of_a_point, sample, with_values
 
 G = 9.80665
 
@@ -127,8 +126,8 @@ def test_every_key_of_the_schema_is_known():
 def scene_with(name, **values):
     source = load(name)
     found = {axes.find(key.replace("__", "."), "--vary"): value for key, value in values.items()}
-    data = scenes.with_values(scenes.base(source, list(found)), found)
-    return scenes.of_a_point(source, data, source.scene.rotor.speeds).scene
+    data = with_values(base(source, list(found)), found)
+    return of_a_point(source, data, source.scene.rotor.speeds).scene
 
 
 def test_a_value_takes_the_place_of_what_says_the_same():
@@ -145,12 +144,12 @@ def test_clearances_add_to_the_diameter():
 def test_what_is_not_varied_stays():
     for name in ("paper", "structure", "printed"):
         source = load(name)
-        assert scenes.of_a_point(source, scenes.base(source, []), source.scene.rotor.speeds).scene == source.scene
+        assert of_a_point(source, base(source, []), source.scene.rotor.speeds).scene == source.scene
 
 
 def test_a_sample_is_the_sobol_sequence():
     given = axes.read(["damper.friction=0:1", "damper.radius=log:0.1 mm:1 mm"], G)
-    plan = plans.sample(given, (100.0, 200.0), 64, seed=7)
+    plan = sample(given, (100.0, 200.0), 64, seed=7)
     shares = {axis.name: k for k, axis in enumerate(plan.drawn)}
     expected = qmc.Sobol(2, scramble=True, rng=7).random(64)
     every = plan.columns(0, 128)
@@ -163,7 +162,7 @@ def test_a_sample_is_the_sobol_sequence():
 
 def test_a_grid_puts_plates_first_and_speeds_last():
     given = axes.read(["damper.friction=0,1", "damper.mass_ratio=0.1,0.2", "plate.thickness=5 mm,6 mm"], G)
-    names = list(plans.grid(given, (1.0, 2.0)).dimensions)
+    names = list(grid(given, (1.0, 2.0)).dimensions)
     assert names == ["plate.thickness", "damper.mass_ratio", "damper.friction", "rotor.speeds"]
 
 

@@ -14,7 +14,7 @@ import xarray as xr
 import zarr
 
 from workflows.errors import BadInput
-from workflows.output import signals
+from workflows.io import folder
 from workflows.progress import Stages
 from workflows.studies.sweep import evaluate, store, study
 from workflows.studies.sweep import executor as crew
@@ -105,7 +105,7 @@ def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypa
         patch.setattr(zarr.Array, "__setitem__", stopped)
         with pytest.raises(KeyboardInterrupt):
             complete(asked, tmp_path / "out")
-    assert signals.again() == "what is finished stays; the same command goes on"
+    assert folder.again() == "what is finished stays; the same command goes on"
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
     coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
@@ -116,9 +116,9 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     first = Here(stops=4)
     with pytest.raises(KeyboardInterrupt):
         complete(asked, tmp_path / "out", first, size=1)
-    assert signals.again() == "what is finished stays; the same command goes on"
-    with signals.heard(to_the_end=False):
-        assert signals.again().endswith("starts over")
+    assert folder.again() == "what is finished stays; the same command goes on"
+    with folder.heard(to_the_end=False):
+        assert folder.again().endswith("starts over")
     blocks = finished(tmp_path / "out") // 2
     assert 0 < blocks < 4
     second = Here()

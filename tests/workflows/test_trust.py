@@ -8,7 +8,7 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows.findings import remarks
+from workflows.report import remarks
 from workflows.solve.results import Results
 
 

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from tests.workflows.browser import driven, needs_chromium
-from workflows.results import crossings
-from workflows.results.crossings import ENGINE_ORDERS
+from workflows.solve import engine_orders
+from workflows.solve.engine_orders import ENGINE_ORDERS
 
 SHOWN = 6e-6
 """Relative rounding of what six digits show."""
@@ -32,20 +32,20 @@ def titles(page: Path, name: str) -> list[str]:
 def test_crossings_of_a_mode_that_keeps_its_shape_are_exact(order: int, f0: float, share: float) -> None:
     """f² = f0² + s (Ω/2π)² and f = k Ω/2π give Ω/2π = f0 / √(k² - s), wherever k² > s."""
     if order**2 <= share:
-        meeting = crossings._meeting(order, (0.0, f0), (60_000.0, math.hypot(f0, 1000 * math.sqrt(share))))
+        meeting = engine_orders._meeting(order, (0.0, f0), (60_000.0, math.hypot(f0, 1000 * math.sqrt(share))))
         assert meeting is None
         return
     exact = 60 * f0 / math.sqrt(order**2 - share)
     for low, high in ((0.0, 3 * exact), (0.9 * exact, 1.5 * exact)):
         ends = [(rpm, math.sqrt(f0**2 + share * (rpm / 60) ** 2)) for rpm in (low, high)]
-        assert crossings._meeting(order, *ends) == pytest.approx(exact, rel=1e-12)
+        assert engine_orders._meeting(order, *ends) == pytest.approx(exact, rel=1e-12)
     beyond = [(rpm, math.sqrt(f0**2 + share * (rpm / 60) ** 2)) for rpm in (1.1 * exact, 2 * exact)]
-    assert crossings._meeting(order, *beyond) is None
+    assert engine_orders._meeting(order, *beyond) is None
 
 
 def test_a_crossing_at_a_speed_of_the_run_is_counted_once() -> None:
     points = [(0.0, 100.0), (6000.0, 100.0), (9000.0, 100.0)]
-    met = [crossings._meeting(1, *pair) for pair in pairwise(points)]
+    met = [engine_orders._meeting(1, *pair) for pair in pairwise(points)]
     assert [rpm for rpm in met if rpm is not None] == [pytest.approx(6000.0)]
 
 
@@ -150,5 +150,5 @@ def test_results_without_modes_have_no_crossings(finished: Path) -> None:
 
     scene = load("structure").scene
     results = Results(scene=scene, effects={}, speeds=(SpeedPoint(0.0, 0.0, 0.1, 0.0),))
-    assert crossings.crossings(results) == []
-    assert crossings.crossings(dataclasses.replace(results, speeds=())) == []
+    assert engine_orders.crossings(results) == []
+    assert engine_orders.crossings(dataclasses.replace(results, speeds=())) == []

@@ -20,8 +20,7 @@ from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
 from workflows.cli.main import main
-from workflows.looking import view_data, window
-from workflows.report import figures, mode_viewer
+from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
 from workflows.scene.load import SHIPPED
 
@@ -33,7 +32,7 @@ View = Callable[..., Outcome]
 
 @pytest.fixture(autouse=True)
 def _no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(window, "there_is", lambda: False)
+    monkeypatch.setattr(viewer, "there_is", lambda: False)
 
 
 @pytest.fixture
@@ -98,8 +97,8 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     speed = document["speeds"][2]
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
-    found = view_data.of(str(finished))
-    data = json.loads(window.view(found, 2, 2).data)
+    found = viewer.of(str(finished))
+    data = json.loads(viewer.view(found, 2, 2).data)
     assert data["first"] == [2, 2]
     assert [each["rpm"] for each in data["speeds"]] == [each["rpm"] for each in document["speeds"]]
     shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
@@ -168,10 +167,10 @@ def test_results_without_a_plate(spindamp: View) -> None:
 
 
 def test_a_window_draws_frames_and_closes(finished: Path) -> None:
-    found = view_data.of(str(finished))
+    found = viewer.of(str(finished))
     done = subprocess.run(
-        [sys.executable, *window.COMMAND, "3"],
-        input=window.archive(found, 0, 0, "a plate"),
+        [sys.executable, *viewer.COMMAND, "3"],
+        input=viewer.archive(found, 0, 0, "a plate"),
         capture_output=True,
         timeout=HANG,
         check=False,
@@ -183,9 +182,9 @@ def test_a_window_draws_frames_and_closes(finished: Path) -> None:
 
 
 def test_a_window_goes_through_modes_and_speeds(finished: Path, document: dict[str, Any]) -> None:
-    found = view_data.of(str(finished))
-    with np.load(io.BytesIO(window.archive(found, 2, 1, "a plate"))) as archive:
-        shown = window.Shown(dict(archive))
+    found = viewer.of(str(finished))
+    with np.load(io.BytesIO(viewer.archive(found, 2, 1, "a plate"))) as archive:
+        shown = viewer.Shown(dict(archive))
     speeds = document["speeds"]
     assert shown.counts == (len(speeds), len(speeds[0]["modes"]))
 
@@ -236,15 +235,15 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
-    sight = view_data.of(str(turning))
+    sight = viewer.of(str(turning))
     kept = load_results(turning).surface
     assert kept is not None
     assert kept.behind is not None
     assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
-    data = json.loads(window.view(sight).data)
+    data = json.loads(viewer.view(sight).data)
     assert data["behind"]
-    with np.load(io.BytesIO(window.archive(sight, 0, 0, "a plate"))) as archive:
-        shown = window.Shown(dict(archive))
+    with np.load(io.BytesIO(viewer.archive(sight, 0, 0, "a plate"))) as archive:
+        shown = viewer.Shown(dict(archive))
     for number in range(3):
         shown.pick(0, number)
         in_phase, late = (shown.places(angle) - shown.given["points"] for angle in (0.0, np.pi / 2))
@@ -257,8 +256,8 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
 def test_where_the_window_fails_there_is_the_page(
     monkeypatch: pytest.MonkeyPatch, spindamp: View, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(window, "there_is", lambda: True)
-    monkeypatch.setattr(window, "COMMAND", ["-c", "import os; os.abort()"])
+    monkeypatch.setattr(viewer, "there_is", lambda: True)
+    monkeypatch.setattr(viewer, "COMMAND", ["-c", "import os; os.abort()"])
     outcome = spindamp("view", MESHES / "plate_coarse.msh")
     assert outcome.status == 0
     assert "open spindamp-view-plate-coarse-msh.html" in outcome.out
@@ -268,7 +267,7 @@ def test_where_the_window_fails_there_is_the_page(
 @needs_chromium
 def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     path = tmp_path / "page.html"
-    window.write(view_data.of(str(MESHES / "plate_with_hole.msh")), path)
+    viewer.write(viewer.of(str(MESHES / "plate_with_hole.msh")), path)
     script = """
     const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
     const copy = document.createElement('canvas').getContext('2d');
@@ -296,7 +295,7 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
 @needs_chromium
 @needs_axe
 def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
-    for number, sight in enumerate((view_data.of(str(turning)), view_data.of(str(MESHES / "plate_with_hole.msh")))):
+    for number, sight in enumerate((viewer.of(str(turning)), viewer.of(str(MESHES / "plate_with_hole.msh")))):
         path = tmp_path / f"{number}.html"
-        window.write(sight, path)
+        viewer.write(sight, path)
         assert findings(path) == []

@@ -9,11 +9,10 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN
-from workflows.findings import phrases
-from workflows.findings.phrases import stretch
-from workflows.findings.remarks import assumptions
-from workflows.findings.verdict import answer
+from workflows.report import remarks
 from workflows.report import text as summary
+from workflows.report.remarks import assumptions, stretch
+from workflows.report.verdict import answer
 from workflows.solve import limits
 from workflows.solve.results import Results
 
@@ -115,9 +114,9 @@ def test_rows_without_a_verdict_are_marked() -> None:
     found = at(0, 100, 3500)
     heads, *rows = summary.rows(found)
     column = heads.index("ball ζ %")
-    assert [row[column].endswith(phrases.NO_VERDICT) for row in rows] == [True, True, False]
-    assert phrases.NO_VERDICT_MEANS in summary.text(found, None)
-    assert phrases.NO_VERDICT_MEANS not in summary.text(at(3500), None)
+    assert [row[column].endswith(remarks.NO_VERDICT) for row in rows] == [True, True, False]
+    assert remarks.NO_VERDICT_MEANS in summary.text(found, None)
+    assert remarks.NO_VERDICT_MEANS not in summary.text(at(3500), None)
 
 
 def test_a_stretch_of_speeds() -> None:

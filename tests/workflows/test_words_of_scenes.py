@@ -34,7 +34,7 @@ def test_a_range_is_quoted_as_it_was_typed(typed):
 
 def test_the_weight_left_out_is_said(structure):
     from workflows import pipeline
-    from workflows.findings import remarks
+    from workflows.report import remarks
 
     for rpm, said in (("0 rpm", True), ("4000 rpm", False)):
         scene = changed(structure, rotor__speeds=[rpm], release__cycles=2)

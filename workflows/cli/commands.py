@@ -235,7 +235,7 @@ def view(
 
     In a window where there is a screen, else as a page, whose name is printed.
     """
-    from workflows.looking import view_data, window
+    from workflows.report import viewer
     from workflows.report.page import writable
     from workflows.scene.load import slug
 
@@ -245,21 +245,21 @@ def view(
             raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
         if not target.parent.is_dir():
             raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))
-    data = view_data.of(what, rpm)
-    first, number = view_data.chosen(data, rpm, mode)
+    data = viewer.of(what, rpm)
+    first, number = viewer.chosen(data, rpm, mode)
     if json:
         if out is not None:
-            window.write(data, out, first, number)
+            viewer.write(data, out, first, number)
         _print_json({"title": data.title, **data.numbers})
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
-    if out is None and window.there_is() and window.shown(data, first, number, data.title):
+    if out is None and viewer.there_is() and viewer.shown(data, first, number, data.title):
         return
-    if remark := window.thinned(window.view(data, first, number)):
+    if remark := viewer.thinned(viewer.view(data, first, number)):
         typer.echo(remark)
     path = out or Path(f"spindamp-view-{slug(data.title)}.html")
-    window.write(data, path, first, number)
+    viewer.write(data, path, first, number)
     typer.echo(f"\nopen {path}")
 
 
@@ -268,7 +268,7 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a scene; print it resolved, with the effects it calls for and why, and the sizes of a run."""
-    from workflows.results import provenance
+    from workflows.io import provenance
     from workflows.solve import resources
     from workflows.solve.model_choice import choose_model, model
 
@@ -301,11 +301,10 @@ def _load(scene: str) -> SceneFile:
 def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     from workflows import pipeline
-    from workflows.findings.remarks import remarked
-    from workflows.output import folder
+    from workflows.io import files, folder, serialise
     from workflows.report import text
     from workflows.report.mode_viewer import Artist
-    from workflows.results import files, serialise
+    from workflows.report.remarks import remarked
     from workflows.solve import resources
     from workflows.solve.results import middle
 
@@ -344,7 +343,7 @@ def _study(
     solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
 ) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned."""
-    from workflows.output import folder
+    from workflows.io import folder
 
     if out is not None:
         folder.check(out, report.FILES)
@@ -400,10 +399,10 @@ def _version(asked: bool) -> None:
 
 def _self_check(asked: bool) -> None:
     if asked:
-        from workflows.solve import self_check
+        from workflows.solve import structure
 
         _announce_compiler()
-        lines, passed = self_check.report()
+        lines, passed = structure.report()
         typer.echo("\n".join(lines))
         raise typer.Exit(0 if passed else 1)
 

@@ -13,8 +13,8 @@ import signal
 import sys
 
 from workflows.errors import SpindampError, lawful, one_line
-from workflows.output import signals
-from workflows.output.signals import Terminated
+from workflows.io import folder
+from workflows.io.folder import Terminated
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
 
@@ -25,24 +25,24 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments is None:
         _collect_seldom()
     try:
-        with signals.heard(to_the_end=arguments is None):
+        with folder.heard(to_the_end=arguments is None):
             return _run(arguments)
     except KeyboardInterrupt:
-        return _fail(f"stopped; {signals.again()}", STOPPED)
+        return _fail(f"stopped; {folder.again()}", STOPPED)
     except Terminated as error:
-        return _fail(f"ended by {error}; {signals.again()}", 128 + signal.Signals[str(error)])
+        return _fail(f"ended by {error}; {folder.again()}", 128 + signal.Signals[str(error)])
 
 
 def _run(arguments: list[str] | None) -> int:
     try:
-        with signals.to_blame():
+        with folder.to_blame():
             import typer
 
             from workflows.cli.commands import app
     except ImportError as error:
         return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
-        with lawful(), signals.to_blame():
+        with lawful(), folder.to_blame():
             status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
         if status == STOPPED:  # some versions of typer swallow a Ctrl-C
             raise KeyboardInterrupt

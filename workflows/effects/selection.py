@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from workflows.effects.definition import Called, Case, Definition, Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
-from workflows.scene.rotor import Effects
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Effects, Scene
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform

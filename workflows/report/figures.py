@@ -10,16 +10,16 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant
+from workflows.io import files
+from workflows.io.files import Curve
+from workflows.io.serialise import quantities
 from workflows.report import plots
 from workflows.report.mode_viewer import Indices
 from workflows.report.plots import Value
-from workflows.results import files
-from workflows.results.crossings import crossings, orders
-from workflows.results.files import Curve
-from workflows.results.serialise import quantities
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
+from workflows.solve.engine_orders import crossings, orders
 from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:

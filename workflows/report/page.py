@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import os
 import secrets
 from collections.abc import Callable, Iterator, Mapping
@@ -11,20 +12,65 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from workflows import formatting
 from workflows.errors import BadInput
-from workflows.findings import phrases, remarks, verdict
-from workflows.output import folder as store
+from workflows.io import files, provenance, serialise
+from workflows.io.folder import check, replacing
+from workflows.io.provenance import hashes, versions
 from workflows.progress import Stages
-from workflows.report import ball_player, figures, mode_viewer, plots
+from workflows.report import figures, mode_viewer, plots, remarks, verdict
 from workflows.report.mode_viewer import Artist, Picture, View
 from workflows.report.text import shown
-from workflows.results import files, provenance, serialise
-from workflows.results.crossings import Crossing, crossings
-from workflows.results.provenance import hashes, versions
 from workflows.scene import paper
 from workflows.solve import limits
-from workflows.solve.results import Results, SpeedPoint, expect, middle
+from workflows.solve.engine_orders import Crossing, crossings
+from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, expect, middle
+
+_WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
+"""Kinds of event that are told; the release and the rubbing that belongs to a hit are not."""
+
+_STOPS = {"reversal": "comes to rest", "hit": "hits the wall and stays"}
+"""The same where the ball rests in the cavity afterwards."""
+
+
+def data(results: Results) -> str:
+    """The player's data as JSON that may stand in a page; nothing where no ball moved."""
+    found, given = figures.path_shown(results), results.scene.damper
+    if found is None or given is None:
+        return ""
+    path, point = found
+    begin = float(path.t[0])
+    told: dict[str, Any] = {
+        "begin": 1e3 * begin,
+        "t": mode_viewer.base64_of((1e3 * (path.t - begin)).astype("<f4")),
+        "frequency": 1e-3 * figures.frequency(point),
+        "radius": 1e3 * given.radius,
+        "ball": _packed(path.ball),
+        "structure": _packed(path.structure),
+        "moving": [files.moving(path.ball), files.moving(path.structure)],
+        "regime": "".join(str(3 * a + b) for a, b in path.regime.tolist()),
+        "events": events(path),
+    }
+    return json.dumps(told, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def events(path: BallPath) -> list[tuple[int, str, int]]:
+    """What happens: at which time of the path, in words, along which axis (1 or 2)."""
+    found = []
+    for at, kind, axis in zip(path.at.tolist(), path.kind, path.axis.tolist(), strict=True):
+        words = _STOPS if path.regime[at, axis] == 0 and kind in _STOPS else _WORDS
+        if kind in words:
+            found.append((at, words[kind], axis + 1))
+    return found
+
+
+def _packed(motion: Floats) -> dict[str, Any]:
+    """Places (n, 2) in mm as 16-bit integers of the largest, one axis after the other."""
+    largest = float(np.abs(motion).max())
+    return {"largest": 1e3 * largest, "places": mode_viewer.shorts(motion.T, largest)}
+
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -120,9 +166,9 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
         "air": limits.AIR,
         "endured": limits.endured(results),
-        "beyond": phrases.beyond(by_deflection=limits.deflection_governs(results)),
-        "marks": phrases.legend(results),
-        "at_rest": phrases.cutoff_legend(results),
+        "beyond": remarks.beyond(by_deflection=limits.deflection_governs(results)),
+        "marks": remarks.legend(results),
+        "at_rest": remarks.cutoff_legend(results),
     }
 
 
@@ -135,7 +181,7 @@ def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
         "fast": any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
         "bands": any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
         "shown": next((p for p in results.speeds if p.damping and p.damping.history), None),
-        "playing": ball_player.data(results) if drawings.figures["path"] else "",
+        "playing": data(results) if drawings.figures["path"] else "",
         "playing_script": script("player.js"),
         "stretch": _stretch(results),
     }
@@ -195,9 +241,9 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "point": point,
         "frequency": verdict.first_frequency(point),
         "paper": paper.row(results.scene, point.load_g),
-        "mark": phrases.mark(results, point),
+        "mark": remarks.mark(results, point),
         "cutoff": limits.cutoff(results, point),
-        "cutoff_mark": phrases.cutoff_mark(results, point),
+        "cutoff_mark": remarks.cutoff_mark(results, point),
         "share": limits.energy_loss(point.working.peak) if point.working else 0.0,
         "damping": point.damping,
         "lost": None if point.damping is None else remarks.lost_at_most(point.damping),
@@ -241,7 +287,7 @@ def save(results: Results, folder: str | os.PathLike[str]) -> Path:
     expect(results, "save")
     out = _path("save", "folder", folder)
     try:
-        target = store.check(out, files.FILES)
+        target = check(out, files.FILES)
         with artist(results) as drawing:
             publish(results, out, Stages(visible=False, spent=results.timings), drawing)
     except BadInput as error:
@@ -345,7 +391,7 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
     Raises:
         BadInput: `out` cannot be written.
     """
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         with stages("write"):
             files.write_csv(results, folder)
             files.write_netcdf(results, folder / "results.nc")

@@ -9,14 +9,19 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.errors import one_line
-from workflows.findings import phrases, remarks, verdict
+from workflows import pipeline
+from workflows.errors import lawful, one_line
 from workflows.formatting import amount, fixed, percent, revolutions, significant
+from workflows.progress import Stages
+from workflows.report import remarks, verdict
+from workflows.report.remarks import remarked
+from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
 if TYPE_CHECKING:
     from workflows.report.figures import Plots
+
 
 _MODES_AT_MOST = 8
 _ROWS_AT_MOST = 12
@@ -29,7 +34,7 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
     parts += ["", *_aligned(rows(results))]
-    legend = [*phrases.cutoff_legend(results), *phrases.legend(results)] if results.scene.damper is not None else []
+    legend = [*remarks.cutoff_legend(results), *remarks.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
     if results.notes and out is None:
         parts.append("")
@@ -69,7 +74,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
     cutoff = limits.cutoff(results, point)
-    at_rest = phrases.cutoff_mark(results, point)
+    at_rest = remarks.cutoff_mark(results, point)
     return (
         amount(point.rpm),
         amount(point.load_g),
@@ -77,7 +82,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         amount(cutoff.g) + at_rest,
         fixed(cutoff.ratio, 3) + at_rest,
         percent(remarks.lost_at_most(damping), 3),
-        significant(100 * figures.peak if figures else 0.0) + phrases.mark(results, point),
+        significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
@@ -144,3 +149,18 @@ def _head(results: Results) -> str:
 
 def _row(kind: str, cells: tuple[str, ...]) -> str:
     return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+
+@lawful()
+def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Shown:
+    """The whole of a run with its remarks, nothing written.
+
+    Args:
+        scene: the name of a shipped scene, the path of a file, a dict, a Scene or what `load` returns.
+        stages: the clock to go by, if not one of its own.
+
+    Raises:
+        ImpossibleResult: a figure violates a law of physics.
+        BadInput, NoAnswer, TypeError: see :func:`workflows.pipeline.run`.
+    """
+    return shown(remarked(pipeline.run(scene, stages)))

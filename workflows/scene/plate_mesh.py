@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.scene import damper as cavity
+from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
 from workflows.scene.plate import disproportion, extremes, thickness_at
 from workflows.scene.scene import Scene
@@ -266,7 +266,7 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
     if plate is None or damper is None:
         return
     thickness = plate_thickness(plate, at, form)
-    odd = cavity.misfit(damper, thickness, float(width), float(reach), room(mesh, at))
+    odd = misfit(damper, thickness, float(width), float(reach), room(mesh, at))
     if odd is not None:
         value = getattr(damper, odd[0])
         value = list(value) if isinstance(value, tuple) else value

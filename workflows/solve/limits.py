@@ -1,6 +1,6 @@
 """What bounds a damper, in numbers: the plate's strength, the floor's friction, the ball's density; and its verdict.
 
-No sentence is made here: :mod:`workflows.findings` has them.
+No sentence is made here: the report has them.
 """
 
 from __future__ import annotations

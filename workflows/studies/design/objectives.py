@@ -19,24 +19,21 @@ from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.formatting import whole
 from workflows.progress import Stages
-from workflows.results import crossings
-from workflows.results.crossings import Crossing
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import FLAT, Excitation, Scene
-from workflows.solve import coupling, limits
-from workflows.solve import damper as damper_stage
+from workflows.solve import coupling, engine_orders, limits
+from workflows.solve.damper import particle_damper
+from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
 from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
 from workflows.studies.response import study
-from workflows.studies.response.results import HELPS
-from workflows.studies.response.study import across, checked, shaken
-from workflows.studies.sweep import axes as keys
+from workflows.studies.response.study import HELPS, across, checked, shaken
 from workflows.studies.sweep import evaluate
-from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.axes import Axis, Spread
+from workflows.studies.sweep.axes import Axis, Spread, find
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, Reasons, measured
+from workflows.studies.sweep.plan import size
 
 if TYPE_CHECKING:
     from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
@@ -235,7 +232,7 @@ def crossing_objective(
     if excitation is None or (modes is not None and study.idle_structure(modes, excitation)):
         return None
     kept = None if modes is None else study.kept(point, modes)
-    system = damper_stage.particle_damper(scene, effects, point, kept)
+    system = particle_damper(scene, effects, point, kept)
     harmonic = study.harmonic_of(system, crossing, point, excitation, max(excitation.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
 
@@ -492,9 +489,9 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     points = across(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
-    met = crossings.of_points(points, excitation.orders)
+    met = engine_orders.of_points(points, excitation.orders)
     if not met:
-        raise crossings.unmet(points, excitation.orders, source.name)
+        raise engine_orders.unmet(points, excitation.orders, source.name)
     alone = []
     for crossing in met:
         (point,) = solver.at([crossing.omega]).points
@@ -550,7 +547,7 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
 
 def _axis(name: str, given: tuple[Any, ...]) -> Axis:
     """A pair is a range, any other list a choice; a ball is drawn by its radius."""
-    key = keys.find(name, "[design]")
+    key = find(name, "[design]")
     values = [math.inf if value == FLAT else value for value in given]
     if name == "damper.radius":
         values = [value / 2 for value in values]
@@ -565,7 +562,7 @@ def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> 
     """The designs at rows of shares; `quick` where a few percent do not count."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
-    rows, reasons = evaluate.empty(plans.size(plan)), Reasons()
+    rows, reasons = evaluate.empty(size(plan)), Reasons()
     placed: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
         placed[each.number // speeds].append(each)

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from workflows import formatting
-from workflows.findings import phrases
 from workflows.formatting import significant, whole
-from workflows.output import folder as store
-from workflows.report import plots as plot
+from workflows.io.folder import replacing
+from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
@@ -24,14 +23,13 @@ from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
 from workflows.studies.design.space import NAMES, Found, Scored, Space
-from workflows.studies.response import report, results
-from workflows.studies.response.results import Response
+from workflows.studies.response import report, study
+from workflows.studies.response.study import Response
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep import report as maps
 from workflows.studies.sweep.axes import Spread
 from workflows.studies.sweep.evaluate import PlateCache, Reasons, measured
-from workflows.studies.sweep.report import Picture
+from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -130,7 +128,7 @@ def draw(found: Designed) -> list[Picture]:
             pictures.append(_picture(partial(_curves, goal, curves), _OF_CURVES))
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
-            shades = maps.map_spread(len(through.forces) + 1)[:-1]
+            shades = map_spread(len(through.forces) + 1)[:-1]
             drawn = partial(report.response, found.response, through, str(number), shades)
             pictures.append(_picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
@@ -140,7 +138,7 @@ def draw(found: Designed) -> list[Picture]:
 
 
 def _picture(draw: Callable[[], str], caption: str) -> Picture:
-    with plot.style():
+    with plots.style():
         return Picture(draw(), caption)
 
 
@@ -161,8 +159,8 @@ _OF_THE_MAP = (
 
 
 def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
-    figure, (axes,) = plot.canvas(3.1)
-    colours = maps.map_spread(len(curves) + 1)
+    figure, (axes,) = plots.canvas(3.1)
+    colours = map_spread(len(curves) + 1)
     for curve, colour in zip(curves, colours, strict=False):
         shown = curve.working.damping_ratio > 0
         at, ratio = curve.working.amplitude[shown], curve.working.damping_ratio[shown]
@@ -170,38 +168,38 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
         grid = np.geomspace(goal.low, goal.high, 30)
         bound = [objectives.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
-    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
-    plot.legend(figure, axes, title="speed")
-    return plot.svg(figure, "best", "Damping ratio of the best damper over amplitude")
+    plots.legend(figure, axes, title="speed")
+    return plots.svg(figure, "best", "Damping ratio of the best damper over amplitude")
 
 
 def _map(found: Designed, grid: Grid) -> str:
     of_damping = isinstance(found.space.goal, LeastDamping)
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
-    figure, (axes,) = plot.canvas(3.4)
+    figure, (axes,) = plots.canvas(3.4)
     xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
     values = factor * grid.values
-    levels = maps.contour_levels([values]) if of_damping else maps.contour_levels([values], least=0.0)
-    colours = maps.map_spread(len(levels) - 1)
+    levels = contour_levels([values]) if of_damping else contour_levels([values], least=0.0)
+    colours = map_spread(len(levels) - 1)
     axes.contourf(
         xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours if of_damping else colours[::-1]
     )
     if grid.beyond.any():
-        maps.hatch(axes, xs, ys, grid.beyond)
+        hatch(axes, xs, ys, grid.beyond)
     best = found.space.values(found.found.shares)
     at = _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y])
-    maps.mark(axes, *at)
-    scales: dict[str, Any] = {"xscale": maps.scale(grid.xs), "yscale": maps.scale(grid.ys)}
+    mark(axes, *at)
+    scales: dict[str, Any] = {"xscale": scale(grid.xs), "yscale": scale(grid.ys)}
     axes.set(xlabel=_label(grid.x), ylabel=_label(grid.y), **scales)
     axes.grid(visible=False)
     idle = "beyond a limit" if grid.beyond.any() else ""
-    maps.colour_key(figure, levels, colours if of_damping else colours[::-1], name, idle=idle)
-    return plot.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
+    colour_key(figure, levels, colours if of_damping else colours[::-1], name, idle=idle)
+    return plots.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
 
 
 def _shown(name: str, value: Any) -> Any:
@@ -381,15 +379,15 @@ def obstacle(scored: Scored) -> str:
     if why is None:
         return ""
     at = f"at {whole(why.rpm)} rpm" if math.isfinite(why.rpm) else ""
-    endured = phrases.beyond(by_deflection=why.kind == "deflection")
+    endured = remarks.beyond(by_deflection=why.kind == "deflection")
     return {
         "held": "the load holds the ball at rest",
         "lossless": "the ball takes nothing",
         "useless": "the ball does not help",
         "undriven": "nothing drives the damper's place at the crossings",
         "limit": f"beyond the limit of {why.text}",
-        "weight": f"{at} {phrases.WEIGHT}",
-        "root_stress": phrases.torn_at(why.rpm, why.value) if why.kind == "root_stress" else "",
+        "weight": f"{at} {remarks.WEIGHT}",
+        "root_stress": remarks.torn_at(why.rpm, why.value) if why.kind == "root_stress" else "",
         "strain": f"the least of its amplitudes would {endured}",
         "deflection": f"the least of its amplitudes would {endured}",
         "slip": f"{at} every ball would slide, since rolling requires a friction of {significant(why.value, 2)} at the"
@@ -459,7 +457,7 @@ class Designed:
     @property
     def confirmed(self) -> float | None:
         """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in results.rows(self.response))
+        return None if self.response is None else max(row.mean for row in study.rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)
@@ -498,7 +496,7 @@ def write(found: Designed, out: Path) -> None:
         BadInput: `out` cannot be written.
     """
     page = render(found)
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         (folder / "design.json").write_text(dumps(found) + "\n", encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
         if found.toml:
@@ -527,7 +525,7 @@ def render(found: Designed) -> str:
     return from_template(
         "design.html.j2",
         {},
-        plot.shades_css(maps.SHADES),
+        plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
         sentences=_sentences(found),

@@ -12,10 +12,9 @@ from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
-from workflows.studies.sweep import axes as keys
-from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.axes import SPEEDS, Axis, Value
+from workflows.studies.sweep.axes import SPEEDS, Axis, Value, find
 from workflows.studies.sweep.evaluate import DamperCase
+from workflows.studies.sweep.plan import Sample, drawn
 
 if TYPE_CHECKING:
     import numpy as np
@@ -147,15 +146,15 @@ class Space:
         """Numbers of the axes that are ranges."""
         return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
 
-    def plan(self, shares: Floats) -> plans.Sample:
+    def plan(self, shares: Floats) -> Sample:
         """Designs at rows of shares, at all speeds at which they are looked at."""
-        speeds = Axis(keys.find(SPEEDS, "[design]"), self.goal.speeds)
-        return plans.Sample((*self.axes, speeds), len(shares), 0, tiles=np.clip(shares, 0.0, 1.0))
+        speeds = Axis(find(SPEEDS, "[design]"), self.goal.speeds)
+        return Sample((*self.axes, speeds), len(shares), 0, tiles=np.clip(shares, 0.0, 1.0))
 
     def values(self, shares: Floats) -> dict[str, Value]:
         """The keys of a design by name."""
         pairs = zip(self.axes, np.asarray(shares), strict=True)
-        return {axis.name: plans.drawn(axis, np.array([share]))[0] for axis, share in pairs}
+        return {axis.name: drawn(axis, np.array([share]))[0] for axis, share in pairs}
 
 
 def misfit(design: Design, scene: Scene, ball_mass: float) -> tuple[str, float] | None:

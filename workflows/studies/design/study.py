@@ -12,8 +12,8 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.formatting import significant
+from workflows.io import provenance
 from workflows.progress import Stages
-from workflows.results import provenance
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model

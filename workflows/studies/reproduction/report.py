@@ -1,23 +1,87 @@
-"""The reproduction as files: JSON, CSV and one page for a person."""
+"""The reproduction of the paper: its claims judged, and as files: JSON, CSV and one page for a person."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from workflows import formatting
-from workflows.output import folder as store
-from workflows.report import plots as plot
+from workflows.io.files import as_json, files_write_csv
+from workflows.io.folder import replacing
+from workflows.io.provenance import versions
+from workflows.progress import Stages
+from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.files import as_json, write_csv
-from workflows.studies.reproduction.claims import Value
-from workflows.studies.reproduction.reproduce import Reproduction
-from workflows.studies.reproduction.simulation import FORMULATIONS, SHOWN, TEXTS, DampingCurve, Family
+from workflows.studies.reproduction.claims import Claim, Value, Verdict, of_equations, of_figures, of_table_two
+from workflows.studies.reproduction.paper_errors import Closure, Slip, closure, slips
+from workflows.studies.reproduction.simulation import (
+    FORMULATIONS,
+    SHOWN,
+    TEXTS,
+    DampingCurve,
+    Family,
+    Simulated,
+    Sweeps,
+    study,
+    sweeps,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction:
+    """Everything the report shows."""
+
+    study: Simulated
+    sweeps: Sweeps
+    claims: tuple[Claim, ...]
+    slips: tuple[Slip, ...]
+    closure: tuple[Closure, ...]
+
+    @property
+    def count(self) -> dict[Verdict, int]:
+        """How many claims got which verdict."""
+        found = Counter(claim.verdict for claim in self.claims)
+        return {verdict: found[verdict] for verdict in Verdict}
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        return {
+            "schema_version": 1,
+            "versions": versions(),
+            "claims": [_plain(asdict(claim)) for claim in self.claims],
+            "slips": [_plain(asdict(slip)) for slip in self.slips],
+            "closure": [_plain(asdict(line)) for line in self.closure],
+            "assumptions": TEXTS["assumptions"],
+        }
+
+
+def reproduce(stages: Stages | None = None) -> Reproduction:
+    """Judge every claim; nothing is written."""
+    stages = stages or Stages()
+    simulated = study(stages)
+    with stages("damper"):
+        curves = sweeps(simulated)
+        claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
+        return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))
+
+
+def _plain(value: Any) -> Any:
+    """For JSON: numbers of Python, no infinities or NaN."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value
 
 
 @dataclass(frozen=True)
@@ -39,7 +103,7 @@ def draw(found: Reproduction) -> list[Figure]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    with plot.style():
+    with plots.style():
         velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
         return [velocity] + [
             Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
@@ -47,47 +111,47 @@ def draw(found: Reproduction) -> list[Figure]:
 
 
 def _velocity(found: Reproduction) -> str:
-    figure, panels = plot.canvas(2.3, 2)
+    figure, panels = plots.canvas(2.3, 2)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
         damping = found.study.points[formulation][SHOWN].damping
         if damping is None or damping.history is None:
             continue
         for axis, name in enumerate("xy"):
-            colour = plot.CATEGORIES[axis]
+            colour = plots.CATEGORIES[axis]
             axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
         if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=plot.INK, lw=0.8, ls=(0, (4, 3)))
+            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
-    return plot.svg(figure, "fig2", "Velocity of the structure over time")
+    return plots.svg(figure, "fig2", "Velocity of the structure over time")
 
 
 def _capacity(family: Family, number: int) -> str:
     """Damping capacity over dimensionless acceleration, the structure's own part dashed."""
-    figure, panels = plot.canvas(2.9, 2)
+    figure, panels = plots.canvas(2.9, 2)
     curves = [curve for formulation in FORMULATIONS for curve in family[formulation]]
     low, high = (f(100 * float(f(c.sdc[1:])) for c in curves) for f in (min, max))
     if number == 3:
         high = max(high, 100 * SDC_RANGE[1])
     margin = 0.06 * (high - low)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        for curve, colour in zip(family[formulation], plot.shades(len(family[formulation])), strict=True):
+        for curve, colour in zip(family[formulation], plots.shades(len(family[formulation])), strict=True):
             axes.plot(curve.amplitude_g, 100 * curve.sdc, color=colour, marker="o", ms=2.2, lw=1.1, label=curve.label)
         _guides(axes, family[formulation][0], number)
         axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
         if number == 3:
             axes.set_xscale("log")
     panels[0].set_ylabel("specific damping capacity, %")
-    plot.legend(figure, panels[1])
-    return plot.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
+    plots.legend(figure, panels[1])
+    return plots.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
 def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
     if number == 3:
-        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plot.RULE, lw=0)
+        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
 
 
 def write(found: Reproduction, out: Path) -> None:
@@ -96,13 +160,13 @@ def write(found: Reproduction, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         document = found.document()
         (folder / "reproduce.json").write_text(dumps(found) + "\n", encoding="utf-8")
         claims = document["claims"]
-        write_csv(folder / "reproduce.csv", claims[0], claims)
+        files_write_csv(folder / "reproduce.csv", claims[0], claims)
         lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
-        write_csv(folder / "closure.csv", lines[0], lines)
+        files_write_csv(folder / "closure.csv", lines[0], lines)
         (folder / "report.html").write_text(render(found), encoding="utf-8")
 
 
@@ -128,7 +192,7 @@ def render(found: Reproduction) -> str:
     return from_template(
         "reproduce.html.j2",
         {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
-        plot.shades_css(7),
+        plots.shades_css(7),
         found=found,
         figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],

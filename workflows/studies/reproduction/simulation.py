@@ -18,7 +18,7 @@ from workflows.progress import Stages
 from workflows.scene import load as scene_file
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import damper as ringdowns
+from workflows.solve import damper
 from workflows.solve.results import SpeedPoint
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class Simulated:
         scene = _with(self.scene, formulation=formulation)
         if mass_ratio is not None:
             scene = _with(scene, mass_ratio=mass_ratio)
-        return replace(ringdowns.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
+        return replace(damper.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
 
     def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
         """Ring a damper down to rest, cycle by cycle."""
@@ -102,7 +102,7 @@ def study(stages: Stages) -> Simulated:
     points = {}
     for formulation in FORMULATIONS:
         scene = _with(source.scene, formulation=formulation)
-        points[formulation] = ringdowns.simulate(scene, structure.effects, structure.points, stages, SHOWN)
+        points[formulation] = damper.simulate(scene, structure.effects, structure.points, stages, SHOWN)
     rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
     return Simulated(source.scene, structure.effects, points, rest)
 

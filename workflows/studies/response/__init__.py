@@ -1,5 +1,5 @@
 """`spindamp response`: what the damper does where engine orders cross the structure's modes.
 
-`workflows.results.crossings` finds these, `study` follows the steady states through them, `results` holds what was
+`workflows.solve.engine_orders` finds these, `study` follows the steady states through them, `results` holds what was
 found, `report` shows it.
 """

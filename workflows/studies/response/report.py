@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.findings import phrases
 from workflows.formatting import significant, whole
-from workflows.output import folder as store
-from workflows.report import plots as plot
+from workflows.io import files, provenance
+from workflows.io.folder import replacing
+from workflows.report import plots, remarks
 from workflows.report.page import from_template
-from workflows.results import files, provenance
-from workflows.results.crossings import Crossing
+from workflows.solve.engine_orders import Crossing
 from workflows.solve.limits import AIR
-from workflows.studies.response import results as peaks
-from workflows.studies.response.results import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
+from workflows.studies.response import study
+from workflows.studies.response.study import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,31 +129,31 @@ _MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not
 def campbell_plot(found: Response) -> str:
     """Frequencies over speed, the orders asked for, and what happens where they cross."""
     fastest = max(point.rpm for point in found.results.speeds)
-    with plot.style():
-        figure, (axes,) = plot.canvas(3.3)
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.3)
         tracks = files.campbell(found.results)
         for number, track in enumerate(tracks):
-            axes.plot(track.x, track.y, color=plot.CATEGORIES[number % len(plot.CATEGORIES)], label=track.label)
+            axes.plot(track.x, track.y, color=plots.CATEGORIES[number % len(plots.CATEGORIES)], label=track.label)
         crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
         top = max((track.y.max() for track in tracks), default=0.0)
         top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=plot.MUTED, lw=0.6, ls=(0, (1, 2)))
-            small: dict[str, Any] = {"fontsize": 6.5, "color": plot.MUTED}
+            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=(0, (1, 2)))
+            small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
-            kinds = [row.regime for row in peaks.rows(found) if row.through is through]
+            kinds = [row.regime for row in study.rows(found) if row.through is through]
             for kind in dict.fromkeys(kinds):
                 _mark(axes, through, kind)
         for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plot.MUTED, ms=6)
+            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
         axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
         handles, labels = axes.get_legend_handles_labels()
         unique = dict(zip(labels, handles, strict=True))
         if unique:
             figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
-        return plot.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
+        return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
 def _mark(axes: Axes, through: Through, kind: str) -> None:
@@ -164,7 +163,7 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
         c.rpm,
         c.frequency_hz,
         _MARKS[kind],
-        color=plot.INK,
+        color=plots.INK,
         mfc="none",
         mew=0.8,
         ms=size,
@@ -176,8 +175,8 @@ def _mark(axes: Axes, through: Through, kind: str) -> None:
 
 def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
-    with plot.style():
-        figure, (axes,) = plot.canvas(3.3)
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.3)
         rpm = through.omega * 30 / np.pi
         states = through.states
         least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
@@ -191,23 +190,23 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
                 label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
                 axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
         axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
-        plot.legend(figure, axes, title=found.excitation.kind)
-        return plot.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
+        plots.legend(figure, axes, title=found.excitation.kind)
+        return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
 
 def ratios(found: Response, through: Through, name: str) -> str:
     """Amplitude with the ball over the one without, over speed and force: the largest of the answers."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    with plot.style():
-        figure, (axes,) = plot.canvas(2.6)
+    with plots.style():
+        figure, (axes,) = plots.canvas(2.6)
         rpm = through.omega * 30 / np.pi
         mean = through.shaped(through.states.mean).max(axis=2)
         ratio = mean / np.abs(through.shaped(through.states.without))
         levels = len(through.forces)
         reach = max(0.02, float(np.abs(np.log10(ratio)).max()))
         strength = np.log10((ratio[1:] + ratio[:-1]) / 2).T
-        colours = LinearSegmentedColormap.from_list("", [plot.CATEGORIES[0], "#ffffff00", plot.CATEGORIES[1]])
+        colours = LinearSegmentedColormap.from_list("", [plots.CATEGORIES[0], "#ffffff00", plots.CATEGORIES[1]])
         rows = np.arange(levels + 1) - 0.5
         axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
         axes.set_yticks(range(levels), [significant(force) for force in through.forces])
@@ -219,7 +218,7 @@ def ratios(found: Response, through: Through, name: str) -> str:
         low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
         axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
         axes.grid(visible=False)
-        return plot.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
+        return plots.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
 
 
 def damping(found: Response) -> str:
@@ -227,9 +226,9 @@ def damping(found: Response) -> str:
     shown = [through for through in found.passed if through.figures.amplitude.size]
     if not shown:
         return ""
-    with plot.style():
-        figure, (axes,) = plot.canvas(3.0)
-        for through, colour in zip(shown, plot.shades(len(shown)), strict=True):
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.0)
+        for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
             figures, c = through.figures, through.crossing
             some = figures.damping_ratio > 0
             label = f"order {c.order}, {whole(c.rpm)} rpm"
@@ -238,39 +237,39 @@ def damping(found: Response) -> str:
             if np.isfinite(low) and np.isfinite(high):
                 axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
         air = [100 * ratio for ratio in AIR]
-        axes.axhspan(*air, color=plot.RULE, lw=0)
+        axes.axhspan(*air, color=plots.RULE, lw=0)
         least = 100 * min(through.figures.peak for through in shown) / 30
         axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
         axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-        plot.legend(figure, axes, ncols=1)
-        return plot.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
+        plots.legend(figure, axes, ncols=1)
+        return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 
 
 def path(found: Response, through: Through, name: str) -> str:
     """The ball in its cavity over some cycles, at the speed and under the force of the largest amplitude."""
     taken = through.path
-    with plot.style():
-        figure, panels = plot.canvas(2.4, 2)
+    with plots.style():
+        figure, panels = plots.canvas(2.4, 2)
         along, place = panels
         axis = through.axis
-        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], label="ball in its cavity")
+        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], label="ball in its cavity")
         size = np.abs(taken.structure[:, axis]).max() or 1.0
         scale = np.abs(taken.ball[:, axis]).max() or 1.0
         along.plot(
-            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=plot.MUTED, lw=0.8,
+            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=plots.MUTED, lw=0.8,
             label="structure, scaled",
         )  # fmt: skip
         along.set(xlabel="time, ms", ylabel="place, mm")
         along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plot.CATEGORIES[0], lw=0.8)
+        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], lw=0.8)
         place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
-        return plot.svg(figure, f"path-{name}", "The ball's path in its cavity")
+        return plots.svg(figure, f"path-{name}", "The ball's path in its cavity")
 
 
 def sentences(found: Response) -> list[str]:
     """Whether the ball helps, in one plain sentence; then each crossing."""
     said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
-    if (dense := phrases.too_dense(found.results)) is not None:
+    if (dense := remarks.too_dense(found.results)) is not None:
         said = [f"No verdict: {dense[0]}.", dense[1], *said[1:]]
     if _undamped(found):
         said = [f"No verdict: {_UNDAMPED}."]
@@ -388,7 +387,7 @@ def text(found: Response) -> str:
     widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
     if any(is_beyond(found, row) for row in rows(found)):
-        lines.append(f"{phrases.BEYOND_MEANS}.")
+        lines.append(f"{remarks.BEYOND_MEANS}.")
     low, high = (significant(100 * ratio, 2) for ratio in AIR)
     for through in found.passed:
         figures, c = through.figures, through.crossing
@@ -411,7 +410,7 @@ def _cells(found: Response, row: Row) -> tuple[str, ...]:
         whole(row.rpm),
         significant(row.force),
         significant(1e3 * row.without, 4),
-        f"{significant(1e3 * row.mean, 4)}{phrases.BEYOND if is_beyond(found, row) else ''}",
+        f"{significant(1e3 * row.mean, 4)}{remarks.BEYOND if is_beyond(found, row) else ''}",
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
@@ -517,15 +516,15 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
         BadInput: `out` cannot be written.
     """
     page, out = render(found), Path(out)
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
         (folder / "response.nc").write_bytes(dataset(found).to_netcdf(engine="h5netcdf"))  # HDF5 dies on a full disk
         write_csv(found, folder)
-        campbell = plot.standalone(campbell_plot(found))
+        campbell = plots.standalone(campbell_plot(found))
         (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
         for number, through in enumerate(found.passed):
-            shades = plot.shades(len(through.forces))
-            drawn = plot.standalone(response(found, through, str(number), shades), len(shades))
+            shades = plots.shades(len(through.forces))
+            drawn = plots.standalone(response(found, through, str(number), shades), len(shades))
             (folder / f"response_{tag(through)}.svg").write_text(drawn, encoding="utf-8")
         (folder / "report.html").write_text(page, encoding="utf-8")
     return out
@@ -535,7 +534,7 @@ def render(found: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
     from markupsafe import Markup
 
-    shades = plot.shades(len(found.excitation.levels))
+    shades = plots.shades(len(found.excitation.levels))
     sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
     words = (
         formatting.fixed,
@@ -548,7 +547,7 @@ def render(found: Response) -> str:
     return from_template(
         "response.html.j2",
         {word.__name__: word for word in words},
-        plot.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
+        plots.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
         found=found,
         unit=found.excitation.unit,
         sentences=sentences(found),
@@ -556,9 +555,9 @@ def render(found: Response) -> str:
         campbell=Markup(campbell_plot(found)),
         damping=Markup(damping(found)),
         air=AIR,
-        is_beyond=partial(peaks.is_beyond, found),
-        mark=phrases.BEYOND,
-        marked=phrases.BEYOND_MEANS,
+        is_beyond=partial(study.is_beyond, found),
+        mark=remarks.BEYOND,
+        marked=remarks.BEYOND_MEANS,
     )
 
 
@@ -566,7 +565,7 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
     """What the page has of a crossing."""
     from markupsafe import Markup
 
-    mine = [row for row in peaks.rows(found) if row.through is through]
+    mine = [row for row in study.rows(found) if row.through is through]
     return {
         "through": through,
         "crossing": through.crossing,
@@ -574,6 +573,6 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "response": Markup(response(found, through, str(number), shades)),
         "ratios": Markup(ratios(found, through, str(number))),
         "path": Markup(path(found, through, str(number))),
-        "endured": peaks.endured(found, through),
-        "beyond": any(peaks.is_beyond(found, row) for row in mine),
+        "endured": study.endured(found, through),
+        "beyond": any(study.is_beyond(found, row) for row in mine),
     }

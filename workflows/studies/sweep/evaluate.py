@@ -16,18 +16,17 @@ from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
+from workflows.io import serialise
 from workflows.progress import Stages
-from workflows.results import serialise
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
-from workflows.solve.error_translation import translated_errors
+from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import OwnFigures, Results, SpeedPoint, Surface, taken_over
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
-from workflows.studies.sweep import plan as scenes
 from workflows.studies.sweep.axes import SPEEDS
-from workflows.studies.sweep.plan import Plan
+from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -263,7 +262,7 @@ def all_placed(
     end = begin + len(rows)
     columns = plan.columns(begin, end)
     varied = [axis.key for axis in plan.axes]
-    data = scenes.base(source, varied)
+    data = base(source, varied)
     others = [key for key in varied if key.name != SPEEDS]
     every = plan.speeds(begin, end)
 
@@ -273,8 +272,8 @@ def all_placed(
     for given, numbers in groupby(range(len(rows)), key=values):
         mine = list(numbers)
         try:
-            changed = scenes.with_values(data, dict(zip(others, given, strict=True)))
-            found = scenes.of_a_point(source, changed, every)
+            changed = with_values(data, dict(zip(others, given, strict=True)))
+            found = of_a_point(source, changed, every)
             state = plates.state(found)
         except SpindampError as error:
             rows["reason"][mine] = reasons.number(said(error, source))

@@ -15,7 +15,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.formatting import significant, whole
-from workflows.report import plots as plot
+from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
@@ -126,7 +126,7 @@ def contour_levels(tables: list[Floats], least: float = 0.02) -> list[float]:
 
 def map_spread(count: int) -> list[str]:
     """So many of the shades, from the first to the last."""
-    every = plot.shades(SHADES)
+    every = plots.shades(SHADES)
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
@@ -137,8 +137,8 @@ def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
 
 def mark(axes: Any, x: float, y: float) -> None:
     """Mark the best point, also at the edge of a map."""
-    axes.plot(x, y, "o", color=plot.PAPER, ms=8, mec=plot.INK, mew=1.2, clip_on=False, zorder=5)
-    axes.plot(x, y, "x", color=plot.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
+    axes.plot(x, y, "o", color=plots.PAPER, ms=8, mec=plots.INK, mew=1.2, clip_on=False, zorder=5)
+    axes.plot(x, y, "x", color=plots.INK, ms=5, mew=1.4, clip_on=False, zorder=6)
 
 
 def colour_key(figure: Any, levels: list[float], colours: list[str], title: str, *, idle: str = "") -> None:
@@ -150,7 +150,7 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
     if idle:
-        named.insert(0, Patch(facecolor="none", edgecolor=plot.MUTED, lw=0.4, hatch=_HATCH, label=idle))
+        named.insert(0, Patch(facecolor="none", edgecolor=plots.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")
 
 
@@ -220,7 +220,7 @@ def draw_map(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, floa
         factor * data[quantity].isel(fixed | ({panel: k} if panel else {})).transpose(y, x).values for k in places
     ]
     levels = contour_levels(tables)
-    figure, axes = plot.canvas(2.9, len(places))
+    figure, axes = plots.canvas(2.9, len(places))
     colours = map_spread(len(levels) - 1)
     xs, ys = along(data, x), along(data, y)
     idle = False
@@ -236,7 +236,7 @@ def draw_map(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, floa
         each.grid(visible=False)
     axes[0].set_ylabel(axis_label(data, y))
     colour_key(figure, levels, colours, named, idle="nothing, or no verdict" if idle else "")
-    return plot.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
+    return plots.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
 
 
 def _panel(axes: Axes, xs: Floats, ys: Floats, values: Floats, levels: list[float]) -> bool:
@@ -256,7 +256,7 @@ def _boundaries(axes: Axes, xs: Floats, ys: Floats, values: Floats) -> None:
     levels = [100 * AIR[0] / 10, 100 * AIR[0]]
     inside = [level for level in levels if np.nanmin(values) < level < np.nanmax(values)]
     if inside:
-        lines = axes.contour(xs, ys, values, inside, colors=plot.INK, linewidths=1.0, linestyles="dashed")
+        lines = axes.contour(xs, ys, values, inside, colors=plots.INK, linewidths=1.0, linestyles="dashed")
         axes.clabel(lines, fmt=lambda level: significant(level, 2), fontsize=6.5)
 
 
@@ -318,7 +318,7 @@ def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
 
 
 def _picture(draw: Callable[[], str], caption: str) -> Picture:
-    with plot.style():
+    with plots.style():
         return Picture(draw(), caption)
 
 
@@ -353,7 +353,7 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
 
 def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None) -> str:
     """A quantity over one key, a curve for each value of another."""
-    figure, (axes,) = plot.canvas(3.1)
+    figure, (axes,) = plots.canvas(3.1)
     places = [0]
     if series is not None:
         count = data.sizes[series]
@@ -363,17 +363,17 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
     for number, k in enumerate(places):
         values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
         label = None if series is None else titled(data, series, k)
-        colour = plot.CATEGORIES[number % len(plot.CATEGORIES)]
-        axes.plot(xs, np.where(values > 0, values, np.nan), color=colour, marker=plot.MARKERS[number % 7], label=label)
+        colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
+        axes.plot(xs, np.where(values > 0, values, np.nan), color=colour, marker=plots.MARKERS[number % 7], label=label)
     if quantity == HEADLINE:
-        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plot.RULE, lw=0)
+        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     positive = data[quantity].isel(fixed).values
     spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
     axes.set(xlabel=axis_label(data, x), ylabel=NAMED[quantity], xscale=scale(xs))
     axes.set_yscale("log" if spread else "linear")
     if series is not None:
-        plot.legend(figure, axes)
-    return plot.svg(figure, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
+        plots.legend(figure, axes)
+    return plots.svg(figure, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
 
 
 _OF_BARS = (
@@ -386,17 +386,17 @@ def _bars(data: xr.Dataset) -> str:
     """Total indices of the peak and of the cut-off, a bar for each parameter."""
     shown = (HEADLINE, "cutoff_ratio")
     k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
-    figure, panels = plot.canvas(0.9 + 0.34 * len(names), len(shown))
+    figure, panels = plots.canvas(0.9 + 0.34 * len(names), len(shown))
     for axes, quantity in zip(panels, shown, strict=True):
         found = data.sel(quantity=quantity).isel({SPEEDS: k})
         totals = 100 * np.nan_to_num(found["ST"].values)
-        axes.barh(range(len(names)), totals, color=plot.CATEGORIES[0], height=0.5)
+        axes.barh(range(len(names)), totals, color=plots.CATEGORIES[0], height=0.5)
         halves = 100 * np.nan_to_num(found["ST_conf"].values)
-        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plot.INK, elinewidth=1.0)
+        axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plots.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
         axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
-    return plot.svg(figure, "indices", "Total Sobol' indices of each parameter")
+    return plots.svg(figure, "indices", "Total Sobol' indices of each parameter")
 
 
 _CALLED = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
@@ -413,15 +413,15 @@ def _scattered(data: xr.Dataset) -> str:
     if SPEEDS in data.dims:
         values = values.isel({SPEEDS: (data.sizes[SPEEDS] - 1) // 2})
     some = slice(0, _DOTS)
-    figure, panels = plot.canvas(2.4, max(len(keys), 1))
+    figure, panels = plots.canvas(2.4, max(len(keys), 1))
     for axes, name in zip(panels, keys, strict=False):
-        axes.plot(along(data, name)[some], values.values[some], ".", color=plot.CATEGORIES[0], ms=2)
+        axes.plot(along(data, name)[some], values.values[some], ".", color=plots.CATEGORIES[0], ms=2)
         axes.set(xlabel=axis_label(data, name))
         known = values.values[np.isfinite(values.values) & (values.values > 0)]
         if known.size and known.max() > 10 * known.min():
             axes.set_yscale("log")
     panels[0].set_ylabel(NAMED[HEADLINE])
-    return plot.svg(figure, "sample", "Damping ratio over each key of the sample")
+    return plots.svg(figure, "sample", "Damping ratio over each key of the sample")
 
 
 _HEADLINE = sensitivity.QUANTITIES.index(HEADLINE)
@@ -555,7 +555,7 @@ def render(data: xr.Dataset) -> str:
     return from_template(
         "sweep.html.j2",
         {"significant": formatting.significant, "fixed": formatting.fixed},
-        plot.shades_css(SHADES),
+        plots.shades_css(SHADES),
         found=found,
         best=_best_line(data, found),
         headline=headline(data, found),

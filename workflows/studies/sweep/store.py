@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.output import folder as folders
+from workflows.io import folder
 from workflows.studies.sweep.axes import SPEEDS, Value
 from workflows.studies.sweep.evaluate import QUANTITIES, Block
 
@@ -166,12 +166,12 @@ def checked(path: Path) -> Path:
     """Where a study can go, resolved; nothing is written.
 
     Raises:
-        BadInput: see :func:`workflows.output.folder.check`; or it holds what no study wrote.
+        BadInput: see :func:`workflows.io.folder.check`; or it holds what no study wrote.
     """
     target = Path(os.path.realpath(path))
     if (target / DATA / _METADATA).is_file():
         return target
-    target = folders.check(path)
+    target = folder.check(path)
     if target.is_dir():
         for found in sorted(target.iterdir()):
             if found.name != LOCK and not found.name.startswith(_ASIDE):

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput
-from workflows.output import signals
+from workflows.io import folder
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
@@ -152,7 +152,7 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
     with (
-        signals.going_on(_GOES_ON),
+        folder.going_on(_GOES_ON),
         store.opened(out, study.plan, study.size, study.attributes) as place,
     ):
         fill(study, place, hired, stages)

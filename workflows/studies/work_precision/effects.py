@@ -15,7 +15,7 @@ from workflows.errors import SpindampError
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.solve import structure as plate
+from workflows.solve import structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, machine
@@ -198,7 +198,7 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
     quiet = Stages(visible=False)
     settled = choose_model(source, quiet)
     decided, called = settled.effects, selection.called_for(source.scene, settled.form)
-    size = None if settled.form is None else plate.discretise(source, settled, quiet).choice.size
+    size = None if settled.form is None else structure.discretise(source, settled, quiet).choice.size
     with stages("effects", len(decided) + 1) as step:
         own = _run(source, decided, {}, size)
         step.advance("as the scene has it")

@@ -1,4 +1,4 @@
-"""What effects change and cost, as files and as text: JSON, CSV, a plot, and one page for a person."""
+"""What effects change and cost, as files and as text: JSON, CSV, a plots, and one page for a person."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
-from workflows.output import folder as store
-from workflows.report import plots as plot
+from workflows.io.files import as_json, files_write_csv
+from workflows.io.folder import replacing
+from workflows.report import plots
 from workflows.report.page import from_template
-from workflows.studies.files import as_json, write_csv
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES
 
@@ -33,20 +33,20 @@ _LONGEST = 50
 _SAID: dict[str, Any] = {
     "textcoords": "offset points",
     "va": "center",
-    "color": plot.MUTED,
+    "color": plots.MUTED,
     "fontsize": 7,
-    "bbox": {"facecolor": plot.PAPER, "edgecolor": "none", "pad": 1.0},
+    "bbox": {"facecolor": plots.PAPER, "edgecolor": "none", "pad": 1.0},
 }
 """How words instead of a bar are set."""
 
 
 def draw(found: Switches) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
-    with plot.style():
-        figure, (left, right) = plot.canvas(0.9 + 0.34 * len(found.rows), 2)
+    with plots.style():
+        figure, (left, right) = plots.canvas(0.9 + 0.34 * len(found.rows), 2)
         rows, least = found.rows[::-1], _least(found)
         for place, row in enumerate(rows):
-            colour = plot.CATEGORIES[0] if row.on else plot.CATEGORIES[6]
+            colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
             _change(left, place, row, colour, least)
             _time(right, place, row, colour)
         labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
@@ -63,11 +63,11 @@ def draw(found: Switches) -> str:
             title="largest relative change of any quantity",
             xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
         )
-        left.axvline(found.asked, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
+        left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
         right.set(title="share of the run's time with it, %")
         unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
-        whole = [plot.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
-        return plot.svg(figure, "effects", "What each effect changes and costs", whole)
+        whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
+        return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
 def _least(found: Switches) -> float:
@@ -127,11 +127,11 @@ def write(found: Switches, out: Path) -> None:
     from markupsafe import Markup
 
     figure = draw(found)
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         (folder / "effects.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "effects.svg").write_text(plot.standalone(figure), encoding="utf-8")
+        (folder / "effects.svg").write_text(plots.standalone(figure), encoding="utf-8")
         times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
-        write_csv(
+        files_write_csv(
             folder / "effects.csv",
             ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
             [_flat(row) for row in found.rows],

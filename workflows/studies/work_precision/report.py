@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows import formatting
-from workflows.output import folder as store
-from workflows.report import plots as plot
+from workflows.io.files import as_json, files_write_csv
+from workflows.io.folder import replacing
+from workflows.report import plots
 from workflows.report.page import from_template
-from workflows.studies.files import as_json, write_csv
 from workflows.studies.work_precision.study import WITH_THEORY
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
@@ -22,22 +22,22 @@ _SMALLEST = 1e-16
 
 def study_plot(found: ConvergenceStudy, name: str, asked: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
-    with plot.style():
-        figure, (axes,) = plot.canvas(3.4)
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.4)
         _work_precision(axes, found, asked)
-        plot.legend(figure, axes, ncols=1)
-        return plot.svg(figure, name, f"Time against error: {found.quantity}")
+        plots.legend(figure, axes, ncols=1)
+        return plots.svg(figure, name, f"Time against error: {found.quantity}")
 
 
 def overview(studies: list[ConvergenceStudy], asked: float | None) -> str:
     """Some studies side by side."""
-    with plot.style():
-        figure, panels = plot.canvas(4.0, len(studies))
+    with plots.style():
+        figure, panels = plots.canvas(4.0, len(studies))
         for axes, found in zip(panels, studies, strict=True):
             _work_precision(axes, found, asked)
             axes.set_title(found.stage)
             axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
-        return plot.svg(figure, "overview", "Time against error")
+        return plots.svg(figure, "overview", "Time against error")
 
 
 def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) -> None:
@@ -48,14 +48,14 @@ def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) ->
             axes.plot(
                 [max(row.error or 0.0, _SMALLEST) for row in rows],
                 [row.time_s or 0.0 for row in rows],
-                color=plot.CATEGORIES[number % len(plot.CATEGORIES)],
-                marker=plot.MARKERS[number % len(plot.MARKERS)],
-                ls="-" if number < len(plot.CATEGORIES) else (0, (3, 2)),
+                color=plots.CATEGORIES[number % len(plots.CATEGORIES)],
+                marker=plots.MARKERS[number % len(plots.MARKERS)],
+                ls="-" if number < len(plots.CATEGORIES) else (0, (3, 2)),
                 lw=1.0,
                 label=method,
             )
     if asked is not None:
-        axes.axvline(asked, color=plot.MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()
 
@@ -72,10 +72,10 @@ def write(found: WorkPrecision, out: Path) -> None:
     named = list(enumerate(found.studies))
     figures = [study_plot(study, f"ladder{number}", _asked(found, study)) for number, study in named]
     first = [study for study in found.studies if study.stage in ("plate", "damper")]
-    with store.replacing(out) as folder:
+    with replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "accuracy.svg").write_text(plot.standalone(overview(first, asked)), encoding="utf-8")
-        write_csv(
+        (folder / "accuracy.svg").write_text(plots.standalone(overview(first, asked)), encoding="utf-8")
+        files_write_csv(
             folder / "accuracy.csv",
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
             [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows],
@@ -119,7 +119,7 @@ def verdict(found: WorkPrecision) -> list[str]:
 
 
 def not_drawn(study: ConvergenceStudy) -> list[str]:
-    """The rows that have no place in the plot, and why, in a line for each method."""
+    """The rows that have no place in the plots, and why, in a line for each method."""
     found: dict[str, list[str]] = {}
     for row in study.rows:
         if row.failed is not None:

@@ -15,12 +15,11 @@ from workflows.formatting import fixed, significant, whole
 from workflows.progress import Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
-from workflows.scene.rotor import Accuracy
-from workflows.solve import coupling
-from workflows.solve import damper as ringdowns
-from workflows.solve import structure as plate
+from workflows.scene.scene import Accuracy
+from workflows.solve import coupling, damper
 from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle
+from workflows.solve.structure import discretise
 from workflows.studies.work_precision.integration import Integrator, integrate
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
 
@@ -510,7 +509,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
             point = points[middle(points)]
-            system = level(ringdowns.particle_damper(source.scene, decided.effects, point))
+            system = level(damper.particle_damper(source.scene, decided.effects, point))
             balls, exact = damper_study(system, coupling.released_at(source.scene, point), point, step)
         studies += [] if balls is None else [balls]
         chosen["damper"] = exact
@@ -523,7 +522,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
 
 
 def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
-    (form, _), solver = decided.plate, plate.discretise(source, decided, Stages(visible=False))
+    (form, _), solver = decided.plate, discretise(source, decided, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(

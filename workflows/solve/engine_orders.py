@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from workflows.errors import BadInput
 from workflows.formatting import whole
-from workflows.results import files
+from workflows.io import files
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint
 

@@ -1,9 +1,11 @@
-"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView."""
+"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView; and those of studies."""
 
 from __future__ import annotations
 
+import csv
 import io
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.results import provenance
-from workflows.results.serialise import Column, columns, keep
+from workflows.io import provenance
+from workflows.io.serialise import Column, columns, keep
 from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
 
 if TYPE_CHECKING:
@@ -290,3 +292,17 @@ def write_vtu(surface: Surface, results: Results, path: Path) -> None:
     declaration, rest = path.read_text(encoding="utf-8").split("\n", 1)
     remark = provenance.line(results).replace("--", "- -")  # which may not stand in a remark
     path.write_text(f"{declaration}\n<!-- {remark} -->\n{rest}", encoding="utf-8")
+
+
+def as_json(document: Mapping[str, Any]) -> str:
+    """The machine-readable result."""
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def files_write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """A table; what a row has beyond the columns is left out, a list is written with spaces between its items."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(columns), extrasaction="ignore")
+        table.writeheader()
+        for row in rows:
+            table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})

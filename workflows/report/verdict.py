@@ -7,10 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.findings import phrases, remarks
-from workflows.findings.phrases import at_load, at_speed, capital, millimetres, percent, stretch
-from workflows.findings.remarks import as_it_moves, tilt
 from workflows.formatting import span, whole
+from workflows.report import remarks
+from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
 from workflows.scene import paper
 from workflows.solve import limits
 from workflows.solve.limits import AIR, in_g
@@ -75,7 +74,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     if limit is None or not lost:
         return None
     point, figures = lost[0]
-    beyond = phrases.beyond(by_deflection=limits.deflection_governs(results))
+    beyond = remarks.beyond(by_deflection=limits.deflection_governs(results))
     return (
         f"{capital(at_load(point))} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
         f" {millimetres(limit)} mm would {beyond}: there the damper is out of reach."
@@ -108,14 +107,14 @@ def _where_none(results: Results, points: Sequence[SpeedPoint]) -> tuple[list[st
     unknown = {reason: [p for p in points if p.verdict and p.verdict.reason == reason] for reason in _OUTSIDE}
     reasons = {reason: _OUTSIDE[reason](results, those) for reason, those in unknown.items() if those}
     texts = [f"{stretch(unknown[reason], points)}: there {why}" for reason, why in reasons.items()]
-    torn = phrases.torn_from(results)
+    torn = remarks.torn_from(results)
     if torn is not None:
         return [*texts, torn], ""
     return texts, next(iter(reasons.values())) if len(reasons) == 1 else ""
 
 
 _OUTSIDE: dict[str, Callable[[Results, Sequence[SpeedPoint]], str]] = {
-    Reason.WEIGHT: lambda *_: phrases.WEIGHT,
+    Reason.WEIGHT: lambda *_: remarks.WEIGHT,
     Reason.SLIP: lambda results, points: (
         "the ball would slide, since rolling requires a friction of"
         f" {_frictions(results, points)} at the amplitude of its best"
@@ -182,8 +181,8 @@ def answer(results: Results) -> Answer:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
     judged = [p for p in loaded if _rank(p) >= 0]
-    dense = phrases.too_dense(results)
-    refused = phrases.PRINTED if limits.is_printed(results) else None if dense is None else dense[0]
+    dense = remarks.too_dense(results)
+    refused = remarks.PRINTED if limits.is_printed(results) else None if dense is None else dense[0]
     if not judged and refused is None:
         texts, alone = _where_none(results, loaded)
         return Answer(f"No verdict: {alone}" if alone else f"No verdict {'; none '.join(texts)}", ())
@@ -331,6 +330,6 @@ def _plate_only(results: Results) -> Answer:
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
     said = remarks.sentence(results)
     verdict = "The plate alone" if remarks.met(results) else "The plate alone, less exact than asked for"
-    if (torn := phrases.torn_from(results)) is not None:
+    if (torn := remarks.torn_from(results)) is not None:
         verdict += f"; it cannot turn {torn}"
     return Answer(verdict, (text,) if said is None else (text, said))

@@ -22,13 +22,14 @@ from pydantic.fields import FieldInfo
 from pydantic.json_schema import GenerateJsonSchema
 
 from workflows.errors import BadInput
-from workflows.results import provenance
+from workflows.io import provenance
 from workflows.scene.load import parse
 from workflows.scene.scene import Scene
 from workflows.solve.results import Results, SpeedPoint, expect
 
 if TYPE_CHECKING:
     import h5netcdf
+
 
 SCHEMA_VERSION: Final = 1
 NAME = "results.json"

@@ -1,31 +1,281 @@
-"""A plate in a window: VTK in a process of its own, which may abort without a working OpenGL.
+"""What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, in a window or as a page.
 
-Run as a program with a NumPy archive on standard input: points (n, 3), cells (m, 3 or 4), outline and root (k, 2),
-mark (0 or 1, 3), shapes and behind (speeds, modes, n, 3) as they are to be drawn, the largest of their displacements,
-said (speeds, modes) in words, first (speed, mode) and a title. It imports nothing of this project. With a number as its
-argument it draws so many frames, one mode after the other, and ends.
+VTK runs in a process of its own, which may abort without a working OpenGL.
 """
 
 from __future__ import annotations
 
 import io
+import math
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from workflows import formatting
-from workflows.formatting import amount
-from workflows.looking.view_data import Sight
+from workflows import formatting, pipeline
+from workflows.errors import BadInput
+from workflows.formatting import amount, significant, whole
+from workflows.io import serialise
+from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
+from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
-from workflows.solve.results import Mode, Surface
+from workflows.scene import load, plate_mesh
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import FASTEST, Scene, typed
+from workflows.solve import resources
+from workflows.solve.results import Floats, Mode, SpeedPoint, Surface, bare
+
+_SHARP, _BLUNT = 20.0, 150.0
+"""Angles [degrees] within which a cell is of a good shape."""
+
+
+def facts(surface: Surface) -> tuple[tuple[tuple[str, str], ...], dict[str, Any]]:
+    """Name and words of each, and the same in SI for programs."""
+    found = numbers(surface)
+    (x0, x1), (y0, y1) = found["extent"]["x"], found["extent"]["y"]
+    least, middle, most = (significant(1e3 * found["edges"][name]) for name in ("shortest", "median", "longest"))
+    sharp, blunt = found["angles"]["least"], found["angles"]["greatest"]
+    odd = found["angles"]["odd_cells"]
+    words = [
+        ("cells", f"{whole(found['cells'])} {_KINDS[surface.cells[0]]}, {whole(found['points'])} points"),
+        ("extent", f"x {_mm(x0)} to {_mm(x1)} mm, y {_mm(y0)} to {_mm(y1)} mm"),
+        ("root", f"the edge at the smallest x, {_mm(x0)} mm: {whole(found['root']['edges'])} edges, "
+         f"{_mm(found['root']['length'])} mm long"),
+        ("holes", whole(found["holes"])),
+        ("edges of cells", f"{least} mm (shortest), {middle} (median), {most} (longest)"),
+        ("shape of cells", f"angles from {sharp:.0f}° to {blunt:.0f}°; longest side over shortest at most "
+         f"{significant(found['aspect'], 2)}"
+         + (f"; {whole(odd)} cells have an angle below {_SHARP:.0f}° or above {_BLUNT:.0f}°" if odd else "")),
+    ]  # fmt: skip
+    return tuple(words), found
+
+
+_KINDS = {"quad": "quadrilaterals", "triangle": "triangles"}
+
+
+def numbers(surface: Surface) -> dict[str, Any]:
+    """The same as plain data: lengths in m, angles in degrees."""
+    points, cells = surface.points[:, :2], surface.cells[1]
+    corners = points[cells]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    angles = _angles(corners)
+    low, high = points.min(axis=0), points.max(axis=0)
+    ends = points[surface.root]
+    bad = (angles < _SHARP).any(axis=1) | (angles > _BLUNT).any(axis=1)
+    return {
+        "kind": surface.cells[0],
+        "cells": len(cells),
+        "points": len(points),
+        "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
+        "root": {"x": float(low[0]), "edges": len(ends), "length": float(_length(ends))},
+        "holes": len(loops(surface.outline)) - 1,
+        "edges": {
+            "shortest": float(sides.min()),
+            "median": float(np.median(sides)),
+            "longest": float(sides.max()),
+        },
+        "angles": {
+            "least": float(angles.min()),
+            "greatest": float(angles.max()),
+            "odd_cells": int(np.count_nonzero(bad)),
+        },
+        "aspect": float((sides.max(axis=1) / sides.min(axis=1)).max()),
+    }
+
+
+def _angles(corners: Floats) -> Floats:
+    """Inner angles [degrees] of cells with corners (m, 3 or 4, 2)."""
+    on, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cosine = (on * back).sum(axis=2) / np.linalg.norm(on, axis=2) / np.linalg.norm(back, axis=2)
+    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _length(ends: Floats) -> float:
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+
+
+def _mm(metres: float) -> str:
+    return significant(1e3 * metres, 4) if metres else "0"
+
+
+_SAME = 1e-3
+"""Relative difference up to which two speeds are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What is shown.
+
+    Attributes:
+        title: in a line.
+        surface: with or without shapes; `speeds` are those that `surface.at` counts.
+        mark: where the damper is (x, y) [m]; None where there is none.
+        thickness: of the whole plate [m]; None where it varies or is not known.
+        root: what the root is, in words.
+        facts: what was understood, name and words of each; `numbers` the same for programs.
+    """
+
+    title: str
+    surface: Surface
+    speeds: tuple[SpeedPoint, ...]
+    mark: tuple[float, float] | None
+    thickness: float | None
+    root: str
+    facts: tuple[tuple[str, str], ...]
+    numbers: dict[str, Any]
+
+
+def of_plate(
+    scene: Scene, surface: Surface, speeds: tuple[SpeedPoint, ...], known: tuple[tuple[str, str], ...]
+) -> Sight:
+    """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
+    thickness = None if scene.plate is None else scene.plate.thickness
+    words, numbers = facts(surface)
+    return Sight(
+        title=scene.title,
+        surface=surface,
+        speeds=speeds,
+        mark=None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2]),
+        thickness=thickness if isinstance(thickness, float) else None,
+        root=figures.held(scene),
+        facts=(*known, *words),
+        numbers=numbers,
+    )
+
+
+def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
+    """Which speed of the run (`SpeedPoint`) and which mode, from 0, are asked for; the middle speed by default.
+
+    Raises:
+        BadInput: there is no such mode, or no shape was kept at that speed.
+    """
+    at = sight.surface.at
+    if not at:
+        if rpm is not None:
+            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
+        return 0, 0
+    kept = [sight.speeds[number].rpm for number in at]
+    row = (len(at) - 1) // 2
+    if rpm is not None:
+        row = min(range(len(at)), key=lambda k: abs(kept[k] - rpm))
+        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
+            shown = ", ".join(map(amount, kept))
+            raise BadInput(f"expected a speed with shapes: {shown} rpm", key="--rpm", value=typed(rpm))
+    count = sight.surface.shapes.shape[1]
+    if not 1 <= mode <= count:
+        raise BadInput(f"expected a mode from 1 to {count}", key="--mode", value=mode)
+    return at[row], mode - 1
+
+
+_LONGEST = 5.0
+"""Plates [m] beyond which the file is more likely in millimetres."""
+
+
+def sight_of_mesh(path: Path) -> Sight:
+    """The mesh of a file.
+
+    Raises:
+        BadInput: it is no mesh of a plate's mid-surface; the message says what is wrong.
+    """
+    from fem import MeshError, read_mesh
+
+    try:
+        mesh = read_mesh(path)
+    except MeshError as error:
+        raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
+    surface = bare(mesh)
+    words, numbers = facts(surface)
+    return Sight(
+        title=path.name,
+        surface=surface,
+        speeds=(),
+        mark=None,
+        thickness=None,
+        root="clamped root",
+        facts=(*words, ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
+        numbers=numbers,
+    )
+
+
+def _unit(side: float) -> str:
+    taken = "a file is in metres, unless a scene's mesh_unit says otherwise"
+    if side <= _LONGEST:
+        return taken
+    return f'{taken}; {significant(side, 3)} m is long: mesh_unit = "mm"?'
+
+
+def sight_of_results(folder: Path) -> Sight:
+    """The plate that a run left in a folder, with its modes.
+
+    Raises:
+        BadInput: the folder holds no results of a plate.
+    """
+    try:
+        found = serialise.read(folder)
+    except BadInput as error:
+        raise BadInput(error.problem, file=str(folder)) from error
+    if found.surface is None or found.diagram is None or found.theory is None:
+        raise BadInput("holds results without a plate: there is no shape to show", file=str(folder))
+    known = (("mesh", found.diagram.mesh), ("theory", found.theory.name))
+    return of_plate(found.scene, found.surface, found.speeds, known)
+
+
+def sight_of_scene(scene: str, rpm: float | None) -> Sight:
+    """The plate of a scene with its modes.
+
+    Raises:
+        BadInput, NoAnswer: as a run of it would; also where it has no plate.
+    """
+    source = load.load(scene)
+    if source.scene.plate is None:
+        raise BadInput("the table is missing: view needs a plate", file=source.name, key="[plate]")
+    if rpm is not None:
+        source = _at(source, rpm)
+    resources.check(source)
+    with Stages() as stages:
+        state = pipeline.structure(source, stages)
+    if state.surface is None or state.diagram is None or state.theory is None:
+        raise ValueError("a plate was solved without its surface")
+    known = (("mesh", state.diagram.mesh), ("theory", state.theory.name))
+    return of_plate(source.scene, state.surface, state.points, known)
+
+
+def _at(source: SceneFile, rpm: float) -> SceneFile:
+    omega = rpm * math.pi / 30
+    if not 0 <= omega <= FASTEST:
+        most = whole(FASTEST * 30 / math.pi)
+        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=typed(rpm))
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))
+
+
+def of(target: str, rpm: float | None = None) -> Sight:
+    """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
+
+    Raises:
+        BadInput: it is none of these, or it has no plate.
+        NoAnswer: the scene's physics has none.
+    """
+    path = Path(target)
+    try:
+        folder, file = path.is_dir(), path.is_file()
+    except (OSError, ValueError) as error:
+        raise BadInput("expected a folder of results, a scene or a mesh file", file=target) from error
+    if folder:
+        return sight_of_results(path)
+    if file and path.suffix.lower() != ".toml":
+        return sight_of_mesh(path)
+    if not file and path.suffix.lower() not in ("", ".toml"):
+        raise BadInput("no such folder of results, scene or mesh file", file=target)
+    return sight_of_scene(target, rpm)
+
 
 _PERIOD = 1.8
 """Seconds that a period takes on the screen."""
