@@ -538,7 +538,7 @@ def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool)
 def test_the_axis_holds_the_largest_change(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Switched("coriolis", False, "", False, changes={"impacts": 5e3, "cutoff_g": -0.1})
     assert "impacts, 500000 %" in effects_report.draw(Switches("", 1e-3, (row,)))
-    monkeypatch.setattr(effects_report.plot, "svg", lambda figure, *_: figure)
+    monkeypatch.setattr(effects_report.plots, "svg", lambda figure, *_: figure)
     figure: Any = effects_report.draw(Switches("", 1e-3, (row,)))
     assert figure.axes[0].get_xlim()[1] > 5e3
 

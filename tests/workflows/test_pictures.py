@@ -414,7 +414,7 @@ def test_every_plate_shows_its_mesh(
     taken = {} if damped else {"damper": None, "release": None}
     scene = changed(paper, rotor__speeds=["3500 rpm"], rotor__modes=1, accuracy__frequency=0.05, **taken)
     assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", "out").status == 0
-    page = (tmp_path / "out" / "html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     figures = re.findall(r'<svg[^>]*aria-label="Mesh of the plate from above[^>]*>.*?</svg>', page, re.S)
     assert len(figures) == 1
     for figure in figures:
@@ -439,7 +439,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
     report.write(study(), folder / "accuracy")
     effects_report.write(EFFECTS, folder / "effects")
-    return {name: folder / name / "html" for name in ("accuracy", "effects")}
+    return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 
 def test_pages_and_files_have_one_drawing(pages: dict[str, Path]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
-from workflows.studies.reproduction import Claim, Reproduction, Verdict, report
+from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce
 from workflows.studies.reproduction.claims import of_figures, of_table_two
 from workflows.studies.reproduction.simulation import FORMULATIONS, RELEASE, SHOWN, Simulated
 
@@ -54,7 +54,7 @@ VERDICTS = {
 
 @pytest.fixture(scope="module")
 def found() -> Reproduction:
-    return report()
+    return reproduce()
 
 
 @pytest.fixture(scope="module")

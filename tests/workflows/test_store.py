@@ -160,7 +160,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
 WRITER = """
 import sys, time
 from pathlib import Path
-from workflows.io import folder as store
+from workflows.io.folder import replacing
 with replacing(Path(sys.argv[1])) as scratch:
     (scratch / "results.json").write_text("half")
     print("writing", flush=True)

@@ -20,7 +20,7 @@ from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
 from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
 from workflows.cli.main import main
-from workflows.report import figures, mode_viewer, viewer
+from workflows.report import figures, mode_viewer, viewer, window
 from workflows.report.page import load_results
 from workflows.scene.load import SHIPPED
 
@@ -184,7 +184,7 @@ def test_a_window_draws_frames_and_closes(finished: Path) -> None:
 def test_a_window_goes_through_modes_and_speeds(finished: Path, document: dict[str, Any]) -> None:
     found = viewer.of(str(finished))
     with np.load(io.BytesIO(viewer.archive(found, 2, 1, "a plate"))) as archive:
-        shown = viewer.Shown(dict(archive))
+        shown = window.Shown(dict(archive))
     speeds = document["speeds"]
     assert shown.counts == (len(speeds), len(speeds[0]["modes"]))
 
@@ -243,7 +243,7 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     data = json.loads(viewer.view(sight).data)
     assert data["behind"]
     with np.load(io.BytesIO(viewer.archive(sight, 0, 0, "a plate"))) as archive:
-        shown = viewer.Shown(dict(archive))
+        shown = window.Shown(dict(archive))
     for number in range(3):
         shown.pick(0, number)
         in_phase, late = (shown.places(angle) - shown.given["points"] for angle in (0.0, np.pi / 2))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ import numpy as np
 from workflows import formatting
 from workflows.io import provenance
 from workflows.io.serialise import Column, columns, keep
+from workflows.solve.engine_orders import branches
 from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
 
 if TYPE_CHECKING:
@@ -42,44 +43,6 @@ class Curve:
     y_column: str
     x: Floats
     y: Floats
-
-
-@dataclass(frozen=True)
-class Branch:
-    """A mode followed over the speeds: its family, number there, and (speed, mode) of the run that it consists of."""
-
-    family: str
-    number: int
-    places: tuple[tuple[int, int], ...]
-
-    @property
-    def label(self) -> str:
-        """What a legend says."""
-        return f"{self.family} {self.number}"
-
-
-def branches(results: Results) -> list[Branch]:
-    """The modes followed over ascending speeds, each named by its family at the lowest speed it is seen at."""
-    tracks: dict[int, list[tuple[int, int]]] = {}
-    for at, point in sorted(enumerate(results.speeds), key=lambda each: each[1].rpm):
-        for place, mode in enumerate(point.modes):
-            tracks.setdefault(mode.branch, []).append((at, place))
-    names = _names(results.speeds)
-    return [Branch(*names[branch], tuple(track)) for branch, track in tracks.items()]
-
-
-def labels(points: Sequence[SpeedPoint]) -> dict[int, str]:
-    """What a legend calls the branches of some points, by their number."""
-    return {branch: f"{family} {number}" for branch, (family, number) in _names(points).items()}
-
-
-def _names(points: Sequence[SpeedPoint]) -> dict[int, tuple[str, int]]:
-    """Family of each branch at the lowest speed it is seen at, and its number there."""
-    names: dict[int, tuple[str, int]] = {}
-    for mode in (mode for point in sorted(points, key=lambda each: each.rpm) for mode in point.modes):
-        if mode.branch not in names:
-            names[mode.branch] = mode.family, 1 + sum(family == mode.family for family, _ in names.values())
-    return names
 
 
 def campbell(results: Results) -> list[Curve]:
@@ -299,7 +262,7 @@ def as_json(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def files_write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> None:
+def write_table(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> None:
     """A table; what a row has beyond the columns is left out, a list is written with spaces between its items."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, list(columns), extrasaction="ignore")

@@ -19,7 +19,7 @@ from workflows.report.plots import Value
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
-from workflows.solve.engine_orders import crossings, orders
+from workflows.solve.engine_orders import branches, crossings, orders
 from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def _at_which_speed(results: Results) -> str:
 def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
     """Frequencies with their errors, which lead to the mode; then crossings with engine orders."""
     (axes,), kept = figure.axes, () if results.surface is None else results.surface.at
-    for branch in files.branches(results):
+    for branch in branches(results):
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"

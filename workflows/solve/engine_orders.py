@@ -9,9 +9,47 @@ from itertools import pairwise
 
 from workflows.errors import BadInput
 from workflows.formatting import whole
-from workflows.io import files
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A mode followed over the speeds: its family, number there, and (speed, mode) of the run that it consists of."""
+
+    family: str
+    number: int
+    places: tuple[tuple[int, int], ...]
+
+    @property
+    def label(self) -> str:
+        """What a legend says."""
+        return f"{self.family} {self.number}"
+
+
+def branches(results: Results) -> list[Branch]:
+    """The modes followed over ascending speeds, each named by its family at the lowest speed it is seen at."""
+    tracks: dict[int, list[tuple[int, int]]] = {}
+    for at, point in sorted(enumerate(results.speeds), key=lambda each: each[1].rpm):
+        for place, mode in enumerate(point.modes):
+            tracks.setdefault(mode.branch, []).append((at, place))
+    names = _names(results.speeds)
+    return [Branch(*names[branch], tuple(track)) for branch, track in tracks.items()]
+
+
+def labels(points: Sequence[SpeedPoint]) -> dict[int, str]:
+    """What a legend calls the branches of some points, by their number."""
+    return {branch: f"{family} {number}" for branch, (family, number) in _names(points).items()}
+
+
+def _names(points: Sequence[SpeedPoint]) -> dict[int, tuple[str, int]]:
+    """Family of each branch at the lowest speed it is seen at, and its number there."""
+    names: dict[int, tuple[str, int]] = {}
+    for mode in (mode for point in sorted(points, key=lambda each: each.rpm) for mode in point.modes):
+        if mode.branch not in names:
+            names[mode.branch] = mode.family, 1 + sum(family == mode.family for family, _ in names.values())
+    return names
+
 
 ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 """Multiples of the rotation's frequency that are looked at in any scene."""
@@ -65,14 +103,14 @@ def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossi
     whose frequency does not depend on the speed.
     """
     by_speed = sorted(points, key=lambda point: point.omega)
-    labels = files.labels(by_speed) or {0: "flap 1"}
-    tracks = {branch: _track(by_speed, branch) for branch in sorted(labels)}
+    names = labels(by_speed) or {0: "flap 1"}
+    tracks = {branch: _track(by_speed, branch) for branch in sorted(names)}
     return [
         met
         for order in sorted(asked)
         for branch, track in tracks.items()
         for low, high in pairwise(track)
-        if (met := _between(order, labels[branch], low, high)) is not None
+        if (met := _between(order, names[branch], low, high)) is not None
     ]
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.io.files import as_json, files_write_csv
+from workflows.io.files import as_json, write_table
 from workflows.io.folder import replacing
 from workflows.io.provenance import versions
 from workflows.progress import Stages
@@ -164,9 +164,9 @@ def write(found: Reproduction, out: Path) -> None:
         document = found.document()
         (folder / "reproduce.json").write_text(dumps(found) + "\n", encoding="utf-8")
         claims = document["claims"]
-        files_write_csv(folder / "reproduce.csv", claims[0], claims)
+        write_table(folder / "reproduce.csv", claims[0], claims)
         lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
-        files_write_csv(folder / "closure.csv", lines[0], lines)
+        write_table(folder / "closure.csv", lines[0], lines)
         (folder / "report.html").write_text(render(found), encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""What effects change and cost, as files and as text: JSON, CSV, a plots, and one page for a person."""
+"""What effects change and cost, as files and as text: JSON, CSV, a plot, and one page for a person."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
-from workflows.io.files import as_json, files_write_csv
+from workflows.io.files import as_json, write_table
 from workflows.io.folder import replacing
 from workflows.report import plots
 from workflows.report.page import from_template
@@ -131,7 +131,7 @@ def write(found: Switches, out: Path) -> None:
         (folder / "effects.json").write_text(dumps(found) + "\n", encoding="utf-8")
         (folder / "effects.svg").write_text(plots.standalone(figure), encoding="utf-8")
         times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
-        files_write_csv(
+        write_table(
             folder / "effects.csv",
             ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
             [_flat(row) for row in found.rows],

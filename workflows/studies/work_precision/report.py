@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows import formatting
-from workflows.io.files import as_json, files_write_csv
+from workflows.io.files import as_json, write_table
 from workflows.io.folder import replacing
 from workflows.report import plots
 from workflows.report.page import from_template
@@ -75,7 +75,7 @@ def write(found: WorkPrecision, out: Path) -> None:
     with replacing(out) as folder:
         (folder / "accuracy.json").write_text(dumps(found) + "\n", encoding="utf-8")
         (folder / "accuracy.svg").write_text(plots.standalone(overview(first, asked)), encoding="utf-8")
-        files_write_csv(
+        write_table(
             folder / "accuracy.csv",
             ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
             [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows],
