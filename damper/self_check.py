@@ -15,7 +15,7 @@ import contextlib
 import hashlib
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from threading import RLock
@@ -79,6 +79,15 @@ class Sweep(NamedTuple):
     damper: ParticleDamper
     high: float
     low: float
+    stay: int
+    figures: dict[str, float]
+
+
+class Curve(NamedTuple):
+    """What `damper.working` returns for so many sweeps and cycles an octave."""
+
+    damper: ParticleDamper
+    sweeps: int
     stay: int
     figures: dict[str, float]
 
@@ -148,19 +157,53 @@ SWEEPS = {
     "sweeps on a level floor": Sweep(_LEVEL, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.96454254615}),
     "sweeps on a tilting floor": Sweep(_TILTING, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.67000214447}),
 }
+WORKING = {
+    "curve on a level floor": Curve(
+        replace(_LEVEL, restitution=0.3),
+        2,
+        28,
+        {
+            "cut-off": 0.1,
+            "peak": 0.00907194034972,
+            "amplitude of the peak": 0.36390534043,
+            "half below": 0.31947758200,
+            "half above": 0.85749475943,
+            "range from": 0.1,
+            "range to": 0.85749475943,
+        },
+    ),
+    "curve on a tilting floor": Curve(
+        replace(_TILTING, restitution=0.3),
+        2,
+        28,
+        {
+            "cut-off": 1 / 7,
+            "peak": 0.00566664831756,
+            "amplitude of the peak": 0.40843420718,
+            "half below": 0.37425100124,
+            "half above": 0.90472905424,
+            "range from": 1 / 7,
+            "range to": 0.90472905424,
+        },
+    ),
+}
 STEADY = {
     "steady state": SteadyState(
         _DAMPED,
         Harmonic(1.0, (0.04, 0.0)),
-        {"hits a cycle": 2, "mean amplitude": 0.89706037588, "power": 0.01793035803},
+        {
+            "hits a cycle": 2,
+            "mean amplitude": 0.89706037588,
+            "power": 0.01793035803,
+        },
     )
 }
 
 FAMILIES: dict[str, dict[str, Any]] = {
     "level": LEVEL,
     "linear": LINEAR,
-    "level sweeps": {name: sweep for name, sweep in SWEEPS.items() if sweep.damper is _LEVEL},
-    "linear sweeps": {name: sweep for name, sweep in SWEEPS.items() if sweep.damper is _TILTING},
+    "level sweeps": {name: each for name, each in (SWEEPS | WORKING).items() if not any(each.damper.floor_tilt)},
+    "linear sweeps": {name: each for name, each in (SWEEPS | WORKING).items() if any(each.damper.floor_tilt)},
     "forced": STEADY,
 }
 """Families of kernels, and what they must reproduce."""
@@ -186,12 +229,8 @@ class Line(NamedTuple):
         return abs(self.value - self.reference) / max(abs(self.reference), 1.0)
 
 
-def once(family: str, run: Callable[..., Any]) -> None:
-    """Check a family of kernels unless that was done on this machine.
-
-    Args:
-        family: see `FAMILIES`.
-        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of` or `damper.steady_state`.
+def once(family: str) -> None:
+    """Check a family of kernels, see `FAMILIES`, unless that was done on this machine.
 
     Raises:
         LawViolation: a figure differs from its reference.
@@ -205,7 +244,7 @@ def once(family: str, run: Callable[..., Any]) -> None:
             return
         path = stamp_of(family)
         if not path.exists():
-            _check(family, run)
+            _check(family)
             leave(path)
         checked.add(family)
 
@@ -217,20 +256,20 @@ def stamp_of(family: str) -> Path:
     return stamp(f"kernels-{family.replace(' ', '-')}", Path(__file__).parent, compiled.versions(), compiled.FOLDER)
 
 
-def lines(family: str, run: Callable[..., Any]) -> Iterator[Line]:
+def lines(family: str) -> Iterator[Line]:
     """All figures of a family's motions; see `once`."""
     for name, motion in FAMILIES[family].items():
         _running.add(family)
         try:
-            computed = figures_of(motion, run)
+            computed = figures_of(motion)
         finally:
             _running.discard(family)
         yield from (Line(name, figure, computed[figure], reference) for figure, reference in motion.figures.items())
 
 
-def _check(family: str, run: Callable[..., Any]) -> None:
+def _check(family: str) -> None:
     try:
-        for line in lines(family, run):
+        for line in lines(family):
             law = f"'{line.name}' comes out as computed independently"
             require(law, f"the error of its {line.figure}", line.error, EXACT)
     except LawViolation as error:
@@ -238,18 +277,35 @@ def _check(family: str, run: Callable[..., Any]) -> None:
         raise
 
 
-def figures_of(motion: Motion | Sweep | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
-    """Figures of a reference motion as computed here; see `once`."""
+def figures_of(motion: Motion | Sweep | Curve | SteadyState) -> dict[str, float]:
+    """Figures of a reference motion as computed here."""
+    from damper import forced, ringdown, working
+    from damper.working import samples_of
+
+    damper = motion.damper
     if isinstance(motion, Motion):
-        found = run(
-            motion.damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes
-        )
-        energy = found.energy
+        run = ringdown(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
+        energy = run.energy
         shares = {"energy left": energy.final, "rolling work": energy.rolling, "work": energy.work}
-        return {"hits": float(found.impacts)} | {name: value / energy.initial for name, value in shares.items()}
+        return {"hits": float(run.impacts)} | {name: value / energy.initial for name, value in shares.items()}
     if isinstance(motion, Sweep):
-        samples = run(motion.damper, motion.low, motion.high, STARTS, motion.stay, 1)
+        samples = samples_of(damper, motion.low, motion.high, STARTS, motion.stay, 1)
         return {"cycles": float(len(samples)), "decrements": float(np.sum(samples[:, 0] - samples[:, 1]))}
-    found = run(motion.damper, [motion.harmonic], threads=1)
-    hits, amplitude, power = (float(each[0, 0]) for each in (found.hits_per_cycle, found.mean, found.power_in))
-    return {"hits a cycle": hits, "mean amplitude": amplitude, "power": power}
+    if isinstance(motion, Curve):
+        curve = working(damper, threads=1, sweeps=motion.sweeps, stay=motion.stay)
+        return {
+            "cut-off": curve.cutoff,
+            "peak": curve.peak,
+            "amplitude of the peak": curve.peak_amplitude,
+            "half below": curve.half[0],
+            "half above": curve.half[1],
+            "range from": curve.range[0],
+            "range to": curve.range[1],
+        }
+    state = forced(damper, [motion.harmonic], threads=1)
+    hits, amplitude, power = (float(each[0, 0]) for each in (state.hits_per_cycle, state.mean, state.power_in))
+    return {
+        "hits a cycle": hits,
+        "mean amplitude": amplitude,
+        "power": power,
+    }

@@ -2,31 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from damper import LawViolation, compiled, forced, ringdown, self_check
+from damper import LawViolation, compiled, ringdown, self_check
 from damper.self_check import leave, stamp
-from damper.working import samples_of
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits
-
-RUNS: dict[str, Callable[..., Any]] = {
-    "level": ringdown,
-    "linear": ringdown,
-    "level sweeps": samples_of,
-    "linear sweeps": samples_of,
-    "forced": forced,
-}
 
 
 @needs_compiler
 @pytest.mark.parametrize("family", self_check.FAMILIES)
 def test_the_kernels_reproduce_the_digits(family: str) -> None:
-    for line in self_check.lines(family, RUNS[family]):
+    for line in self_check.lines(family):
         assert line.error < 1e-10, line
 
 
@@ -48,9 +37,7 @@ def nothing_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str
     monkeypatch.setattr(compiled, "FOLDER", tmp_path)
     monkeypatch.setattr(compiled, "COMPILES", True)
     monkeypatch.setattr(self_check, "checked", set())
-    monkeypatch.setattr(
-        self_check, "figures_of", lambda motion, run: (ran.append(names[id(motion)]), right(motion, run))[1]
-    )
+    monkeypatch.setattr(self_check, "figures_of", lambda motion: (ran.append(names[id(motion)]), right(motion))[1])
     return ran
 
 
@@ -112,6 +99,6 @@ def test_stamps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "COMPILES", False)
-    self_check.once("level", ringdown)
+    self_check.once("level")
     assert not nothing_checked
     assert COMPILED or not compiled.CACHED

@@ -28,9 +28,9 @@ def _self_check(asked: bool) -> None:
         from workflows.solve import self_check
 
         kernels.say()
-        lines, passed = self_check.report()
-        typer.echo("\n".join(lines))
-        raise typer.Exit(0 if passed else 1)
+        for line in self_check.report():
+            print(line, flush=True)
+        raise typer.Exit(0 if line == self_check.ALL_PASSED else 1)
 
 
 @_commands.callback(invoke_without_command=True)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator
-from functools import cache
+from collections.abc import Iterator
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 from workflows import versions
 
@@ -35,36 +34,44 @@ def stamp_of_plates() -> Path:
     return stamp("plates", Path(fem.__file__).parent, (platform.machine(), platform.node(), versions.line()))
 
 
-def report() -> tuple[list[str], bool]:
-    """A line for every check, versions first, and whether all passed."""
-    found, passed = [versions.line()], True
-    for family, results in _families().items():
+def report() -> Iterator[str]:
+    """A line for the versions, one for every check as soon as its family is done, and a last one: `ALL_PASSED` or not.
+
+    Families that passed have their stamps then.
+    """
+    from damper.self_check import FAMILIES, leave, stamp_of
+
+    yield versions.line()
+    passed = True
+    families = {"plates": (_plates, stamp_of_plates)} | {
+        family: (partial(_kernels, family), partial(stamp_of, family)) for family in FAMILIES
+    }
+    for family, (checks, place) in families.items():
+        right, lines = True, []
         try:
-            for line, right in results():
-                passed &= right
-                found.append(f"{'ok' if right else 'WRONG'}  {line}")
+            for line, holds in checks():
+                right &= holds
+                lines.append(f"{'ok' if holds else 'WRONG'}  {line}")
         except Exception as error:
-            passed = False
-            found.append(f"WRONG  {family}: {error}")
-    return [*found, "all checks passed" if passed else "do not trust results of this installation"], passed
+            right = False
+            lines.append(f"WRONG  {family}: {error}")
+        if right:
+            leave(place())
+        passed &= right
+        yield from lines
+    yield ALL_PASSED if passed else "do not trust results of this installation"
 
 
-def _families() -> dict[str, Callable[[], Iterator[tuple[str, bool]]]]:
-    """What computes the lines of each family, and whether each is right."""
-    from damper import forced, ringdown, self_check
-    from damper.working import samples_of
+ALL_PASSED = "all checks passed"
 
-    runs: dict[str, Any] = {"forced": forced, "level sweeps": samples_of, "linear sweeps": samples_of}
 
-    def kernels(family: str) -> Iterator[tuple[str, bool]]:
-        for line in self_check.lines(family, runs.get(family, ringdown)):
-            said = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
-            yield f"{said}, error {line.error:.1e}", line.error <= self_check.EXACT
+def _kernels(family: str) -> Iterator[tuple[str, bool]]:
+    """The lines of a family of kernels, and whether each is right."""
+    from damper import self_check
 
-    def of(family: str) -> Callable[[], Iterator[tuple[str, bool]]]:
-        return lambda: kernels(family)
-
-    return {"plates": _plates} | {family: of(family) for family in self_check.FAMILIES}
+    for line in self_check.lines(family):
+        said = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
+        yield f"{said}, error {line.error:.1e}", line.error <= self_check.EXACT
 
 
 def _plates() -> Iterator[tuple[str, bool]]:
