@@ -11,6 +11,7 @@ state attracts its neighbours.
 
 from __future__ import annotations
 
+import cmath
 import contextlib
 import hashlib
 import math
@@ -132,6 +133,9 @@ _THREE_MODES = (
 _COUPLED = replace(_LEVEL, rotation=0.3, stagger=0.5, floor_friction=0.2, modes=_THREE_MODES)
 _DAMPED = replace(_TILTING, damping_ratio=0.02)
 
+_ANSWER_AT_REST, _ANSWER_ALONE = (0.04 / (1.02 - mass + 0.04j * math.sqrt(1.02)) for mass in (1.02, 1.0))
+"""F / (K - M nu² + i c nu) at nu = 1."""
+
 _PUSH = Harmonic(0.97, (0.05, 0.02), phase=0.4)
 
 LEVEL = {
@@ -195,6 +199,9 @@ STEADY = {
             "hits a cycle": 2,
             "mean amplitude": 0.89706037588,
             "power": 0.01793035803,
+            "amplitude with the ball at rest": abs(_ANSWER_AT_REST),
+            "amplitude without the ball": abs(_ANSWER_ALONE),
+            "its phase": cmath.phase(_ANSWER_ALONE),
         },
     )
 }
@@ -308,4 +315,7 @@ def figures_of(motion: Motion | Sweep | Curve | SteadyState) -> dict[str, float]
         "hits a cycle": hits,
         "mean amplitude": amplitude,
         "power": power,
+        "amplitude with the ball at rest": abs(state.linear[0]),
+        "amplitude without the ball": abs(state.without[0]),
+        "its phase": cmath.phase(state.without[0]),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import pytest
@@ -102,3 +103,13 @@ def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: py
     self_check.once("level")
     assert not nothing_checked
     assert COMPILED or not compiled.CACHED
+
+
+@needs_compiler
+def test_a_wrong_answer_without_the_ball_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("damper.starts")
+    right = module.without_ball
+    monkeypatch.setattr(module, "without_ball", lambda *given: right(*given) * 1.001)
+    assert [line.figure for line in self_check.lines("forced") if line.error > self_check.EXACT] == [
+        "amplitude without the ball"
+    ]
