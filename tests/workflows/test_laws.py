@@ -6,6 +6,7 @@ import importlib
 import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,11 @@ from tests.benchmarks import broken_kernels
 from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Outcome, changed, write
 from workflows.cli.entry import main
+from workflows.effects.selection import resolve
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
-from workflows.solve import self_check
+from workflows.scene.load import parse
+from workflows.solve import coupling, self_check
+from workflows.solve.damper import particle_damper
 from workflows.studies.sweep import executor
 
 SCENE = changed(KNOWN, rotor__speeds=["9000 rpm"], title="wrong")
@@ -102,6 +106,18 @@ def test_python_raises() -> None:
             call(SCENE)
         assert isinstance(caught.value.__cause__, damper.LawViolation)
         assert isinstance(caught.value, SpindampError)
+
+
+def test_mass_and_stiffness_have_the_frequency_of_their_point() -> None:
+    scene = parse(SCENE)
+    point = coupling.known_structure(scene, scene.rotor.speeds[0])
+    effects = resolve(scene)
+    particle_damper(scene, effects, point)
+    assert point.reduced is not None
+    for name in ("K1", "M2"):
+        wrong = replace(point.reduced, **{name: 1.001 * getattr(point.reduced, name)})
+        with pytest.raises(damper.LawViolation, match="f1 is that of K1 and M1"):
+            particle_damper(scene, effects, replace(point, reduced=wrong))
 
 
 def test_what_is_no_violation_stays_what_it_is() -> None:
