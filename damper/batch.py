@@ -14,6 +14,7 @@ import numpy.typing as npt
 from damper import laws, self_check
 from damper.model import Floats, Integers, energy, ensemble, stuck_frequency, table, whole
 from damper.motion import CLOSED_FORM, COUPLED, Prepared, flights, kinds, outcome_of, prepare
+from damper.ringdown import ringdown
 from damper.setup import at_once
 
 if TYPE_CHECKING:
@@ -166,7 +167,7 @@ def ringdowns(
     extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
     for family in {"level" if each == CLOSED_FORM else "linear" for each in np.unique(kind)}:
-        self_check.once(family)
+        self_check.once(family, ringdown)
     return batch
 
 

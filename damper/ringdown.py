@@ -179,7 +179,7 @@ def ringdown(
     result = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
     _check(result, course, start, longest)
-    self_check.once("level" if course.kind == CLOSED_FORM else "linear")
+    self_check.once("level" if course.kind == CLOSED_FORM else "linear", ringdown)
     return result
 
 

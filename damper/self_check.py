@@ -16,7 +16,7 @@ import contextlib
 import hashlib
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from threading import RLock
@@ -209,8 +209,10 @@ STEADY = {
 FAMILIES: dict[str, dict[str, Any]] = {
     "level": LEVEL,
     "linear": LINEAR,
-    "level sweeps": {name: each for name, each in (SWEEPS | WORKING).items() if not any(each.damper.floor_tilt)},
-    "linear sweeps": {name: each for name, each in (SWEEPS | WORKING).items() if any(each.damper.floor_tilt)},
+    "level sweeps": {name: sweep for name, sweep in SWEEPS.items() if not any(sweep.damper.floor_tilt)},
+    "linear sweeps": {name: sweep for name, sweep in SWEEPS.items() if any(sweep.damper.floor_tilt)},
+    "level curves": {name: curve for name, curve in WORKING.items() if not any(curve.damper.floor_tilt)},
+    "linear curves": {name: curve for name, curve in WORKING.items() if any(curve.damper.floor_tilt)},
     "forced": STEADY,
 }
 """Families of kernels, and what they must reproduce."""
@@ -236,8 +238,13 @@ class Line(NamedTuple):
         return abs(self.value - self.reference) / max(abs(self.reference), 1.0)
 
 
-def once(family: str) -> None:
-    """Check a family of kernels, see `FAMILIES`, unless that was done on this machine.
+def once(family: str, run: Callable[..., Any]) -> None:
+    """Check a family of kernels unless that was done on this machine.
+
+    Args:
+        family: see `FAMILIES`.
+        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of`, `damper.working` or
+            `damper.forced`.
 
     Raises:
         LawViolation: a figure differs from its reference.
@@ -251,7 +258,7 @@ def once(family: str) -> None:
             return
         path = stamp_of(family)
         if not path.exists():
-            _check(family)
+            _check(family, run)
             leave(path)
         checked.add(family)
 
@@ -263,20 +270,20 @@ def stamp_of(family: str) -> Path:
     return stamp(f"kernels-{family.replace(' ', '-')}", Path(__file__).parent, compiled.versions(), compiled.FOLDER)
 
 
-def lines(family: str) -> Iterator[Line]:
+def lines(family: str, run: Callable[..., Any]) -> Iterator[Line]:
     """All figures of a family's motions; see `once`."""
     for name, motion in FAMILIES[family].items():
         _running.add(family)
         try:
-            computed = figures_of(motion)
+            computed = figures_of(motion, run)
         finally:
             _running.discard(family)
         yield from (Line(name, figure, computed[figure], reference) for figure, reference in motion.figures.items())
 
 
-def _check(family: str) -> None:
+def _check(family: str, run: Callable[..., Any]) -> None:
     try:
-        for line in lines(family):
+        for line in lines(family, run):
             law = f"'{line.name}' comes out as computed independently"
             require(law, f"the error of its {line.figure}", line.error, EXACT)
     except LawViolation as error:
@@ -284,22 +291,19 @@ def _check(family: str) -> None:
         raise
 
 
-def figures_of(motion: Motion | Sweep | Curve | SteadyState) -> dict[str, float]:
-    """Figures of a reference motion as computed here."""
-    from damper import forced, ringdown, working
-    from damper.working import samples_of
-
+def figures_of(motion: Motion | Sweep | Curve | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
+    """Figures of a reference motion as computed here; see `once`."""
     damper = motion.damper
     if isinstance(motion, Motion):
-        run = ringdown(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
-        energy = run.energy
+        found = run(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
+        energy = found.energy
         shares = {"energy left": energy.final, "rolling work": energy.rolling, "work": energy.work}
-        return {"hits": float(run.impacts)} | {name: value / energy.initial for name, value in shares.items()}
+        return {"hits": float(found.impacts)} | {name: value / energy.initial for name, value in shares.items()}
     if isinstance(motion, Sweep):
-        samples = samples_of(damper, motion.low, motion.high, STARTS, motion.stay, 1)
+        samples = run(damper, motion.low, motion.high, STARTS, motion.stay, 1)
         return {"cycles": float(len(samples)), "decrements": float(np.sum(samples[:, 0] - samples[:, 1]))}
     if isinstance(motion, Curve):
-        curve = working(damper, threads=1, sweeps=motion.sweeps, stay=motion.stay)
+        curve = run(damper, threads=1, sweeps=motion.sweeps, stay=motion.stay)
         return {
             "cut-off": curve.cutoff,
             "peak": curve.peak,
@@ -309,7 +313,7 @@ def figures_of(motion: Motion | Sweep | Curve | SteadyState) -> dict[str, float]
             "range from": curve.range[0],
             "range to": curve.range[1],
         }
-    state = forced(damper, [motion.harmonic], threads=1)
+    state = run(damper, [motion.harmonic], threads=1)
     hits, amplitude, power = (float(each[0, 0]) for each in (state.hits_per_cycle, state.mean, state.power_in))
     return {
         "hits a cycle": hits,

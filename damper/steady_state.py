@@ -185,7 +185,7 @@ def forced(
         done = begin * len(columns)
         count = None if progress is None else functools.partial(_further, progress, done)
         parts.append(_part(dampers[here], harmonics[here], begin, how, count))
-    self_check.once("forced")
+    self_check.once("forced", forced)
     return Forced(columns, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 

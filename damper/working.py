@@ -128,7 +128,7 @@ def _falling(
 def _found(damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None) -> Working:
     """Figures of sweeps at a pace."""
     samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-    self_check.once("level sweeps" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear sweeps")
+    self_check.once("level curves" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear curves", working)
     whole = figures(samples, cutoff)
     if whole is None:
         return nothing(cutoff)
@@ -188,6 +188,7 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     if f is not None:
         f.give_back(p)
     laws.check_sweeps(damper, energy, p.axes["excursion"])
+    self_check.once("level sweeps" if closed else "linear sweeps", samples_of)
     with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
         level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
     halves = np.repeat(np.column_stack([each % 2, each // (sweeps // 2)]), level.shape[1], axis=0)

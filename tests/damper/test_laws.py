@@ -271,8 +271,8 @@ def test_a_curve_read_wrongly(
     with pytest.raises(LawViolation, match=law):
         working(DAMPER, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_readings", lambda *_: None)
-    for family in ("level sweeps", "linear sweeps"):
-        wrong = {line.figure for line in self_check.lines(family) if line.error > self_check.EXACT}
+    for family in ("level curves", "linear curves"):
+        wrong = {line.figure for line in self_check.lines(family, working) if line.error > self_check.EXACT}
         assert figure in wrong
 
 
@@ -285,7 +285,7 @@ def test_a_cutoff_that_the_load_does_not_have(monkeypatch: pytest.MonkeyPatch) -
     with pytest.raises(LawViolation, match="at its cut-off a ball is driven by the rolling threshold"):
         working(damper, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_rest_amplitude", lambda *_: None)
-    wrong = {line.figure for line in self_check.lines("linear sweeps") if line.error > self_check.EXACT}
+    wrong = {line.figure for line in self_check.lines("linear curves", working) if line.error > self_check.EXACT}
     assert "cut-off" in wrong
 
 

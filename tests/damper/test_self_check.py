@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from damper import LawViolation, compiled, ringdown, self_check
+from damper import LawViolation, compiled, forced, ringdown, self_check, working
 from damper.self_check import leave, stamp
+from damper.working import samples_of
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits
+
+RUNS: dict[str, Callable[..., Any]] = {
+    "level": ringdown,
+    "linear": ringdown,
+    "level sweeps": samples_of,
+    "linear sweeps": samples_of,
+    "level curves": working,
+    "linear curves": working,
+    "forced": forced,
+}
 
 
 @needs_compiler
 @pytest.mark.parametrize("family", self_check.FAMILIES)
 def test_the_kernels_reproduce_the_digits(family: str) -> None:
-    for line in self_check.lines(family):
+    for line in self_check.lines(family, RUNS[family]):
         assert line.error < 1e-10, line
 
 
@@ -38,7 +51,9 @@ def nothing_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str
     monkeypatch.setattr(compiled, "FOLDER", tmp_path)
     monkeypatch.setattr(compiled, "COMPILES", True)
     monkeypatch.setattr(self_check, "checked", set())
-    monkeypatch.setattr(self_check, "figures_of", lambda motion: (ran.append(names[id(motion)]), right(motion))[1])
+    monkeypatch.setattr(
+        self_check, "figures_of", lambda motion, run: (ran.append(names[id(motion)]), right(motion, run))[1]
+    )
     return ran
 
 
@@ -100,7 +115,7 @@ def test_stamps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "COMPILES", False)
-    self_check.once("level")
+    self_check.once("level", ringdown)
     assert not nothing_checked
     assert COMPILED or not compiled.CACHED
 
@@ -110,6 +125,6 @@ def test_a_wrong_answer_without_the_ball_is_known(monkeypatch: pytest.MonkeyPatc
     module = importlib.import_module("damper.starts")
     right = module.without_ball
     monkeypatch.setattr(module, "without_ball", lambda *given: right(*given) * 1.001)
-    assert [line.figure for line in self_check.lines("forced") if line.error > self_check.EXACT] == [
+    assert [line.figure for line in self_check.lines("forced", forced) if line.error > self_check.EXACT] == [
         "amplitude without the ball"
     ]

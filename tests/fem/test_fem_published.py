@@ -8,9 +8,9 @@ import pytest
 from fem_cases import STEEL, paper_plate, rpm
 
 from fem import Effects, LawViolation, Plate, Rotor, assemble, campbell, rectangle, reduce_over
-from fem.reduction import single_mode
+from fem.reduction import reference, single_mode
 from fem.reduction.single_mode import FlapMode
-from fem.sweep import laws, reference
+from fem.sweep import laws
 
 SPEEDS = np.linspace(0.0, rpm(17500), 7)
 KINDS = {

@@ -140,8 +140,15 @@ def violate(number: int) -> None:
 
 @needs_compiler
 def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    stamps: list[Path] = []
+    monkeypatch.setattr("damper.self_check.leave", stamps.append)
     outcome = spindamp("--self-check")
     first, *lines, last = outcome.out.splitlines()
+    families = importlib.import_module("damper.self_check").FAMILIES
+    assert [path.name.split(".")[0] for path in stamps] == [
+        "plates",
+        *(f"kernels-{family.replace(' ', '-')}" for family in families),
+    ]
     assert (outcome.status, outcome.err, last) == (0, "", "all checks passed")
     assert f"numpy {version('numpy')}" in first
     assert len(lines) > 30
@@ -165,7 +172,7 @@ def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Pat
 
 def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[int] = []
-    monkeypatch.setattr("fem.sweep.reference.check", lambda: ran.append(1))
+    monkeypatch.setattr("fem.reduction.reference.check", lambda: ran.append(1))
     for _ in range(2):
         self_check.plates()
     assert (ran, new_machine.exists()) == ([1], True)
@@ -180,7 +187,7 @@ def test_no_plate_is_published_by_programs_that_fail(
     def wrong() -> None:
         raise fem.LawViolation("'beam' has the frequency 3.5, but 3.6 came out")
 
-    monkeypatch.setattr("fem.sweep.reference.check", wrong)
+    monkeypatch.setattr("fem.reduction.reference.check", wrong)
     assert main(["campbell", "campbell", "--json"]) == 1
     assert capsys.readouterr().err.startswith("spindamp: an internal error: 'beam' has the frequency 3.5, but")
     assert not new_machine.exists()
@@ -190,7 +197,7 @@ def test_no_plate_is_published_by_programs_that_fail(
 def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
     """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
     (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
-    tree = broken_kernels.copied(broken_kernels.ROOT, tmp_path, each)
+    tree = broken_kernels.broken_copy(tmp_path / "tree", each)
     ended, said, _ = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
     assert ended == "status 1", said
     assert "in the self-check of the compiled kernels" in said
