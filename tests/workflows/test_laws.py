@@ -162,6 +162,20 @@ def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.Monkey
     assert outcome.out.splitlines()[-1] == "do not trust results of this installation"
 
 
+def test_self_check_of_plain_python(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    """What takes seconds is checked, and what is not is said."""
+    stamps: list[Path] = []
+    monkeypatch.setattr("damper.self_check.leave", stamps.append)
+    monkeypatch.setattr("damper.compiled.COMPILES", False)
+    outcome = spindamp("--self-check")
+    *lines, left_out, last = outcome.out.splitlines()
+    assert (outcome.status, last) == (0, "all checks passed")
+    assert left_out.startswith("not checked: damping curves and steady states")
+    assert sum("level floor" in line for line in lines) == 3
+    assert [path.name.split(".")[0] for path in stamps] == ["plates"]
+    assert "cannot be written" not in outcome.err
+
+
 @pytest.fixture
 def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setattr(self_check, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
