@@ -1,15 +1,18 @@
 """The decorators of compiled kernels, and the folder that keeps their code.
 
-The compiler's cache knows the file of a kernel but not those of the kernels it calls, so a change in one file would
-leave stale code in the others. Importing this module drops every cache entry that is older than any kernel source.
-Where neither the sources' folder nor the user's can be written, every start compiles anew.
+The compiler's cache knows the file of a kernel but not those of the kernels it calls, nor the version of the machine
+code's generator, so a change would leave stale code. Importing this module drops all cached code that does not carry
+the mark of these very sources and versions, wherever it is kept. Where neither the sources' folder nor the user's can
+be written, every start compiles anew.
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import hashlib
 import platform
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -22,27 +25,20 @@ from numba.extending import overload
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-_FOLDER = Path(__file__).parent
-
-
-def _drop_stale_cache() -> None:
-    newest = max(source.stat().st_mtime for source in _FOLDER.glob("*.py"))
-    for index in (_FOLDER / "__pycache__").glob("*.nbi"):
-        with contextlib.suppress(OSError):  # another process may be doing the same
-            if index.stat().st_mtime < newest:
-                index.unlink()
-
-
-_drop_stale_cache()
-
+_PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}"
 
 COMPILES: bool = not getattr(nb.config, "DISABLE_JIT", False)
 """Whether kernels are compiled at all: NUMBA_DISABLE_JIT=1 has them run as plain Python."""
 
 
+def versions() -> tuple[str, ...]:
+    """Versions of what compiles the kernels, and the processor that they are compiled for."""
+    return (platform.python_version(), np.__version__, nb.__version__, llvmlite.__version__, get_host_cpu_name())
+
+
 def _place() -> Path | None:
     try:
-        found = nb.njit(cache=True)(_drop_stale_cache)  # a folder is looked for here, compiled is nothing
+        found = nb.njit(cache=True)(versions)  # a folder is looked for here, compiled is nothing
     except RuntimeError:  # no locator available
         return None
     return Path(found.stats.cache_path) if COMPILES and found.stats.cache_path is not None else None
@@ -55,14 +51,33 @@ CACHED = FOLDER is not None
 """Whether compiled code is kept for the next start."""
 
 
+def mark_of(sources: Path, folder: Path) -> Path:
+    """The file in a folder of compiled code that says that these sources were compiled there, by these versions."""
+    digest = hashlib.sha256(repr((np.__version__, nb.__version__, llvmlite.__version__)).encode())
+    for source in sorted(sources.glob("*.py")):
+        digest.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
+    return folder / f"sources.{_PYTHON}.{digest.hexdigest()[:16]}"
+
+
+def _drop_stale_code(mark: Path) -> None:
+    """Drop what this Python compiled into the folder of a mark, unless that stands there."""
+    if mark.exists():
+        return
+    folder = mark.parent
+    for stale in (*folder.glob(f"*.{_PYTHON}*nb[ci]"), *folder.glob(f"sources.{_PYTHON}.*")):
+        with contextlib.suppress(OSError):  # another process may be doing the same
+            stale.unlink()
+    with contextlib.suppress(OSError):
+        mark.touch()
+
+
+if FOLDER is not None:
+    _drop_stale_code(mark_of(Path(__file__).parent, FOLDER))
+
+
 def fresh() -> bool:
     """Whether no kernel has been compiled yet that this start could use."""
     return FOLDER is None or next(FOLDER.glob("*.nbi"), None) is None
-
-
-def versions() -> tuple[str, ...]:
-    """Versions of what compiles the kernels, and the processor that they are compiled for."""
-    return (platform.python_version(), np.__version__, nb.__version__, llvmlite.__version__, get_host_cpu_name())
 
 
 _F = TypeVar("_F", bound="Callable[..., object]")
@@ -86,7 +101,20 @@ _OPTIONS: Any = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 def _compiled(function: _F, **more: object) -> _F:
     options: dict[str, Any] = {"cache": CACHED, **_OPTIONS, **more}
-    return cast("_F", nb.njit(**options)(function))
+    made: Any = nb.njit(**options)(function)
+    cache = getattr(made, "_cache", None)
+    if CACHED and cache is not None:
+        cache.load_overload = functools.partial(_loaded, cache, cache.load_overload)
+    return cast("_F", made)
+
+
+def _loaded(cache: Any, load: Callable[..., Any], *what: Any) -> Any:
+    """Compiled code from the cache; None, so that it is compiled anew, where its files are cut off."""
+    try:
+        return load(*what)
+    except Exception:
+        cache.flush()
+        return None
 
 
 def by_flights(level: Any, linear: Any) -> Callable[[_F], _F]:

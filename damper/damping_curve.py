@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from damper.model import Floats
 
 
-_BINS = 12
+BINS = 12
 """Points of the curve in an octave of amplitude."""
 
 BINNED = 0.01
@@ -84,7 +84,7 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
         before, after = before[moving], after[moving]
     if not before.size:
         return np.zeros(0), np.zeros(0)
-    width = math.log(2) / _BINS
+    width = math.log(2) / BINS
     low, high = np.minimum(before, after) / width, np.maximum(before, after) / width
     origin = math.floor(low.min())
     size = math.floor(high.max()) - origin + 1
@@ -121,7 +121,7 @@ def spread(samples: Floats, whole: Working) -> float:
     """
 
     def around(amplitude: Floats, ratio: Floats) -> Floats:
-        near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / _BINS
+        near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / BINS
         selected: Floats = ratio[near]
         return selected
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
+from damper.damping_curve import BINS
 from damper.equations import load_of, structures_by
 from damper.model import half_gap
 from damper.motion import COUPLED, Outcome, RingDown, kinds
@@ -348,9 +349,31 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     omega = np.sqrt(structures.spring[0] / damper.stuck_mass)
     slope = abs(curve - damper.ball_mass * pull**2 / structures.spring[0]) * bounds.gap[0]
     with np.errstate(divide="ignore"):
-        amplitude = np.where(bounds.gap[0] > 0, (damper.rolling_threshold + slope) / abs(omega**2 - pull), np.inf)
+        most = (damper.rolling_threshold + slope) / _drive_of_amplitude(damper)
+    amplitude = np.where(bounds.gap[0] > 0, most, np.inf)
     most = math.hypot(*(omega * amplitude)) * float(_decay(damper.damping_ratio)) * (1 + BOOKS)
     require("a ball rests below the cut-off", "velocity maximum after its last motion [m/s]", velocity, most)
+
+
+def _drive_of_amplitude(damper: ParticleDamper) -> Floats:
+    """Drive along x and y of a ball at rest in the middle, abs(omega² - E), for one mode an axis, shape (2,) [1/s²]."""
+    structures = _bounds(damper, damper.parameters)[0]
+    pull = np.diag(load_of(damper.parameters, structures)[0][0])
+    drive: Floats = abs(structures.spring[0] / damper.stuck_mass - pull)
+    return drive
+
+
+def check_rest_amplitude(damper: ParticleDamper, amplitude: float) -> None:
+    """Check the cut-off of `damper.working` [m]: there the drive that `check_cutoff` bounds is the rolling threshold.
+
+    Raises:
+        LawViolation: it is another.
+    """
+    if damper.modes is None:
+        threshold = damper.rolling_threshold
+        error = abs(_drive_of_amplitude(damper)[0] * amplitude - threshold)
+        law = "at its cut-off a ball is driven by the rolling threshold"
+        require(law, "error of the drive [m/s²]", error, EXACT * threshold)
 
 
 def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) -> None:
@@ -406,6 +429,39 @@ def check_curve(damper: ParticleDamper, curve: Working) -> None:
         rounding = TINY * (1 + ball / (0.5 * damper.stiffness[0] * amplitude**2))
         require(_LOSSES, "negative damping ratio", -ratio, rounding, where)
     require("amplitudes ascend", "amplitude [m]", amplitude[:-1], amplitude[1:], where)
+
+
+def check_readings(curve: Working, samples: Floats) -> None:
+    """Check what is read off a damping curve, and its ratios by the samples that they are means of.
+
+    Args:
+        curve: the curve and its figures.
+        samples: see `damper.working.samples_of`.
+
+    Raises:
+        LawViolation: a figure is not what it is said to be.
+    """
+    place, ratio, half = np.log(curve.amplitude), curve.damping_ratio, 0.5 * curve.peak
+    highest = np.interp(math.log(curve.peak_amplitude), place, ratio)
+    error = max(abs(curve.peak - ratio.max()), abs(curve.peak - highest))
+    require("the peak is the largest damping ratio", "its error", error, BOOKS * curve.peak)
+    inside = (curve.amplitude > curve.half[0]) & (curve.amplitude < curve.half[1])
+    law, figure = "the range ends where half the peak is left", "error of the damping ratio"
+    require(law, figure, np.where(inside, half - ratio, 0.0), BOOKS * half)
+    for end, last in zip(curve.half, (0, -1), strict=True):
+        if end != curve.amplitude[last]:
+            require(law, figure, abs(np.interp(math.log(end), place, ratio) - half), BOOKS * half)
+    begin = curve.cutoff if curve.cutoff > 0 else curve.half[0]
+    require(law, "error of the amplitude [m]", abs(np.subtract(curve.range, (begin, curve.half[1]))), 0.0)
+    before, after = samples[:, 0], samples[:, 1]
+    order = np.argsort(before + after)
+    middle, lost = 0.5 * (before + after)[order], (before - after)[order] / (2 * math.pi)
+    reach = math.log(2) / BINS + 0.5 * abs(before - after).max()
+    near = np.column_stack([np.searchsorted(middle, place - reach), np.searchsorted(middle, place + reach)]).ravel()
+    least, most = (each.reduceat(np.append(lost, lost[-1]), near)[::2] for each in (np.minimum, np.maximum))
+    law = "a mean lies between the extremes"
+    require(law, "damping ratio", ratio, most + EXACT * abs(most))
+    require(law, "negative damping ratio", -ratio, -least + EXACT * abs(least))
 
 
 def check_steady_states(m: Motions, figures: dict[str, Any]) -> None:

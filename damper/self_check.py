@@ -11,6 +11,7 @@ state attracts its neighbours.
 
 from __future__ import annotations
 
+import cmath
 import contextlib
 import hashlib
 import math
@@ -83,6 +84,15 @@ class Sweep(NamedTuple):
     figures: dict[str, float]
 
 
+class Curve(NamedTuple):
+    """What `damper.working` returns for so many sweeps and cycles an octave."""
+
+    damper: ParticleDamper
+    sweeps: int
+    stay: int
+    figures: dict[str, float]
+
+
 class SteadyState(NamedTuple):
     """A motion that a force keeps up."""
 
@@ -123,6 +133,9 @@ _THREE_MODES = (
 _COUPLED = replace(_LEVEL, rotation=0.3, stagger=0.5, floor_friction=0.2, modes=_THREE_MODES)
 _DAMPED = replace(_TILTING, damping_ratio=0.02)
 
+_ANSWER_AT_REST, _ANSWER_ALONE = (0.04 / (1.02 - mass + 0.04j * math.sqrt(1.02)) for mass in (1.02, 1.0))
+"""F / (K - M nu² + i c nu) at nu = 1."""
+
 _PUSH = Harmonic(0.97, (0.05, 0.02), phase=0.4)
 
 LEVEL = {
@@ -148,19 +161,58 @@ SWEEPS = {
     "sweeps on a level floor": Sweep(_LEVEL, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.96454254615}),
     "sweeps on a tilting floor": Sweep(_TILTING, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.67000214447}),
 }
+WORKING = {
+    "curve on a level floor": Curve(
+        replace(_LEVEL, restitution=0.3),
+        2,
+        28,
+        {
+            "cut-off": 0.1,
+            "peak": 0.00907194034972,
+            "amplitude of the peak": 0.36390534043,
+            "half below": 0.31947758200,
+            "half above": 0.85749475943,
+            "range from": 0.1,
+            "range to": 0.85749475943,
+        },
+    ),
+    "curve on a tilting floor": Curve(
+        replace(_TILTING, restitution=0.3),
+        2,
+        28,
+        {
+            "cut-off": 1 / 7,
+            "peak": 0.00566664831756,
+            "amplitude of the peak": 0.40843420718,
+            "half below": 0.37425100124,
+            "half above": 0.90472905424,
+            "range from": 1 / 7,
+            "range to": 0.90472905424,
+        },
+    ),
+}
 STEADY = {
     "steady state": SteadyState(
         _DAMPED,
         Harmonic(1.0, (0.04, 0.0)),
-        {"hits a cycle": 2, "mean amplitude": 0.89706037588, "power": 0.01793035803},
+        {
+            "hits a cycle": 2,
+            "mean amplitude": 0.89706037588,
+            "power": 0.01793035803,
+            "amplitude with the ball at rest": abs(_ANSWER_AT_REST),
+            "amplitude without the ball": abs(_ANSWER_ALONE),
+            "its phase": cmath.phase(_ANSWER_ALONE),
+        },
     )
 }
 
 FAMILIES: dict[str, dict[str, Any]] = {
     "level": LEVEL,
     "linear": LINEAR,
-    "level sweeps": {name: sweep for name, sweep in SWEEPS.items() if sweep.damper is _LEVEL},
-    "linear sweeps": {name: sweep for name, sweep in SWEEPS.items() if sweep.damper is _TILTING},
+    "level sweeps": {name: sweep for name, sweep in SWEEPS.items() if not any(sweep.damper.floor_tilt)},
+    "linear sweeps": {name: sweep for name, sweep in SWEEPS.items() if any(sweep.damper.floor_tilt)},
+    "level curves": {name: curve for name, curve in WORKING.items() if not any(curve.damper.floor_tilt)},
+    "linear curves": {name: curve for name, curve in WORKING.items() if any(curve.damper.floor_tilt)},
     "forced": STEADY,
 }
 """Families of kernels, and what they must reproduce."""
@@ -191,7 +243,8 @@ def once(family: str, run: Callable[..., Any]) -> None:
 
     Args:
         family: see `FAMILIES`.
-        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of` or `damper.steady_state`.
+        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of`, `damper.working` or
+            `damper.forced`.
 
     Raises:
         LawViolation: a figure differs from its reference.
@@ -238,18 +291,35 @@ def _check(family: str, run: Callable[..., Any]) -> None:
         raise
 
 
-def figures_of(motion: Motion | Sweep | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
+def figures_of(motion: Motion | Sweep | Curve | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
     """Figures of a reference motion as computed here; see `once`."""
+    damper = motion.damper
     if isinstance(motion, Motion):
-        found = run(
-            motion.damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes
-        )
+        found = run(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
         energy = found.energy
         shares = {"energy left": energy.final, "rolling work": energy.rolling, "work": energy.work}
         return {"hits": float(found.impacts)} | {name: value / energy.initial for name, value in shares.items()}
     if isinstance(motion, Sweep):
-        samples = run(motion.damper, motion.low, motion.high, STARTS, motion.stay, 1)
+        samples = run(damper, motion.low, motion.high, STARTS, motion.stay, 1)
         return {"cycles": float(len(samples)), "decrements": float(np.sum(samples[:, 0] - samples[:, 1]))}
-    found = run(motion.damper, [motion.harmonic], threads=1)
-    hits, amplitude, power = (float(each[0, 0]) for each in (found.hits_per_cycle, found.mean, found.power_in))
-    return {"hits a cycle": hits, "mean amplitude": amplitude, "power": power}
+    if isinstance(motion, Curve):
+        curve = run(damper, threads=1, sweeps=motion.sweeps, stay=motion.stay)
+        return {
+            "cut-off": curve.cutoff,
+            "peak": curve.peak,
+            "amplitude of the peak": curve.peak_amplitude,
+            "half below": curve.half[0],
+            "half above": curve.half[1],
+            "range from": curve.range[0],
+            "range to": curve.range[1],
+        }
+    state = run(damper, [motion.harmonic], threads=1)
+    hits, amplitude, power = (float(each[0, 0]) for each in (state.hits_per_cycle, state.mean, state.power_in))
+    return {
+        "hits a cycle": hits,
+        "mean amplitude": amplitude,
+        "power": power,
+        "amplitude with the ball at rest": abs(state.linear[0]),
+        "amplitude without the ball": abs(state.without[0]),
+        "its phase": cmath.phase(state.without[0]),
+    }

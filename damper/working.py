@@ -92,6 +92,7 @@ def working(
     if left < _BALANCED:
         return nothing(math.inf)
     cutoff = bare.rolling_threshold / bare.stuck_frequency**2 / left
+    laws.check_rest_amplitude(bare, cutoff)
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return nothing(cutoff)
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
@@ -127,10 +128,12 @@ def _falling(
 def _found(damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None) -> Working:
     """Figures of sweeps at a pace."""
     samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
+    self_check.once("level curves" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear curves", working)
     whole = figures(samples, cutoff)
     if whole is None:
         return nothing(cutoff)
     laws.check_curve(damper, whole)
+    laws.check_readings(whole, samples)
     return replace(whole, error=max(spread(samples, whole), BINNED))
 
 

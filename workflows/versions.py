@@ -6,7 +6,7 @@ import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba")
+_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba", "llvmlite")
 
 
 @cache

@@ -21,7 +21,7 @@ from fem.modes.real import Divergence, Modes, families, lowest, solve_real
 from fem.operators.assembly import point_rows, with_point_mass
 from fem.statics import linearise
 from fem.sweep.campbell import campbell
-from fem.sweep.laws import EXACT, require
+from fem.sweep.laws import EXACT, check_reduced, require
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -147,8 +147,11 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
     """Collect the parameters from the squared circular frequencies without the ball (free) and with it (stuck).
 
     load: acceleration along x at the place, in m/s².
+
+    Raises:
+        LawViolation: they do not belong together.
     """
-    return Reduced(
+    found = Reduced(
         f1_hz=float(np.sqrt(stuck) / (2 * np.pi)),
         M1=mode.mass + ball_mass,
         K1=stuck * (mode.mass + ball_mass),
@@ -160,6 +163,8 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
         slope=mode.slope,
         floor_tilt=load * mode.slope / stuck,
     )
+    check_reduced(found)
+    return found
 
 
 def flap_index(names: list[str]) -> int:
@@ -214,6 +219,9 @@ ALONE, LIGHT = 1.5, 0.1
 """Least ratio of the second eigenvalue to the lowest, and most that a ball may add to the mass and stiffness of a mode,
 for the lowest mode to stay the lowest when the ball sticks."""
 
+SHAPES = 10.0
+"""Most error of a displacement in a shape of modal mass 1, over the root of its eigenvalue's relative error."""
+
 RIGHT = 1e-9
 """Relative error of a squared frequency at a speed between two known ones that counts as none."""
 
@@ -266,7 +274,7 @@ class Reduction:
         ratio = mass_ratio or 0.0
         masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
         stuck = self._family.follow(masses)[0] if masses.any() else self._free
-        self._family.check(stuck, masses)
+        self._family.check(stuck, masses, self._modes)
         every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
             reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(held))
@@ -320,18 +328,23 @@ class _Family:
                 return values, motions
             before = wrong
 
-    def check(self, stuck: Array, masses: Array) -> None:
+    def check(self, stuck: Array, masses: Array, modes: list[FlapMode]) -> None:
         """Check squared frequencies (k,) with balls of masses (k,) stuck, at the lowest speed and at the highest.
 
-        Where the flap mode is the lowest, stands alone and is hardly changed by the ball, it stays the lowest.
+        Where the flap mode is the lowest, stands alone and is hardly changed by the ball, it stays the lowest. Alone,
+        it moves the place as the diagram's shape of modal mass 1 does, as far as eigenvalues fix a shape.
 
         Raises:
-            LawViolation: it exceeds Rayleigh's quotient of its shape without the ball.
+            LawViolation: it exceeds Rayleigh's quotient of its shape without the ball, or has another modal mass.
         """
         law = "a stuck ball leaves the lowest eigenvalue below Rayleigh's quotient"
         for k in {0, masses.size - 1}:
             omega, free = self._diagram.omega[[k]], (2.0 * np.pi * self._diagram.frequencies_hz[k]) ** 2
             shape = self._diagram.shapes(k)[:, self._indices[k]]
+            if self._indices[k] == 0 and free[1] > ALONE * free[0]:
+                error = abs(modes[k].mass ** -0.5 - abs(self._motion[0] @ shape))
+                alike = np.sqrt((EXACT + 2.0 * self._diagram.bounds[k, 0]) / self._operators.mass.sum())
+                require("a modal mass of 1 kg moves as fast as the mode", np.array([error]), SHAPES * alike, omega)
             heavier, stiffer = (masses[k] * (shape @ (each @ shape)) for each in (self._mass, self._spinning))
             stiffer *= omega**2 / free[0]
             if self._indices[k] == 0 and free[1] > ALONE * free[0] and max(heavier, abs(stiffer)) < LIGHT:

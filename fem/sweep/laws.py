@@ -27,6 +27,10 @@ EXACT = 1e-6
 """Relative error of an eigenvalue beyond its own bound, and of the quotients that it is compared with."""
 
 
+ROUNDING = 1e-12
+"""Relative, of figures that a product of others gives."""
+
+
 class LawViolation(Exception):
     """A frequency that violates a law: a defect of the program or of what it rests on."""
 
@@ -85,6 +89,20 @@ def _check_quotients(operators: Operators, diagram: Any, number: int, values: Ar
 def _quotients(matrix: Any, shapes: NDArray[Any]) -> Array:
     """Quadratic forms x'Ax of the columns x, (count,)."""
     return np.asarray(np.einsum("nk,nk->k", shapes.conj(), matrix @ shapes).real)
+
+
+def check_reduced(found: Any) -> None:
+    """Check what belongs together in a `fem.Reduced`: K = M (2 pi f)², with the ball stuck and without it.
+
+    Raises:
+        LawViolation: it does not.
+    """
+    pairs = {"K1 is M1 (2 pi f1)²": (found.K1, found.M1 * (2.0 * np.pi * found.f1_hz) ** 2)}
+    pairs["K2 is M2 (2 pi f2)²"] = found.K2, found.M2 * (2.0 * np.pi * found.f2_hz) ** 2
+    pairs["M1 is M2 with the ball"] = found.M1, found.M2 + found.ball_mass
+    for law, (value, other) in pairs.items():
+        if not abs(value - other) <= ROUNDING * other:
+            raise LawViolation(f"{law}, but they are {value:.6g} and {other:.6g}")
 
 
 def require(law: str, excess: Array, allowed: Array | float, omega: Array) -> None:

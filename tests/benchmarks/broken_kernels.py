@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from damper.compiled import mark_of
+
 ROOT = Path(__file__).parents[2]
 
 PARTS = ("damper", "fem", "workflows", "meshes", "spindamp.py")
@@ -55,11 +57,10 @@ class Break:
         """Make it wrong in a tree, and drop what was compiled of it there and of all that calls it."""
         for file, right, wrong in self.changes:
             path = tree / file
-            text, written = path.read_text(encoding="utf-8"), path.stat()
+            text = path.read_text(encoding="utf-8")
             if right not in text:
                 raise SystemExit(f"{self.name}: {file} no longer holds: {right}")
             path.write_text(text.replace(right, wrong), encoding="utf-8")
-            os.utime(path, ns=(written.st_atime_ns, written.st_mtime_ns))  # or all of the cache would be dropped
             for compiled in (tree / "damper" / "__pycache__").glob("*.pyc"):
                 compiled.unlink()
             kernels = tree / "damper" / "__pycache__"
@@ -67,6 +68,9 @@ class Break:
                 for module in callers(tree / "damper", path.stem):
                     for compiled in kernels.glob(f"{module}.*.nb?"):
                         compiled.unlink()
+        mark = mark_of(tree / "damper", tree / "damper" / "__pycache__")  # or all of the cache would be dropped
+        mark.parent.mkdir(exist_ok=True)
+        mark.touch()
 
 
 BREAKS = (

@@ -32,12 +32,12 @@ def sweeps(name: str, samples: int) -> dict[str, float]:
     sweep, lost = self_check.SWEEPS[name], []
     for n in range(self_check.STARTS):
         first, place = sweep.high * 2 ** ((n + 1) / self_check.STARTS), 1 - n / self_check.STARTS
-        lost += descent(sweep, first, place, samples)
+        lost += [each for _, each in descent(sweep, first, place, samples)]
     return {"cycles": len(lost), "decrements": math.fsum(lost)}
 
 
-def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[float]:
-    """A sweep down from an amplitude, as `damper.amplitude_sweep` describes it."""
+def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[tuple[float, float]]:
+    """Amplitude and decrement of each cycle of a sweep down, as `damper.amplitude_sweep` describes it."""
     damper = sweep.damper
     settling, least = SETTLING, 0.5 * damper.stiffness[0] * sweep.low**2
     cycles = settling + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))
@@ -59,8 +59,59 @@ def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -
         run.cycles = n + 1
         run.go_on()
         if n >= settling:
-            lost.append(-0.5 * math.log1p((run.energy() - before) / now))
+            amplitude = math.sqrt(2 * now / damper.stiffness[0])
+            lost.append((amplitude, -0.5 * math.log1p((run.energy() - before) / now)))
     return lost
+
+
+def working(name: str, samples: int) -> dict[str, float]:
+    """What is read off the curve of sweeps at the slowest pace, as the fields of `damper.Working` are described."""
+    curve = self_check.WORKING[name]
+    damper, gap = curve.damper, curve.damper.half_gap[0]
+    square = damper.stiffness[0] / (damper.modal_mass + damper.ball_mass)
+    held = abs(square - damper.centrifugal_acceleration * damper.floor_tilt[0])
+    cutoff = damper.rolling_friction / damper.ball_radius * damper.centrifugal_acceleration / held
+    slow = self_check.Sweep(damper, 8 * gap * square / held, cutoff, 4 * curve.stay, {})
+    cycles: list[tuple[float, float]] = []
+    for n in range(curve.sweeps):
+        cycles += descent(slow, slow.high * 2 ** ((n + 1) / curve.sweeps), 1 - n / curve.sweeps, samples)
+    place, ratio = binned(cycles)
+    best = ratio.index(max(ratio))
+    peak, amplitude = ratio[best], 2 ** place[best]
+    crossed = [k for k in range(len(ratio) - 1) if (ratio[k] > peak / 2) != (ratio[k + 1] > peak / 2)]
+    below, above = max(k for k in crossed if k < best), min(k for k in crossed if k >= best)
+    ends = []
+    for k in (below, above):
+        x, y = place[k : k + 2], ratio[k : k + 2]
+        ends.append(2 ** (x[0] + (x[1] - x[0]) * (peak / 2 - y[0]) / (y[1] - y[0])))
+    return {"cut-off": cutoff, "peak": peak, "amplitude of the peak": amplitude} | {
+        "half below": ends[0],
+        "half above": ends[1],
+        "range from": cutoff,
+        "range to": ends[1],
+    }
+
+
+def binned(cycles: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    """Mean octave and damping ratio in twelfths of an octave in which more than a cycle was spent.
+
+    A cycle counts in each by the share of its way, in octaves, that lies there.
+    """
+    totals: dict[int, list[float]] = {}
+    for amplitude, decrement in cycles:
+        high = math.log2(amplitude)
+        way = decrement / math.log(2)
+        low, high = min(high - way, high), max(high - way, high)
+        for k in range(math.floor(12 * low), math.floor(12 * high) + 1):
+            begin, end = max(low, k / 12), min(high, (k + 1) / 12)
+            share = (end - begin) / (high - low) if way else 1.0
+            if share > 0:
+                of = totals.setdefault(k, [0.0, 0.0, 0.0])
+                of[0] += share
+                of[1] += share * (begin + end) / 2
+                of[2] += share * decrement / (2 * math.pi)
+    kept = [totals[k] for k in sorted(totals) if totals[k][0] > 1]
+    return [place / time for time, place, _ in kept], [lost / time for time, _, lost in kept]
 
 
 def steady(name: str, samples: int) -> dict[str, float]:
@@ -88,6 +139,7 @@ def crest(u: list[float]) -> float:
 
 def main() -> None:
     ways = dict.fromkeys(self_check.RINGDOWNS, ringdown) | dict.fromkeys(self_check.SWEEPS, sweeps)
+    ways |= dict.fromkeys(self_check.WORKING, working)
     ways |= dict.fromkeys(self_check.STEADY, steady)
     for name in sys.argv[1:] or ways:
         for samples in SAMPLES:

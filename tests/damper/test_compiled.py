@@ -1,12 +1,16 @@
-"""Where compiled code cannot be kept, every start compiles anew; nothing fails."""
+"""Compiled code is kept where it can be, never used for other sources, and compiled anew where it cannot be read."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from damper import compiled
 from tests.compiler import needs_compiler
 from tests.limits import HANG
 
@@ -43,3 +47,51 @@ def test_the_first_start_of_an_installation_is_known(tmp_path: Path) -> None:
         [sys.executable, "-c", FRESH], capture_output=True, text=True, check=False, timeout=HANG, env=kept
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "True\nFalse\n", "")
+
+
+KEPT = """
+from damper import compiled
+from damper.events import _safe
+print(_safe(1.0, 1.0, 1.0, 1.0, 1.0), *_safe.stats.cache_hits.values())
+"""
+
+
+def kept_in(folder: Path, tree: Path | None = None) -> str:
+    """What a start says whose compiled code is kept in a folder; `tree`: of its sources, if they are not these."""
+    done = subprocess.run(
+        [sys.executable, "-c", KEPT],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=HANG,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},
+        cwd=tree,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+@needs_compiler
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_files_that_are_cut_off_are_compiled_anew(ending: str, tmp_path: Path) -> None:
+    first = kept_in(tmp_path)
+    for file in tmp_path.rglob(f"*.{ending}"):
+        file.write_bytes(file.read_bytes()[:-20])
+    assert kept_in(tmp_path) == first
+    value, *hits = kept_in(tmp_path).split()
+    assert (value, hits) == (first.split()[0], ["1"])
+
+
+@needs_compiler
+def test_code_of_other_sources_is_dropped(tmp_path: Path) -> None:
+    """Wherever it is kept: a kernel that did not change itself may call one that did."""
+    tree, kept = tmp_path / "tree", tmp_path / "kept"
+    shutil.copytree(Path(compiled.__file__).parent, tree / "damper", ignore=shutil.ignore_patterns("__pycache__"))
+    assert "1" not in kept_in(kept, tree).split()[1:]
+    assert kept_in(kept, tree).split()[1:] == ["1"]
+    other = tree / "damper" / "impacts.py"
+    times = other.stat()
+    other.write_text(other.read_text() + "\n# another\n")
+    os.utime(other, ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert "1" not in kept_in(kept, tree).split()[1:]
+    assert kept_in(kept, tree).split()[1:] == ["1"]

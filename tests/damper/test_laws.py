@@ -25,6 +25,7 @@ from damper import (
     laws,
     ringdown,
     ringdowns,
+    self_check,
     work_bound,
     working,
 )
@@ -141,7 +142,7 @@ def test_a_ball_said_to_rest_that_is_driven_off(tilt: tuple[float, float], monke
     monkeypatch.setattr(laws, "check_rest", lambda runs: seen.append(runs.copy()))
     assert ringdown(damper, RELEASE).rested
     monkeypatch.undo()
-    runs = seen[-1]  # a self-check may have come first
+    runs = seen[0]  # a self-check may have come after it
     laws.check_rest(runs)
     for name in ("z", "rate") if tilt[0] else ():
         runs["motion"][name] *= 2
@@ -234,6 +235,58 @@ def test_impossible_damping_ratios() -> None:
     laws.check_curve(
         replace(DAMPER, formulation=Formulation.PRINTED), replace(curve, damping_ratio=-curve.damping_ratio)
     )
+
+
+def halved(curve: Callable[..., Any]) -> Callable[..., Any]:
+    def wrong(*given: Any) -> tuple[Any, Any]:
+        amplitude, ratio = curve(*given)
+        return amplitude, 0.5 * ratio
+
+    return wrong
+
+
+def one_bin_off(half: Callable[..., float]) -> Callable[..., float]:
+    def wrong(amplitude: Any, ratio: Any, best: int, step: int) -> float:
+        end = half(amplitude, ratio, best, step)
+        return float(amplitude[np.argmin(abs(amplitude - end)) + step])
+
+    return wrong
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("name", "broken", "law", "figure"),
+    [
+        ("_curve", halved, "a mean lies between the extremes", "peak"),
+        ("_half", one_bin_off, "the range ends where half the peak is left", "half above"),
+    ],
+)
+def test_a_curve_read_wrongly(
+    name: str, broken: Callable[..., Any], law: str, figure: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A law knows, and so does the self-check without it."""
+    module = importlib.import_module("damper.damping_curve")
+    working(DAMPER, sweeps=2, stay=30)
+    monkeypatch.setattr(module, name, broken(getattr(module, name)))
+    with pytest.raises(LawViolation, match=law):
+        working(DAMPER, sweeps=2, stay=30)
+    monkeypatch.setattr(laws, "check_readings", lambda *_: None)
+    for family in ("level curves", "linear curves"):
+        wrong = {line.figure for line in self_check.lines(family, working) if line.error > self_check.EXACT}
+        assert figure in wrong
+
+
+@needs_compiler
+def test_a_cutoff_that_the_load_does_not_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were the tilt to push the ball where it pulls."""
+    damper, right = replace(DAMPER, floor_tilt=(6.0, 0.0)), ParticleDamper.tilt_share
+    working(damper, sweeps=2, stay=30)
+    monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.fget(d))))
+    with pytest.raises(LawViolation, match="at its cut-off a ball is driven by the rolling threshold"):
+        working(damper, sweeps=2, stay=30)
+    monkeypatch.setattr(laws, "check_rest_amplitude", lambda *_: None)
+    wrong = {line.figure for line in self_check.lines("linear curves", working) if line.error > self_check.EXACT}
+    assert "cut-off" in wrong
 
 
 DRIVEN = replace(DAMPER, damping_ratio=0.02)

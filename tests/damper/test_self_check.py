@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from damper import LawViolation, compiled, forced, ringdown, self_check
+from damper import LawViolation, compiled, forced, ringdown, self_check, working
 from damper.self_check import leave, stamp
 from damper.working import samples_of
 from tests.compiler import COMPILED, needs_compiler
@@ -19,6 +20,8 @@ RUNS: dict[str, Callable[..., Any]] = {
     "linear": ringdown,
     "level sweeps": samples_of,
     "linear sweeps": samples_of,
+    "level curves": working,
+    "linear curves": working,
     "forced": forced,
 }
 
@@ -115,3 +118,13 @@ def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: py
     self_check.once("level", ringdown)
     assert not nothing_checked
     assert COMPILED or not compiled.CACHED
+
+
+@needs_compiler
+def test_a_wrong_answer_without_the_ball_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("damper.starts")
+    right = module.without_ball
+    monkeypatch.setattr(module, "without_ball", lambda *given: right(*given) * 1.001)
+    assert [line.figure for line in self_check.lines("forced", forced) if line.error > self_check.EXACT] == [
+        "amplitude without the ball"
+    ]

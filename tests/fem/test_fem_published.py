@@ -8,7 +8,9 @@ import pytest
 from fem_cases import STEEL, paper_plate, rpm
 
 from fem import Effects, LawViolation, Plate, Rotor, assemble, campbell, rectangle, reduce_over
-from fem.sweep import laws, reference
+from fem.reduction import reference, single_mode
+from fem.reduction.single_mode import FlapMode
+from fem.sweep import laws
 
 SPEEDS = np.linspace(0.0, rpm(17500), 7)
 KINDS = {
@@ -102,5 +104,37 @@ def test_the_reference_plates(monkeypatch):
     assert max(errors.values()) < 0.8
     right = reference.Material
     monkeypatch.setattr(reference, "Material", lambda modulus, *given: right(1.0001 * modulus, *given))
-    with pytest.raises(LawViolation, match=r"flap 1' has the frequency 3\.516.* in the self-check of plates"):
+    with pytest.raises(LawViolation, match=r"flap 1' is 3\.516.* in the self-check of plates"):
         reference.check()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda mode: FlapMode(1.05 * mode.mass, mode.slope), "effective mass"),
+        (lambda mode: FlapMode(mode.mass, -mode.slope), "slope"),
+    ],
+)
+def test_a_wrong_reduction_is_known(wrong, said, monkeypatch):
+    """To a law, if it can be, and to the self-check without that."""
+    plate = Plate(rectangle(0.2, 0.08, 5, 3), 0.004, STEEL)
+    operators = assemble(plate, Rotor(0.05), Effects())
+    diagram, right = campbell(operators, SPEEDS / 3, 4), single_mode.flap_modes
+    for at in ((0.2, 0.04), (0.02, 0.01)):
+        reduce_over(operators, diagram, at, mass_ratio=0.01)
+    monkeypatch.setattr(single_mode, "flap_modes", lambda *given: list(map(wrong, right(*given))))
+    if said == "effective mass":
+        with pytest.raises(LawViolation, match="a modal mass of 1 kg moves as fast as the mode"):
+            reduce_over(operators, diagram, (0.2, 0.0), mass_ratio=0.01)
+    monkeypatch.setattr(single_mode._Family, "check", lambda *_: None)
+    with pytest.raises(LawViolation, match=f"{said} at its tip' is .* in the self-check of plates"):
+        reference.check()
+
+
+def test_reduced_figures_belong_together():
+    operators = assemble(Plate(rectangle(0.2, 0.08, 5, 3), 0.004, STEEL), Rotor(0.05), Effects())
+    (found,) = reduce_over(operators, campbell(operators, np.zeros(1), 4), (0.2, 0.0), mass_ratio=0.01)
+    laws.check_reduced(found)
+    for name in ("K1", "K2", "M1", "f1_hz"):
+        with pytest.raises(LawViolation, match=r" is M.*, but they are "):
+            laws.check_reduced(replace(found, **{name: 1.001 * getattr(found, name)}))

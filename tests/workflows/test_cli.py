@@ -52,6 +52,10 @@ def test_a_slow_start_is_explained(spindamp: Callable[..., Outcome], monkeypatch
     monkeypatch.setattr("damper.compiled.CACHED", False)
     assert "compiled code is not kept" in spindamp("ringdown", "structure").err
     assert spindamp("campbell", "paper").err == ""
+    monkeypatch.setattr("damper.compiled.COMPILES", False)
+    (line,) = spindamp("ringdown", "structure").err.splitlines()
+    assert "run as plain Python" in line
+    assert "do not wait for their self-check" in line
 
 
 def test_a_first_start_is_explained_on_a_terminal(

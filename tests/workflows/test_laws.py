@@ -6,6 +6,7 @@ import importlib
 import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,11 @@ from tests.benchmarks import broken_kernels
 from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Outcome, changed, write
 from workflows.cli.main import main
+from workflows.effects.selection import resolve
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
-from workflows.solve import structure
+from workflows.scene.load import parse
+from workflows.solve import coupling, self_check
+from workflows.solve.damper import particle_damper
 from workflows.studies.sweep import executor
 
 SCENE = changed(KNOWN, rotor__speeds=["9000 rpm"], title="wrong")
@@ -106,6 +110,18 @@ def test_python_raises() -> None:
         assert isinstance(caught.value, SpindampError)
 
 
+def test_mass_and_stiffness_have_the_frequency_of_their_point() -> None:
+    scene = parse(SCENE)
+    point = coupling.known_structure(scene, scene.rotor.speeds[0])
+    effects = resolve(scene)
+    particle_damper(scene, effects, point)
+    assert point.reduced is not None
+    for name in ("K1", "M2"):
+        wrong = replace(point.reduced, **{name: 1.001 * getattr(point.reduced, name)})
+        with pytest.raises(damper.LawViolation, match="f1 is that of K1 and M1"):
+            particle_damper(scene, effects, replace(point, reduced=wrong))
+
+
 def test_what_is_no_violation_stays_what_it_is() -> None:
     with pytest.raises(ZeroDivisionError) as caught, lawful(), during("at 3 rpm"):
         raise ZeroDivisionError
@@ -126,8 +142,15 @@ def violate(number: int) -> None:
 
 @needs_compiler
 def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    stamps: list[Path] = []
+    monkeypatch.setattr("damper.self_check.leave", stamps.append)
     outcome = spindamp("--self-check")
     first, *lines, last = outcome.out.splitlines()
+    families = importlib.import_module("damper.self_check").FAMILIES
+    assert [path.name.split(".")[0] for path in stamps] == [
+        "plates",
+        *(f"kernels-{family.replace(' ', '-')}" for family in families),
+    ]
     assert (outcome.status, outcome.err, last) == (0, "", "all checks passed")
     assert f"numpy {version('numpy')}" in first
     assert len(lines) > 30
@@ -141,22 +164,36 @@ def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.Monkey
     assert outcome.out.splitlines()[-1] == "do not trust results of this installation"
 
 
+def test_self_check_of_plain_python(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    """What takes seconds is checked, and what is not is said."""
+    stamps: list[Path] = []
+    monkeypatch.setattr("damper.self_check.leave", stamps.append)
+    monkeypatch.setattr("damper.compiled.COMPILES", False)
+    outcome = spindamp("--self-check")
+    *lines, left_out, last = outcome.out.splitlines()
+    assert (outcome.status, last) == (0, "all checks passed")
+    assert left_out.startswith("not checked: damping curves and steady states")
+    assert sum("level floor" in line for line in lines) == 3
+    assert [path.name.split(".")[0] for path in stamps] == ["plates"]
+    assert "cannot be written" not in outcome.err
+
+
 @pytest.fixture
 def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    monkeypatch.setattr(structure, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
-    structure.plates.cache_clear()
+    monkeypatch.setattr(self_check, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
+    self_check.plates.cache_clear()
     yield tmp_path / "plates.0.checked"
-    structure.plates.cache_clear()
+    self_check.plates.cache_clear()
 
 
 def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[int] = []
-    monkeypatch.setattr("fem.sweep.reference.check", lambda: ran.append(1))
+    monkeypatch.setattr("fem.reduction.reference.check", lambda: ran.append(1))
     for _ in range(2):
-        structure.plates()
+        self_check.plates()
     assert (ran, new_machine.exists()) == ([1], True)
-    structure.plates.cache_clear()
-    structure.plates()
+    self_check.plates.cache_clear()
+    self_check.plates()
     assert ran == [1]
 
 
@@ -166,7 +203,7 @@ def test_no_plate_is_published_by_programs_that_fail(
     def wrong() -> None:
         raise fem.LawViolation("'beam' has the frequency 3.5, but 3.6 came out")
 
-    monkeypatch.setattr("fem.sweep.reference.check", wrong)
+    monkeypatch.setattr("fem.reduction.reference.check", wrong)
     assert main(["campbell", "campbell", "--json"]) == 1
     assert capsys.readouterr().err.startswith("spindamp: an internal error: 'beam' has the frequency 3.5, but")
     assert not new_machine.exists()
@@ -176,7 +213,7 @@ def test_no_plate_is_published_by_programs_that_fail(
 def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
     """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
     (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
-    tree = broken_kernels.broken_copy(tmp_path, each)
+    tree = broken_kernels.broken_copy(tmp_path / "tree", each)
     ended, said, _ = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
     assert ended == "status 1", said
     assert "in the self-check of the compiled kernels" in said

@@ -378,10 +378,13 @@ def _print_json(document: Mapping[str, Any]) -> None:
 
 
 def _announce_compiler() -> None:
-    """Why a start is slow: compiled code is not there yet (on a terminal, as progress is), or cannot be stored."""
+    """Why a start is slow: compiled code is not there yet (on a terminal, as progress is), not kept, or not wanted."""
     from damper import compiled
 
-    if not compiled.CACHED:
+    if not compiled.COMPILES:
+        problem = "a hundred times slower, and results do not wait for their self-check"
+        typer.echo(f"spindamp: NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {problem}", err=True)
+    elif not compiled.CACHED:
         problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
         typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
     elif compiled.fresh() and sys.stderr.isatty():
@@ -399,12 +402,12 @@ def _version(asked: bool) -> None:
 
 def _self_check(asked: bool) -> None:
     if asked:
-        from workflows.solve import structure
+        from workflows.solve import self_check
 
         _announce_compiler()
-        lines, passed = structure.report()
-        typer.echo("\n".join(lines))
-        raise typer.Exit(0 if passed else 1)
+        for line in self_check.report():
+            print(line, flush=True)
+        raise typer.Exit(0 if line == self_check.ALL_PASSED else 1)
 
 
 def _spindamp(

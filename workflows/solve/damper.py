@@ -181,14 +181,20 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
 def particle_damper(
     scene: Scene, effects: dict[str, Effect], point: SpeedPoint, only: Sequence[CavityMode] | None = None
 ) -> damper.ParticleDamper:
-    """The damper of a scene on the structure of a speed point; `only`: see `coupling.structure`."""
+    """The damper of a scene on the structure of a speed point; `only`: see `coupling.structure`.
+
+    Raises:
+        BadInput: a value without physical sense.
+        LawViolation: with the ball at rest the structure has another frequency than the point.
+    """
     from damper import Formulation, ParticleDamper
+    from damper.laws import EXACT, require
 
     given, reduced = scene.damper, point.reduced
     if given is None or reduced is None:
         raise ValueError("the scene has no [damper]")
     try:
-        return ParticleDamper(
+        system = ParticleDamper(
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
@@ -203,6 +209,10 @@ def particle_damper(
         )
     except ValueError as error:
         raise BadInput(str(error), key="[damper]") from error
+    if system.modes is None:
+        error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
+        require("f1 is that of K1 and M1", "error of f1 [Hz]", error_hz, EXACT * reduced.f1_hz)
+    return system
 
 
 def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:

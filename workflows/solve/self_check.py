@@ -1,0 +1,89 @@
+"""The self-check: reference plates and reference motions, before a machine's first results and when it is asked for."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from workflows import versions
+
+
+@cache
+def plates() -> None:
+    """Check the plates unless that was done on this machine; the damper's kernels see to themselves.
+
+    Raises:
+        LawViolation: a frequency differs from its reference.
+    """
+    from damper.self_check import leave
+    from fem.reduction import reference
+
+    path = stamp_of_plates()
+    if not path.exists():
+        reference.check()
+        leave(path)
+
+
+def stamp_of_plates() -> Path:
+    """Where it stands that the plates were checked."""
+    import fem
+    from damper.self_check import stamp
+
+    return stamp("plates", Path(fem.__file__).parent, (platform.machine(), platform.node(), versions.line()))
+
+
+def report() -> Iterator[str]:
+    """A line for the versions, one for every check as soon as its family is done, and a last one: `ALL_PASSED` or not.
+
+    Families that passed have their stamps then; as plain Python they have none, and long motions are left out.
+    """
+    from damper.compiled import COMPILES
+    from damper.self_check import FAMILIES, RINGDOWNS, leave, stamp_of
+
+    yield versions.line()
+    passed = True
+    kernels = [family for family, motions in FAMILIES.items() if COMPILES or motions.keys() <= RINGDOWNS.keys()]
+    families = {"plates": (_plates, stamp_of_plates)} | {
+        family: (partial(_kernels, family), partial(stamp_of, family)) for family in kernels
+    }
+    for family, (checks, place) in families.items():
+        right, lines = True, []
+        try:
+            for line, holds in checks():
+                right &= holds
+                lines.append(f"{'ok' if holds else 'WRONG'}  {line}")
+        except Exception as error:
+            right = False
+            lines.append(f"WRONG  {family}: {error}")
+        if right and (COMPILES or family == "plates"):
+            leave(place())
+        passed &= right
+        yield from lines
+    if len(kernels) < len(FAMILIES):
+        yield "not checked: damping curves and steady states, which take plain Python too long"
+    yield ALL_PASSED if passed else "do not trust results of this installation"
+
+
+ALL_PASSED = "all checks passed"
+
+
+def _kernels(family: str) -> Iterator[tuple[str, bool]]:
+    """The lines of a family of kernels, and whether each is right."""
+    from damper import forced, ringdown, self_check, working
+    from damper.working import samples_of
+
+    motions: dict[str, Callable[..., Any]] = {"sweeps": samples_of, "curves": working, "forced": forced}
+    for line in self_check.lines(family, motions.get(family.split()[-1], ringdown)):
+        said = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
+        yield f"{said}, error {line.error:.1e}", line.error <= self_check.EXACT
+
+
+def _plates() -> Iterator[tuple[str, bool]]:
+    from fem.reduction import reference
+
+    for line in reference.lines():
+        said = f"{line.name}: {line.value:.8g}, reference {line.reference:.8g}, error {line.error:.1e}"
+        yield said, line.error <= line.allowed
