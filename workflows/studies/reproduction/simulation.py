@@ -79,10 +79,10 @@ class Simulated:
 
         Its stiffness is kept, so that curves differ by what was changed alone.
         """
-        scene = _with(self.scene, formulation=formulation)
-        if mass_ratio is not None:
-            scene = _with(scene, mass_ratio=mass_ratio)
-        return replace(damper.particle_damper(scene, self.effects, self.plate[SHOWN]), **changes)
+        scene, point = _with(self.scene, formulation=formulation), self.plate[SHOWN]
+        if mass_ratio is not None and point.reduced is not None:
+            changes["ball_mass"] = mass_ratio * point.reduced.M2
+        return replace(damper.particle_damper(scene, self.effects, point), **changes)
 
     def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
         """Ring a damper down to rest, cycle by cycle."""
