@@ -170,6 +170,8 @@ with replacing(Path(sys.argv[1])) as scratch:
 
 @pytest.mark.parametrize("with_what", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None:
+    if signal.getsignal(with_what) is signal.SIG_IGN:
+        pytest.skip("ignored here, as below nohup and in the background")
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     with subprocess.Popen(
