@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Outcome, Scene, changed
+from tests.workflows.conftest import Command, Scene, changed
 from workflows.report import text as summary
 from workflows.report.remarks import BEYOND, BEYOND_MEANS, beyond
 from workflows.report.verdict import answer
@@ -169,7 +168,7 @@ def test_a_ratio_of_no_load_releases_nothing(tmp_path: Path) -> None:
     assert "At 0 rpm there is no load, so that a ratio of it releases nothing: nothing moves there." in found.notes
 
 
-def test_a_ratio_at_rest_alone(tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_a_ratio_at_rest_alone(tmp_path: Path, spindamp: Command) -> None:
     """A speed given on the command line is not seen by the scene's checks."""
     scene = _by_ratio(tmp_path, '"0 rpm", "3500 rpm"')
     outcome = spindamp("ringdown", scene, "--rpm", "0")

@@ -6,14 +6,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.benchmarks.kill_runs import Trial, contents, ended
 from tests.limits import HANG
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.io.folder import Terminated
@@ -78,12 +77,7 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
     ("error", "status"), [(KeyboardInterrupt(), 130), (Terminated("SIGTERM"), 143), (MemoryError(), 2)]
 )
 def test_wherever_it_happens(
-    where: str,
-    error: BaseException,
-    status: int,
-    spindamp: Callable[..., Outcome],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
+    where: str, error: BaseException, status: int, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def ended(*_: object, **__: object) -> None:
         raise error
@@ -104,11 +98,7 @@ def test_wherever_it_happens(
     [(signal.SIGINT, 130, "stopped; nothing is"), (signal.SIGTERM, 143, "ended by SIGTERM; nothing is half-written")],
 )
 def test_an_error_that_a_signal_left_behind(
-    number: signal.Signals,
-    status: int,
-    says: str,
-    spindamp: Callable[..., Outcome],
-    monkeypatch: pytest.MonkeyPatch,
+    number: signal.Signals, status: int, says: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a handler raises within a lock may end as an error of the lock."""
 
@@ -125,7 +115,7 @@ def test_an_error_that_a_signal_left_behind(
     assert len(outcome.err.splitlines()) == 1
 
 
-def test_signals_are_given_back(spindamp: Callable[..., Outcome]) -> None:
+def test_signals_are_given_back(spindamp: Command) -> None:
     before = signal.getsignal(signal.SIGTERM)
     assert spindamp("check", "paper").status == 0
     assert signal.getsignal(signal.SIGTERM) is before

@@ -9,7 +9,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Outcome, toml
+from tests.workflows.conftest import Command, Outcome, toml
 from workflows.scene.load import SHIPPED, key_name
 from workflows.scene.quantities import Table
 from workflows.scene.scene import Effects, Scene
@@ -337,7 +337,7 @@ def test_every_key_is_bent() -> None:
 
 
 @pytest.mark.parametrize("what", CASES)
-def test_malformed(what: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_malformed(what: str, spindamp: Command, tmp_path: Path) -> None:
     case = CASES[what]
     (tmp_path / "bad.toml").write_text(case.text, encoding="utf-8")
     refused(spindamp("run", "bad.toml", "--out", "out"), case)

@@ -19,7 +19,7 @@ import pytest
 
 import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
-from tests.workflows.conftest import Outcome, Scene, changed, measured_quickly, write
+from tests.workflows.conftest import Command, Scene, changed, measured_quickly, write
 from workflows.report import figures as figures_of
 from workflows.report import mode_picture, mode_viewer, plots
 from workflows.report.page import Drawings, draw, render
@@ -407,7 +407,7 @@ def test_the_mesh_is_what_was_solved(holed: Drawn) -> None:
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("damped", [True, False])
 def test_every_plate_shows_its_mesh(
-    damped: bool, paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+    damped: bool, paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("campbell", "velocity", "capacity", "damping_ratio", "books", "cavity_path"):
         monkeypatch.setattr(figures_of, name, lambda _: None)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 import fem
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command
 from workflows.progress import Stages
 
 
@@ -42,7 +41,7 @@ def test_work_that_is_not_counted_has_none(capsys: pytest.CaptureFixture[str]) -
     assert "remaining" not in shown
 
 
-def test_nothing_is_shown_where_there_is_no_terminal(spindamp: Callable[..., Outcome]) -> None:
+def test_nothing_is_shown_where_there_is_no_terminal(spindamp: Command) -> None:
     assert spindamp("ringdown", "structure", "--json").err == ""
 
 

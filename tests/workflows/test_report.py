@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import pytest
 
 import workflows
 from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.report import mode_viewer
 from workflows.scene.load import parse
 from workflows.solve import engine_orders
@@ -89,7 +88,7 @@ def test_says_what_it_must(page: str) -> None:
 
 
 @pytest.mark.usefixtures("undrawn", "quickly")
-def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Command, tmp_path: Path) -> None:
     title = "<script>alert('1')</script> & {{ 7 * 7 }}"
     scene = write(changed(structure, title=title), tmp_path / "scene.toml")
     assert spindamp("run", scene, "--out", "out").status == 0
@@ -101,7 +100,7 @@ def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Ou
 
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
-def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:
     assert spindamp("run", name, "--out", "out").status == 0
     reader = Reader()
     reader.feed((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
@@ -112,7 +111,7 @@ def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcom
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("broken", ["import sys; sys.exit(3)", "import os; os.abort()", "import time; time.sleep(60)"])
 def test_without_vtk_the_report_still_has_its_picture(
-    broken: str, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+    broken: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", broken])
     monkeypatch.setattr(mode_viewer, "PATIENCE", 0.5)

@@ -9,14 +9,13 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
 from workflows.io import provenance
 from workflows.scene.load import parse
@@ -80,7 +79,7 @@ def test_a_scene_has_one_hash_however_it_is_written(structure: Scene) -> None:
     assert _hash(changed(structure, effects={"impact_friction": False})) != _hash(structure)
 
 
-def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Command) -> None:
     import xarray as xr
 
     mesh = Path(__file__).parents[2] / "meshes" / "blade.msh"

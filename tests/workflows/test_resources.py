@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import pytest
 
 import fem
 from tests.limits import HANG
-from tests.workflows.conftest import READY, Outcome, Scene, changed, write
+from tests.workflows.conftest import READY, Command, Outcome, Scene, changed, write
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import load, shipped
@@ -63,13 +62,7 @@ TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
 @pytest.mark.parametrize("command", ["check", "run", "campbell"])
 @pytest.mark.parametrize(("changes", "key", "advice"), TOO_MUCH)
 def test_too_much(
-    changes: dict[str, Any],
-    key: str,
-    advice: str,
-    command: str,
-    paper: Scene,
-    spindamp: Callable[..., Outcome],
-    tmp_path: Path,
+    changes: dict[str, Any], key: str, advice: str, command: str, paper: Scene, spindamp: Command, tmp_path: Path
 ) -> None:
     if command == "campbell" and "release__cycles" in changes:
         pytest.skip("the plate alone has no cycles")
@@ -80,7 +73,7 @@ def test_too_much(
 
 @pytest.mark.usefixtures("work")
 @pytest.mark.parametrize("size", [700_000_000, 10**13])
-def test_a_mesh_of_ten_million_cells(size: int, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_a_mesh_of_ten_million_cells(size: int, paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     with (tmp_path / "fine.msh").open("wb") as file:
         file.write(b"$MeshFormat\n")
         file.truncate(size)  # takes no room on the disk
@@ -151,7 +144,7 @@ def test_first_meshes_too_large_are_refused_before_any_is_solved(
 
 
 def test_the_same_scene_passes_where_there_is_room(
-    monkeypatch: pytest.MonkeyPatch, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, paper: Scene, spindamp: Command, tmp_path: Path
 ) -> None:
     scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
     source = load(scene)
@@ -241,7 +234,7 @@ sys.exit(status)
     ids=["paper", "deflected", "cycles"],
 )
 def test_the_memory_promised_is_what_a_run_takes(
-    changes: dict[str, Any], figures: str, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+    changes: dict[str, Any], figures: str, paper: Scene, spindamp: Command, tmp_path: Path
 ) -> None:
     """The figures are drawn once: they take 25 MB, whatever the plate."""
     import json
@@ -282,9 +275,7 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
 
 
 @pytest.mark.parametrize("changes", [{}, {"rotor__modes": 40}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
-def test_check_says_sizes(
-    changes: dict[str, Any], paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
+def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
     import json
 
@@ -306,7 +297,7 @@ def test_check_says_sizes(
     assert "2 ring-downs of 20 cycles; at least " in said
 
 
-def test_sizes_without_a_plate(spindamp: Callable[..., Outcome]) -> None:
+def test_sizes_without_a_plate(spindamp: Command) -> None:
     said = spindamp("check", "structure").out.splitlines()[-1]
     assert re.fullmatch(r"# Sizes: \d+ speeds?, \d+ ring-downs?(?: of \d+ cycles)?; at least \d+ MB of memory", said)
 

@@ -6,7 +6,6 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import jsonschema
 import pytest
 
 import workflows
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows import pipeline
 from workflows.effects import selection
 from workflows.io import provenance
@@ -66,7 +65,7 @@ BARE = [
 
 @pytest.mark.parametrize(("speeds", "remark"), BARE)
 def test_speeds_without_a_unit_are_remarked_on(
-    speeds: object, remark: str | None, structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
+    speeds: object, remark: str | None, structure: Scene, spindamp: Command, tmp_path: Path
 ) -> None:
     scene = write(changed(structure, rotor__speeds=speeds), tmp_path / "scene.toml")
     said = spindamp("check", scene).out
@@ -79,9 +78,7 @@ def test_speeds_without_a_unit_are_remarked_on(
     assert load(tmp_path / "again.toml").scene.rotor.speeds == load(scene).scene.rotor.speeds
 
 
-def test_a_run_says_its_speeds_first_and_remarks(
-    structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
+def test_a_run_says_its_speeds_first_and_remarks(structure: Scene, spindamp: Command, tmp_path: Path) -> None:
     bare = spindamp("ringdown", write(changed(structure, rotor__speeds=[1000]), tmp_path / "scene.toml")).out
     assert bare.splitlines()[0] == "A known structure: 9549.3 rpm"
     assert bare.splitlines()[1] == "Speeds without a unit are in rad/s: 1000 is 9549.3 rpm. Was '1000 rpm' meant?"
@@ -94,9 +91,7 @@ def test_a_run_says_its_speeds_first_and_remarks(
     )
 
 
-def test_where_nothing_is_left_the_speeds_are_asked_about(
-    paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
+def test_where_nothing_is_left_the_speeds_are_asked_about(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     changes = {"rotor__stagger": "90 deg", "effects__stress_stiffening": False}
     outcome = spindamp("campbell", write(changed(paper, rotor__speeds=[6000], **changes), tmp_path / "scene.toml"))
     assert outcome.status == 3
@@ -292,7 +287,7 @@ def test_slug() -> None:
 
 @pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
 def test_a_mesh_file_is_read_once(
-    command: list[str], paper: Scene, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    command: list[str], paper: Scene, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """What a big mesh costs to read is paid once, and all of a run is about one state of the file.
 

@@ -8,13 +8,12 @@ import signal
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command
 from workflows.errors import BadInput
 from workflows.io import files
 from workflows.io import folder as folders
@@ -214,7 +213,7 @@ NAMES |= {"accuracy": "accuracy.svg", "effects": "effects.json", "reproduce": "c
 
 @pytest.mark.parametrize("command", NAMES)
 def test_a_users_own_file_is_seen_before_the_work(
-    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: str, spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def begun(*_: object, **__: object) -> None:
         raise AssertionError("work has begun")

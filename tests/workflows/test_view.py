@@ -8,7 +8,6 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.browser import PHONE, driven, findings, needs_axe, needs_chromium, width_on_a_phone
-from tests.workflows.conftest import NO_VTK, Outcome, Scene, changed, write
+from tests.workflows.conftest import NO_VTK, Command, Scene, changed, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer, window
 from workflows.report.page import load_results
@@ -27,7 +26,7 @@ from workflows.scene.load import SHIPPED
 MESHES = Path(__file__).parents[2] / "meshes"
 SIDE = 0.1
 
-View = Callable[..., Outcome]
+View = Command
 
 
 @pytest.fixture(autouse=True)

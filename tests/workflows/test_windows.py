@@ -9,20 +9,19 @@ import runpy
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
 import psutil
 import pytest
 
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
-def test_signals_that_are_not_there(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_signals_that_are_not_there(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SIGHUP", "SIGPIPE", "SIGKILL", "SIGALRM", "setitimer"):
         monkeypatch.delattr(signal, name)
     assert spindamp("check", "paper").status == 0
