@@ -152,13 +152,18 @@ def toml(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def write(scene: Scene, path: Path) -> Path:
-    """Write a scene as a TOML file."""
+def text_of(scene: Scene) -> str:
+    """A scene as TOML."""
     lines = [f"{key} = {toml(value)}" for key, value in scene.items() if not isinstance(value, dict)]
     for name, table in scene.items():
         if isinstance(table, dict):
             lines += [f"[{name}]", *(f"{key} = {toml(value)}" for key, value in table.items())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
+
+
+def write(scene: Scene, path: Path) -> Path:
+    """Write a scene as a TOML file."""
+    path.write_text(text_of(scene), encoding="utf-8")
     return path
 
 

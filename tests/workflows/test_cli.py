@@ -14,10 +14,9 @@ from pathlib import Path
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Command, Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, write
 from workflows import cli
 from workflows.cli.commands import COMMANDS
-from workflows.errors import NoAnswer
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -37,11 +36,7 @@ USAGE = [
 
 @pytest.mark.parametrize(("arguments", "message"), USAGE)
 def test_usage_errors(arguments: tuple[str, ...], message: str, spindamp: Command, tmp_path: Path) -> None:
-    outcome = spindamp(*arguments)
-    assert outcome.status == 2
-    assert message in outcome.err
-    assert len(outcome.err.splitlines()) == 1
-    assert outcome.out == ""
+    refused(spindamp(*arguments), "", message)
     assert not list(tmp_path.iterdir())
 
 
@@ -94,7 +89,7 @@ raise SystemExit(main())
 
 def test_a_process_seldom_looks_for_rubbish() -> None:
     """Neither while its packages are loaded nor while it ends, where next to nothing is found."""
-    done = subprocess.run([sys.executable, "-c", RUBBISH, "--version"], capture_output=True, check=True, timeout=HANG)
+    done = python("-c", RUBBISH, "--version")
     kept, threshold = map(int, done.stdout.split()[-2:])
     assert kept > 1000
     assert threshold >= 100_000
@@ -149,10 +144,7 @@ def test_divergence_is_no_answer(spindamp: Command, tmp_path: Path, paper: Scene
         "effects__stress_stiffening": False,
     }
     scene = write(changed(paper, **changes), tmp_path / "scene.toml")
-    outcome = spindamp("campbell", scene, "--out", "out")
-    assert outcome.status == NoAnswer.exit_status == 3
-    assert "20000 rpm" in outcome.err
-    assert len(outcome.err.splitlines()) == 1
+    refused(spindamp("campbell", scene, "--out", "out"), "", "20000 rpm", status=3)
     assert list(tmp_path.iterdir()) == [scene]
 
 
@@ -180,17 +172,6 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(spindamp: Command, monk
     monkeypatch.setenv("SPINDAMP_DEBUG", "1")
     with pytest.raises(ZeroDivisionError):
         cli.main(["run"])
-
-
-def test_ctrl_c(spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("workflows.pipeline.structure", interrupted)
-    outcome = spindamp("run", "--out", "out")
-    assert outcome.status == 130
-    assert "nothing is half-written" in outcome.err
-    assert not list(tmp_path.iterdir())
 
 
 def test_progress_only_on_a_terminal() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 import spindamp
 from damper import Working, work_bound, working
-from tests.workflows.browser import findings_if_any
+from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
@@ -262,7 +262,7 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert found == json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert findings_if_any(tmp_path / "out" / "report.html") == []
+    assert findings(tmp_path / "out" / "report.html") == []
     assert spindamp("check", tmp_path / "out" / "best.toml").status == 0
     wrong = spindamp("design", "structure")
     assert wrong.status == 2

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Command, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows import BadInput
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -35,9 +35,9 @@ def test_defects_are_defects(
         raise error("what nobody thought of")
 
     monkeypatch.setattr(f"fem.{place}", slip)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 1, outcome.err
-    assert f"an internal error: {error.__name__}: what nobody thought of" in outcome.err
+    refused(
+        spindamp("run", quick, "--json"), "", f"an internal error: {error.__name__}: what nobody thought of", status=1
+    )
 
 
 def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
@@ -52,16 +52,18 @@ def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
 def test_off_the_plate(command: str, tip_mass: str | None, paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """The damper's place is also that of the tip mass, which the search for a mesh meets first."""
     _on_the_mesh(paper, tmp_path, damper__at=["30 cm", "0 cm"], plate__tip_mass=tip_mass)
-    outcome = spindamp(command, "scene.toml", "--json")
-    assert outcome.status == 2
-    assert "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate" in outcome.err
+    refused(
+        spindamp(command, "scene.toml", "--json"),
+        "",
+        "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate",
+    )
 
 
 def test_where_the_mode_does_not_move(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     _on_the_mesh(paper, tmp_path, damper__at=["0 cm", "0 cm"])
-    outcome = spindamp("run", "scene.toml", "--json")
-    assert outcome.status == 2
-    assert "scene.toml: [damper] at = [0.0, 0.0]: expected a place that moves" in outcome.err
+    refused(
+        spindamp("run", "scene.toml", "--json"), "", "scene.toml: [damper] at = [0.0, 0.0]: expected a place that moves"
+    )
 
 
 def test_no_bending_among_the_modes(quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,21 +105,17 @@ def test_no_answer_at_a_speed_names_its_key(
         raise getattr(fem, kind)(*found)
 
     monkeypatch.setattr("fem.campbell", lost)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 3
-    assert f"{quick.name}: {keys}: " in outcome.err
+    refused(spindamp("run", quick, "--json"), "", f"{quick.name}: {keys}: ", status=3)
 
 
 def test_bad_input_of_a_ring_down_names_its_file(
     quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refused(*_: object) -> None:
+    def unmoved(*_: object) -> None:
         raise BadInput("none of them moves: ask for more", key="[rotor] modes", value=6)
 
-    monkeypatch.setattr("workflows.solve.coupling.released_at", refused)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 2
-    assert f"{quick.name}: [rotor] modes = 6: none of them moves" in outcome.err
+    monkeypatch.setattr("workflows.solve.coupling.released_at", unmoved)
+    refused(spindamp("run", quick, "--json"), "", f"{quick.name}: [rotor] modes = 6: none of them moves")
 
 
 def test_a_singular_matrix_is_named() -> None:
