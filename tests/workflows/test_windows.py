@@ -7,7 +7,6 @@ import io
 import os
 import runpy
 import signal
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +14,7 @@ from types import SimpleNamespace
 import psutil
 import pytest
 
-from tests.workflows.conftest import Command
+from tests.workflows.conftest import Command, python
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -85,9 +84,7 @@ assert cli.main(["run", "structure", "--out", "out"]) == 0
 def test_every_text_file_says_its_encoding(tmp_path: Path) -> None:
     """A file name, a title or a reason may hold letters that the system's own encoding has not."""
     environment = os.environ | {"PYTHONWARNDEFAULTENCODING": "1", "PYTHONWARNINGS": "always::EncodingWarning"}
-    done = subprocess.run(
-        [sys.executable, "-c", TWICE], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
+    done = python("-c", TWICE, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     ours = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and "site-packages" not in line]
     assert not ours
