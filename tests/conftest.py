@@ -11,7 +11,7 @@ gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (
     "workflows/test_ends.py",
-    "workflows/test_needs.py",
+    "workflows/test_resources.py",
     "workflows/test_costs.py",
     "damper/test_backbone.py",
     "damper/test_forced.py",

@@ -9,7 +9,7 @@ import sys
 from dataclasses import replace
 
 from damper import Harmonic, ParticleDamper, backbone, forced, ringdown, ringdowns, sample, stepped_ringdown, working
-from tests.benchmarks.flights_speed import level
+from tests.benchmarks.flights_speed import LEVEL
 
 
 def moved(damper: ParticleDamper) -> None:
@@ -21,15 +21,15 @@ def moved(damper: ParticleDamper) -> None:
 
 def on_level_floors() -> None:
     """The paper's engine, and its fixed steps."""
-    moved(level())
-    stepped_ringdown(level(), (1e-3, 0.0), 3)
+    moved(LEVEL)
+    stepped_ringdown(LEVEL, (1e-3, 0.0), 3)
 
 
 def on_any_floor() -> None:
     """The engine of linear flights, and what is made of a motion that a force keeps up, which calls it."""
-    moved(replace(level(), floor_tilt=(5.0, 5.0)))
-    forced(level(), [Harmonic(level().stuck_frequency, (5.0, 0.0))])
-    backbone(level())
+    moved(replace(LEVEL, floor_tilt=(5.0, 5.0)))
+    forced(LEVEL, [Harmonic(LEVEL.stuck_frequency, (5.0, 0.0))])
+    backbone(LEVEL)
 
 
 ENGINES = {"level": on_level_floors, "linear": on_any_floor}

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from tests.limits import HANG
+from tests.workflows.conftest import python
 
 ROOT = Path(__file__).parents[1]
 
@@ -38,20 +37,8 @@ def test_every_test_has_a_limit() -> None:
 )
 def test_a_hanging_test_ends(code: str, limit: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "test_it.py").write_text(code)
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-c",
-        str(ROOT / "pyproject.toml"),
-        "-p",
-        "no:cacheprovider",
-        "-o",
-        limit,
-    ]
-    done = subprocess.run(
-        [*command, str(tmp_path)], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=HANG
-    )
+    options = ("-c", ROOT / "pyproject.toml", "-p", "no:cacheprovider", "-o", limit)
+    done = python("-m", "pytest", *options, tmp_path, cwd=tmp_path)
     assert done.returncode == 1
     assert said in done.stdout + done.stderr
 
@@ -59,5 +46,5 @@ def test_a_hanging_test_ends(code: str, limit: str, said: str, tmp_path: Path) -
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads in /proc")
 def test_what_a_test_starts_takes_one_core() -> None:
     code = "import os, numpy as np\na = np.ones((500, 500))\na @ a\nprint(len(os.listdir('/proc/self/task')))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=HANG)
+    done = python("-c", code)
     assert int(done.stdout) == int(os.environ["OMP_NUM_THREADS"])

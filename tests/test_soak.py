@@ -13,8 +13,9 @@ import workflows
 from damper import Outcome
 from tests.compiler import needs_compiler
 from tests.soak import rings
-from tests.soak.__main__ import as_toml, main
+from tests.soak.__main__ import main
 from tests.soak.dice import Seeded
+from tests.workflows.conftest import text_of
 
 
 @needs_compiler
@@ -53,6 +54,6 @@ def test_a_scene_written_down_is_the_scene(tmp_path: Path) -> None:
         kind = rings.kind(dice)
         scene = rings.scene(dice, kind)
         path = tmp_path / "scene.toml"
-        path.write_text(as_toml(scene))
+        path.write_text(text_of(scene))
         assert workflows.load(path).scene.damper is not None
         assert rings.damper_of(tomllib.loads(path.read_text())) == rings.damper_of(scene)

@@ -20,17 +20,17 @@ def available():
     return shutil.which(COMMAND) is not None
 
 
-def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, threads=1, timeout=None):
+def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, timeout=None):
     """Frequencies (count,) in Hz of a plate size = (length, width, thickness) in m.
 
     material: (E, nu, rho). cells: bricks along x, y and z. omega in rad/s, stagger in rad. mass: (kg, x, y).
     timeout: seconds that `ccx` may take.
     """
-    return _run(deck(*grid(size, cells), material, omega, hub, stagger, count, mass), count, threads, timeout)
+    return solved(deck(*grid(size, cells), material, omega, hub, stagger, count, mass), count, timeout)
 
 
 def frequencies_on(
-    mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, precone=0.0, count=6, threads=1, timeout=None
+    mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, precone=0.0, count=6, timeout=None
 ):
     """The same of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`), clamped at its smallest x.
 
@@ -38,27 +38,26 @@ def frequencies_on(
     rotation, towards the axis's positive end.
     """
     lines = deck(*extruded(mesh, thickness, layers), material, omega, hub, stagger, count, precone=precone)
-    return _run(lines, count, threads, timeout)
+    return solved(lines, count, timeout)
 
 
-def _run(lines, count, threads, timeout):
+def solved(lines, count, timeout=None):
+    """Frequencies (count,) in Hz of a deck."""
     with tempfile.TemporaryDirectory() as folder:
-        job = Path(folder) / "plate"
-        job.with_suffix(".inp").write_text(lines)
-        environment = {"OMP_NUM_THREADS": str(threads), "PATH": "/usr/bin:/bin:/usr/local/bin"}
-        done = subprocess.run(
-            [COMMAND, job.name],
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=timeout,
-        )
-        listing = job.with_suffix(".dat")
-        if not listing.is_file():
-            raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
-        return listed(listing.read_text())[:count]
+        return listed(job(lines, folder, ".dat", timeout).with_suffix(".dat").read_text())[:count]
+
+
+def job(text, folder, wanted, timeout=None):
+    """Run a deck in a folder; the path of what it leaves there, without the ending. wanted: an ending of that."""
+    path = Path(folder) / "plate"
+    path.with_suffix(".inp").write_text(text)
+    environment = {"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin:/usr/local/bin"}
+    done = subprocess.run(
+        [COMMAND, path.name], cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=timeout
+    )
+    if not path.with_suffix(wanted).is_file():
+        raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
+    return path
 
 
 def listed(listing):

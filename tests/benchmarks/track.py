@@ -26,7 +26,7 @@ import numpy as np
 import spindamp
 from damper import ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
-from tests.benchmarks.damper_speed import scene
+from tests.damper import scenes
 from workflows.io.serialise import dumps
 
 RUNS = 5
@@ -44,7 +44,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
     """By name; what each needs is made beforehand."""
     plate = Plate(Rectangle(0.2, 0.08).mesh(4), 0.01, Material(182.6e9, 0.3, 7850.0))
     operators, bent = (assemble(plate, Rotor(0.1, 0.5), Effects(large_deflection=large)) for large in (False, True))
-    damper = scene()
+    damper = scenes.paper()
     diagram, paper = spindamp.campbell(DIAGRAM), spindamp.run("paper")
     releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
     return {

@@ -128,7 +128,7 @@ def test_a_soft_mode_does_not_drown_the_stiff_ones(cells):
 def test_a_thousand_speeds_for_the_factors_of_one(monkeypatch):
     """As many factorisations as one static and one modal solve, on a mesh whose six frequencies are good to 1e-3.
 
-    What that is in seconds, `tests/benchmarks/price_of_speed.py` tells.
+    What that is in seconds, `python -m tests.benchmarks.track` tells.
     """
     factored = []
     plain = scipy.sparse.linalg.splu

@@ -1,4 +1,7 @@
-"""Makes docs/hard_cases.md from the tests that are marked `hard`:  python -m tests.hard_cases.page"""
+"""Makes docs/hard_cases.md from the tests that are marked `hard`:  python -m tests.hard_cases.page
+
+Why a case is hard says its docstring, or the marker where that has other things to say.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,8 @@ def cases(folder: str) -> Iterator[Case]:
                     said = {k.arg: ast.literal_eval(k.value) for k in mark.keywords}
                     name = node.name.removeprefix("test_").replace("_", " ")
                     where = f"{path.relative_to(ROOT)}::{node.name}"
-                    yield Case(name, said["why"], said["keeps"], where)
+                    why = said.get("why") or " ".join((ast.get_docstring(node) or "").split()).removesuffix(".")
+                    yield Case(name, why, said["keeps"], where)
 
 
 def page() -> str:

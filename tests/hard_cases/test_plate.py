@@ -25,13 +25,11 @@ STEEL = Material(2e11, 0.3, 7850.0)
 SQUARE = np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
 
 
-@pytest.mark.hard(
-    why="h/L = 1e-5: bending is 1e10 times softer than stretching, and double precision has 16 digits",
-    keeps="the literature's frequencies to 1 % in every theory for thin plates",
-)
+@pytest.mark.hard(keeps="the literature's frequencies to 1 % in every theory for thin plates")
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
 @pytest.mark.parametrize("ratio", [1e-3, 1e-5])
 def test_thinner_and_thinner(theory: str, ratio: float) -> None:
+    """h/L = 1e-5: bending is 1e10 times softer than stretching, and double precision has 16 digits."""
     plate = Plate(rectangle(1.0, 1.0, 10, 10), ratio, STEEL)
     bending = STEEL.youngs_modulus * ratio**3 / 12 / (1 - STEEL.poissons_ratio**2)
     unit = np.sqrt(bending / STEEL.density / ratio) / (2 * np.pi)
@@ -39,23 +37,19 @@ def test_thinner_and_thinner(theory: str, ratio: float) -> None:
     np.testing.assert_allclose(found, SQUARE, rtol=1e-2)
 
 
-@pytest.mark.hard(
-    why="a square section: bending modes come in pairs of nearly one frequency",
-    keeps="as many modes as a dense solver finds, at rest and at speed",
-)
+@pytest.mark.hard(keeps="as many modes as a dense solver finds, at rest and at speed")
 @pytest.mark.parametrize("omega", [0.0, 500.0])
 def test_pairs_of_modes(omega: float) -> None:
+    """A square section: bending modes come in pairs of nearly one frequency."""
     plate = Plate(rectangle(0.2, 0.02, 10, 2), 0.02, Material(2e11, 0.0, 7850.0))
     operators = assemble(plate, Rotor(), Effects(), "solid")
     dense = scipy.linalg.eigh(operators.at(omega).toarray(), operators.mass.toarray(), eigvals_only=True)[:8]
     np.testing.assert_allclose(solve_modes(operators, omega, 8).eigenvalues, dense, rtol=1e-6)
 
 
-@pytest.mark.hard(
-    why="a point mass a million times as heavy as the plate: the plate is a spring, its own modes are far above",
-    keeps="the lowest mode is that of the mass on the plate's static compliance",
-)
+@pytest.mark.hard(keeps="the lowest mode is that of the mass on the plate's static compliance")
 def test_point_mass_far_heavier_than_the_plate() -> None:
+    """A point mass a million times as heavy as the plate: the plate is a spring, its own modes are far above."""
     size, weight = (0.2, 0.05, 0.004), 7850.0 * 0.2 * 0.05 * 0.004
     plate = Plate(rectangle(size[0], size[1], 10, 3), size[2], Material(2e11, 0.0, 7850.0), 1e6 * weight, (0.2, 0.0))
     found = solve_modes(assemble(plate, Rotor(), Effects()), 0.0, 1).eigenvalues[0]
@@ -63,12 +57,10 @@ def test_point_mass_far_heavier_than_the_plate() -> None:
     assert found == pytest.approx(beam / (1e6 * weight), rel=2e-2)
 
 
-@pytest.mark.hard(
-    why="Omega -> 0: differences between spinning and resting plate drown in rounding",
-    keeps="the frequencies at rest, to rounding, with every effect on",
-)
+@pytest.mark.hard(keeps="the frequencies at rest, to rounding, with every effect on")
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_hardly_spinning(coriolis: bool) -> None:
+    """Omega -> 0: differences between spinning and resting plate drown in rounding."""
     plate = Plate(rectangle(0.2, 0.08, 8, 4), 0.01, STEEL)
     operators = assemble(plate, Rotor(0.1, 0.5), Effects(coriolis=coriolis))
     rest = solve_modes(operators, 0.0, 5).frequencies_hz
@@ -78,10 +70,7 @@ def test_hardly_spinning(coriolis: bool) -> None:
     np.testing.assert_allclose(swept.frequencies_hz, np.tile(rest, (3, 1)), rtol=1e-8)
 
 
-@pytest.mark.hard(
-    why="large deflection, pressed inwards beyond what the plate can carry: Newton's method has nothing to find",
-    keeps="NoEquilibrium with the speed, or a state that its modes call unstable; never a nan",
-)
+@pytest.mark.hard(keeps="NoEquilibrium with the speed, or a state that its modes call unstable; never a nan")
 @pytest.mark.parametrize(
     ("thickness", "omega", "stagger", "expected"),
     [(1e-3, 3e4, 0.7, NoEquilibrium), (1e-4, 100.0, np.pi / 2, Divergence)],
@@ -89,6 +78,7 @@ def test_hardly_spinning(coriolis: bool) -> None:
 def test_pressed_beyond_equilibrium(
     thickness: float, omega: float, stagger: float, expected: type[ArithmeticError]
 ) -> None:
+    """Large deflection, pressed inwards beyond what the plate can carry: Newton's method has nothing to find."""
     plate = Plate(rectangle(0.2, 0.08, 6, 3), thickness, STEEL)
     operators = assemble(plate, Rotor(-0.2, stagger), Effects(large_deflection=True))
     with pytest.raises(expected) as caught:

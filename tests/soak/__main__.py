@@ -16,6 +16,7 @@ import numpy as np
 from damper import Outcome
 from tests.soak import plates, rings
 from tests.soak.dice import Seeded
+from tests.workflows.conftest import text_of
 
 BATCH = 100
 """Ring-downs of one kind; each batch has a seed of its own."""
@@ -120,26 +121,7 @@ def _note(found: list[str], name: str, scene: dict[str, Any], mesh: Any, out: Pa
             kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
             flat = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
             meshio.write(out / f"{name}.vtu", meshio.Mesh(flat, [(kind, mesh.t.T)]))
-        (out / f"{name}.toml").write_text("".join(f"# {line}\n" for line in found) + as_toml(scene))
-
-
-def as_toml(scene: dict[str, Any]) -> str:
-    """The scene as a file, every number to its last digit."""
-    lines = [f"{key} = {_value(value)}" for key, value in scene.items() if not isinstance(value, dict)]
-    for name, table in scene.items():
-        if isinstance(table, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {_value(value)}" for key, value in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, list):
-        return f"[{', '.join(map(_value, value))}]"
-    return repr(float(value)) if isinstance(value, float) else str(value)
+        (out / f"{name}.toml").write_text("".join(f"# {line}\n" for line in found) + text_of(scene))
 
 
 if __name__ == "__main__":

@@ -9,8 +9,8 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 
-from tests.survey import plates, references, speeds
-from tests.survey.verdict import judge
+from tests.survey import plates, references
+from tests.survey.verdict import judge, static_state
 from workflows import SpindampError
 
 HEAD = (
@@ -35,7 +35,7 @@ def main(arguments=None):
             print(f"{case.name:14}no answer: {error}", file=out, flush=True)
             records.append({"plate": case.name, "error": str(error)})
             continue
-        state = speeds.static_state(case, case.omega)
+        state = static_state(case, case.omega)
         verdicts.append(verdict)
         records.append(_record(verdict, state))
         print(_line(verdict, state), file=out, flush=True)

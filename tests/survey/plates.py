@@ -30,10 +30,8 @@ SPEEDS = (
     2800, 770, 10000, 1800, 3900, 30000, 5800, 5600, 11000, 9000, 48000, 7300,
 )
 # fmt: on
-"""In rpm, found by `python -m tests.survey.speeds` as it once was for what was drawn, and two set by hand, which it had
+"""In rpm, found once by a search on coarse meshes for the strain and rotation drawn, and two set by hand, which it had
 not found; the fifteenth was set later, for a rotation of 0.30.
-
-As it is now it finds others for 26 plates, for the static state is no longer reckoned as it was then.
 """
 
 

@@ -9,10 +9,8 @@ by some 1e9, and what is cut off moves the lowest frequencies by up to a percent
 matrices before they are written, tell by how much, and the ones found here are corrected by it.
 """
 
-import subprocess
 import tempfile
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import scipy.linalg
@@ -100,8 +98,7 @@ def own_frequencies(case, fineness, layers, number, timeout=600.0):
     """CalculiX's own lowest (COUNT,) in Hz, point masses apart, of nodes and bricks in another order and in another
     unit of length: with number 0 those that `matrices` corrects by, with others the same but for rounding."""
     text, _ = _deck(case, fineness, layers, number)
-    with tempfile.TemporaryDirectory() as folder:
-        return calculix.listed(_run(text, folder, ".dat", timeout).with_suffix(".dat").read_text())[: plates.COUNT]
+    return calculix.solved(text, plates.COUNT, timeout)
 
 
 def axis(case):
@@ -164,24 +161,10 @@ def _twice(text, deep):
     return head + step + static + end + again + rest
 
 
-def _run(text, folder, wanted, timeout):
-    """Run a deck in a folder; the path of what it leaves there, without the ending. wanted: an ending of that."""
-    job = Path(folder) / "plate"
-    job.with_suffix(".inp").write_text(text)
-    environment = {"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin:/usr/local/bin"}
-    done = subprocess.run(
-        [calculix.COMMAND, job.name], cwd=folder, env=environment, capture_output=True, text=True, check=False,
-        timeout=timeout,
-    )  # fmt: skip
-    if not job.with_suffix(wanted).is_file():
-        raise RuntimeError(f"ccx failed: {done.stdout[-800:]}")
-    return job
-
-
 def _written(text, timeout):
     """Stiffness, mass, the node of every third row, and CalculiX's own frequencies in Hz."""
     with tempfile.TemporaryDirectory() as folder:
-        job = _run(text, folder, ".sti", timeout)
+        job = calculix.job(text, folder, ".sti", timeout)
         stiffness, mass = (_symmetric(job.with_suffix(end)) for end in (".sti", ".mas"))
         unknowns = np.array([row.split(".") for row in job.with_suffix(".dof").read_text().split()], dtype=int)
         own = calculix.listed(job.with_suffix(".dat").read_text())

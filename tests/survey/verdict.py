@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import workflows
+from fem import Effects, Material, Plate, Rotor
+from fem.accuracy.neglected_effects import bent
 from tests.survey import scenes
 
 ASKED = 1e-3
@@ -47,6 +49,15 @@ class Verdict:
     def wanting(self):
         """Numbers from 1 of the modes that an effect which was left out moves by more than the accuracy asked for."""
         return (np.flatnonzero(self.missed > ASKED) + 1).tolist()
+
+
+def static_state(case, omega):
+    """The static state of a plate at a speed in rad/s, None where it diverges; of the mean thickness, and one mode."""
+    mesh = case.planform.even(1)
+    thickness = float(case.thickness_at(*mesh.p[:, mesh.t].mean(axis=1)).mean())
+    kg, *at = case.tip or (0.0,)
+    plate = Plate(mesh, thickness, Material(*case.material), kg, tuple(at) or None)
+    return bent(plate, Rotor(case.hub, np.radians(case.stagger)), Effects(), (omega,), 1)
 
 
 def judge(case, reference):

@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from html.parser import HTMLParser
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
@@ -44,6 +45,44 @@ NO_GL = ("--disable-gpu", "--disable-3d-apis")
 """Flags by which it is not drawn at all."""
 
 WORDS = ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
+
+
+VOID = {"meta", "link", "img", "br", "hr", "input"}
+"""Tags that are never closed."""
+
+
+class Reader(HTMLParser):
+    """Collects what could load something, ids, and tags left open."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+        self.ids: list[str] = []
+        self.references: list[str] = []
+        self.tags: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name in ("src", "href", "xlink:href", "data", "action", "srcset") and value:
+                (self.references if value.startswith("#") else self.loads).append(value)
+            elif name == "id" and value:
+                self.ids.append(value)
+            elif name.startswith("on"):
+                pytest.fail(f"{tag} {name}")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag, self.getpos()
 
 
 class Browser:
@@ -170,31 +209,25 @@ def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = 
 
 
 def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
-    """What axe-core finds in a page that hinders readers, of any weight, on a screen as wide as a phone."""
-    assert AXE is not None
-    assert AXE.origin is not None
-    axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8")
-    look = "const { violations } = await axe.run(document, { resultTypes: ['violations'] });"
-    look += (
-        "return violations.map(v => [v.impact, v.id, ...v.nodes.slice(0, 3).map(n => n.html.slice(0, 90))].join(' '));"
-    )
-    found: list[str] = []
+    """What hinders readers on a screen as wide as a phone: a page that is wider, and all that axe-core finds.
+
+    Nothing where there is no browser; its width alone where there is no axe-core.
+    """
+    if CHROMIUM is None:
+        return []
     with opened(path, width=PHONE) as page:
+        across = page.returned("return document.documentElement.scrollWidth")
+        found = [] if across <= PHONE else [f"{across} pixels across"]
+        if AXE is None or AXE.origin is None:
+            return found
+        axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8")
         page.ask("Runtime.evaluate", expression=axe)
+        look = "const { violations } = await axe.run(document, { resultTypes: ['violations'] });"
+        look += "const seen = v => v.nodes.slice(0, 3).map(n => n.html.slice(0, 90));"
+        look += "return violations.map(v => [v.impact, v.id, ...seen(v)].join(' '));"
         for scheme in schemes:
             page.prefers(scheme)
             found += page.returned(look)
-    return found
-
-
-def findings_if_any(path: Path) -> list[str]:
-    """The same, for tests of more than the page: nothing where there is no browser or no axe-core."""
-    return [] if CHROMIUM is None or AXE is None else findings(path)
-
-
-def width_on_a_phone(path: Path) -> int:
-    """Pixels that a page is wide on a screen as wide as a phone."""
-    found: int = driven(path, "return document.documentElement.scrollWidth", width=PHONE)
     return found
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import os
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +17,7 @@ from typing import Any
 import pytest
 from filelock import FileLock
 
+from tests.limits import HANG
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer
 from workflows.scene.load import SHIPPED
@@ -38,6 +41,10 @@ class Outcome:
     err: str
 
 
+Command = Callable[..., Outcome]
+"""The command line, called by a test."""
+
+
 KNOWN: Scene = {
     "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
     "rotor": {"radius": "20 cm"},
@@ -56,9 +63,7 @@ KNOWN: Scene = {
 
 
 @pytest.fixture
-def spindamp(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> Callable[..., Outcome]:
+def spindamp(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """The command line, run in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
@@ -147,14 +152,42 @@ def toml(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def write(scene: Scene, path: Path) -> Path:
-    """Write a scene as a TOML file."""
+def text_of(scene: Scene) -> str:
+    """A scene as TOML."""
     lines = [f"{key} = {toml(value)}" for key, value in scene.items() if not isinstance(value, dict)]
     for name, table in scene.items():
         if isinstance(table, dict):
             lines += [f"[{name}]", *(f"{key} = {toml(value)}" for key, value in table.items())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
+
+
+def write(scene: Scene, path: Path) -> Path:
+    """Write a scene as a TOML file."""
+    path.write_text(text_of(scene), encoding="utf-8")
     return path
+
+
+def on_mesh(scene: Scene, mesh: Path | str, **changes: Any) -> Scene:
+    """A copy whose plate comes from a mesh file, its damper at the tip unless the changes have a place."""
+    drawn = {"plate__length": None, "plate__width": None, "plate__mesh": str(mesh), "damper__at": None}
+    return changed(scene, **drawn | changes)
+
+
+def python(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """What a process of its own says that runs Python with these arguments, and how it ends."""
+    command = [sys.executable, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANG, **options)
+
+
+def refused(outcome: Outcome, start: str, message: str = "", status: int = 2) -> str:
+    """What a command says in the one line on standard error with which it ends; nothing else is said."""
+    assert (outcome.status, outcome.out) == (status, ""), outcome
+    assert outcome.err.endswith("\n")
+    assert len(outcome.err.splitlines()) == 1
+    assert outcome.err.startswith(f"spindamp: {start}"), outcome.err
+    assert message in outcome.err
+    assert "Traceback" not in outcome.err
+    return outcome.err
 
 
 @pytest.fixture(scope="session")

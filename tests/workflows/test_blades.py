@@ -31,6 +31,7 @@ TAPER: Scene = {
     "accuracy": {"frequency": 1e-2},
 }
 POLYNOMIAL = {"polynomial": [["4 mm"], ["-10 um/mm"]]}
+ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
 BALL = {
     "mass": "1 g",
     "radius": "0.5 mm",
@@ -78,13 +79,14 @@ def test_a_table_a_polynomial_and_a_field_of_the_same_taper(tmp_path: Path) -> N
 
 
 def test_a_resolved_scene_is_the_same_scene() -> None:
-    for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL)):
+    for given in (TAPER, changed(TAPER, plate__thickness=POLYNOMIAL), changed(TAPER, plate__root=ROOT)):
         scene = parse(given)
         decided = selection.resolve(scene)
         again = parse(tomllib.loads(provenance.as_toml(scene, decided, model_choice.chosen_theory(scene))))
         assert again.plate is not None
         assert scene.plate is not None
         assert again.plate.thickness == scene.plate.thickness
+        assert again.plate.root == scene.plate.root
 
 
 def test_check_says_the_thickness(tmp_path: Path) -> None:
@@ -128,7 +130,7 @@ def test_the_thickness_is_exported(tmp_path: Path) -> None:
     assert "2 to 4 mm thick" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
-WRONG = [
+NO_THICKNESS = [
     (
         {"polynomial": [["4 mm"], ["-30 um/mm"]]},
         "thickness",
@@ -159,13 +161,35 @@ WRONG = [
     ({"polynomial": [["30 cm"]]}, "thickness", "expected less than the length"),
     ({"polynomial": [["1 nm"]]}, "thickness", "expected at least 2e-05 m"),
 ]
+NO_ROOT = [
+    ({"stiffness": "5e8 N/m/m"}, "root.rotational_stiffness", "missing"),
+    (ROOT | {"stiffness": 0}, "root.stiffness", "expected a value above 0"),
+    (ROOT | {"rotational_stiffness": "0 N*m/rad/m"}, "root.rotational_stiffness", "expected a value above 0"),
+    (ROOT | {"stiffness": float("inf")}, "root.stiffness", "must be finite"),
+    (ROOT | {"stiffness": "5 N/m"}, "root.stiffness", "expected a stiffness per length such as '5e9 N/m/m'"),
+    (ROOT | {"rotational_stiffness": "5 N"}, "root.rotational_stiffness", "a rotational stiffness per length such as"),
+    (ROOT | {"stifness": 1}, "root.stifness", "did you mean 'stiffness'"),
+    (1.0, "root", "expected a table"),
+]
+NO_CONE = [
+    ("91 deg", "expected an angle within ±90 deg"),
+    (5, "expected an angle within ±90 deg"),
+    ("1 m", "expected an angle such as '45 deg'"),
+]
 
 
-@pytest.mark.parametrize(("thickness", "key", "words"), WRONG)
-def test_what_is_no_thickness(thickness: dict[str, object], key: str, words: str) -> None:
+@pytest.mark.parametrize(
+    ("where", "value", "key", "words"),
+    [
+        *(("plate__thickness", value, f"[plate] {key}", words) for value, key, words in NO_THICKNESS),
+        *(("plate__root", value, f"[plate] {key}", words) for value, key, words in NO_ROOT),
+        *(("rotor__precone", value, "[rotor] precone", words) for value, words in NO_CONE),
+    ],
+)
+def test_what_is_no_thickness_no_root_and_no_cone(where: str, value: object, key: str, words: str) -> None:
     with pytest.raises(BadInput, match=words) as error:
-        parse(changed(TAPER, plate__thickness=thickness))
-    assert f"[plate] {key}" in str(error.value)
+        parse(changed(TAPER, **{where: value}))
+    assert key in str(error.value)
 
 
 FIELDS = [
@@ -200,9 +224,6 @@ def test_loading_a_file(tmp_path: Path) -> None:
     assert plate_mesh.plate_thickness(plate, (0.1, 0.0)) == pytest.approx(3e-3)
 
 
-ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
-
-
 def test_a_root_on_springs() -> None:
     """Softer than the clamp, as `fem` has it; stiff springs are the clamp."""
     from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, assemble, solve_modes
@@ -215,33 +236,6 @@ def test_a_root_on_springs() -> None:
     own = solve_modes(assemble(plate, Rotor(), Effects()), 0.0, 3).frequencies_hz
     assert soft == pytest.approx(own.tolist(), rel=1e-2)
     assert soft[0] < 0.8 * clamped[0]
-
-
-def test_a_resolved_root_is_the_same_root() -> None:
-    scene = parse(changed(TAPER, plate__root=ROOT))
-    again = parse(tomllib.loads(provenance.as_toml(scene, selection.resolve(scene), model_choice.chosen_theory(scene))))
-    assert again.plate is not None
-    assert again.plate.root is not None
-    assert (again.plate.root.stiffness, again.plate.root.rotational_stiffness) == (5e8, 5e3)
-
-
-WRONG_ROOTS = [
-    ({"stiffness": "5e8 N/m/m"}, "root.rotational_stiffness", "missing"),
-    (ROOT | {"stiffness": 0}, "root.stiffness", "expected a value above 0"),
-    (ROOT | {"rotational_stiffness": "0 N*m/rad/m"}, "root.rotational_stiffness", "expected a value above 0"),
-    (ROOT | {"stiffness": float("inf")}, "root.stiffness", "must be finite"),
-    (ROOT | {"stiffness": "5 N/m"}, "root.stiffness", "expected a stiffness per length such as '5e9 N/m/m'"),
-    (ROOT | {"rotational_stiffness": "5 N"}, "root.rotational_stiffness", "a rotational stiffness per length such as"),
-    (ROOT | {"stifness": 1}, "root.stifness", "did you mean 'stiffness'"),
-    (1.0, "root", "expected a table"),
-]
-
-
-@pytest.mark.parametrize(("root", "key", "words"), WRONG_ROOTS)
-def test_what_is_no_root(root: object, key: str, words: str) -> None:
-    with pytest.raises(BadInput, match=words) as error:
-        parse(changed(TAPER, plate__root=root))
-    assert f"[plate] {key}" in str(error.value)
 
 
 def test_a_cone_calls_for_large_deflection() -> None:
@@ -267,20 +261,6 @@ def test_check_says_the_radii_of_a_cone(tmp_path: Path) -> None:
     rotor = {"speeds": ["3000 rpm"], "precone": "60 deg", "hub_radius": "5 cm"}
     heading = provenance.heading(SceneFile(parse(changed(TAPER, rotor=rotor)), "scene", tmp_path))
     assert "# Radii from the axis: 50 mm at the clamped root, 150 mm at the tip (x = 200 mm, y = 0 mm)" in heading
-
-
-WRONG_CONES = [
-    ("91 deg", "expected an angle within ±90 deg"),
-    (5, "expected an angle within ±90 deg"),
-    ("1 m", "expected an angle such as '45 deg'"),
-]
-
-
-@pytest.mark.parametrize(("angle", "words"), WRONG_CONES)
-def test_what_is_no_cone(angle: object, words: str) -> None:
-    with pytest.raises(BadInput, match=words) as error:
-        parse(changed(TAPER, rotor__precone=angle))
-    assert "[rotor] precone" in str(error.value)
 
 
 def test_a_damper_takes_no_cone() -> None:

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from damper import Formulation, ParticleDamper, ringdown, stepped_ringdown, working
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from damper import Formulation, ringdown, stepped_ringdown, working
+from tests.damper import scenes
+from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.progress import Stages
 from workflows.scene import load
@@ -36,22 +37,6 @@ QUIET = Stages(visible=False)
 FEW_INTEGRATORS = {"RK45": (1e-3,), "DOP853": (1e-9,)}
 
 
-def system(**changes: Any) -> ParticleDamper:
-    stiffness = 1.006 * (2 * np.pi * 269.5) ** 2
-    given: dict[str, Any] = {
-        "modal_mass": 1.0,
-        "stiffness": (stiffness, stiffness),
-        "ball_mass": 0.006,
-        "ball_radius": 1e-3,
-        "cavity": (2.5e-3, 2.4e-3),
-        "centrifugal_acceleration": 219320.0,
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": 1e-4,
-    }
-    return ParticleDamper(**given | changes)
-
-
 @pytest.mark.parametrize(
     "changes",
     [
@@ -65,7 +50,7 @@ def system(**changes: Any) -> ParticleDamper:
 )
 def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
     """Two programs that share no line, to a hundred times the tolerance of the integrator, which errs step by step."""
-    damper = system(**changes)
+    damper = scenes.paper(**changes)
     exact, peer = ringdown(damper, RELEASE, 5), integrate(damper, RELEASE, 5, "DOP853", 1e-12)
     assert peer.impacts == exact.impacts > 0
     assert peer.final == pytest.approx(exact.energy.final, abs=1e-10 * exact.energy.initial)
@@ -74,7 +59,7 @@ def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
 
 def test_the_peer_knows_no_slip() -> None:
     with pytest.raises(ValueError, match="slip"):
-        integrate(system(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
+        integrate(scenes.paper(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
 
 
 @pytest.mark.parametrize(("seconds", "runs"), [(0.01, 6), (1.5, 2), (5.0, 1)])
@@ -193,7 +178,7 @@ def test_the_damper_ladder(accuracy: dict[str, Any]) -> None:
 
 def test_the_structures_own_damping_hides_nothing() -> None:
     """The error of a step is that of the ball's energy, as rolling and impacts have it in the books."""
-    damper, shown = system(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
+    damper, shown = scenes.paper(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
         patch.setattr(timing, "TOO_LONG", 0.0)
         patch.setattr(studies, "METHODS", {})
@@ -211,13 +196,14 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     assert ladder.rows[0].error > 0.5
 
 
-def test_no_ladder_where_the_ball_takes_nothing(
-    structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
-) -> None:
+def test_no_ladder_where_the_ball_takes_nothing(structure: Scene, tmp_path: Path, spindamp: Command) -> None:
     still = changed(structure, release={"displacement": ["1e-9 m", "0 m"], "cycles": 20})
-    outcome = spindamp("accuracy", write(still, tmp_path / "scene.toml"), "--out", "out")
-    assert outcome.status == 3
-    assert "the ball takes nothing in 20 cycles" in outcome.err
+    refused(
+        spindamp("accuracy", write(still, tmp_path / "scene.toml"), "--out", "out"),
+        "",
+        "the ball takes nothing in 20 cycles",
+        status=3,
+    )
     assert not (tmp_path / "out").exists()
 
 
@@ -230,9 +216,7 @@ def test_choices_keep_their_word(accuracy: dict[str, Any]) -> None:
     assert chosen["pipeline: first frequency"]["setting"] == chosen["plate"]["setting"]
 
 
-def test_accuracy_of_a_known_structure(
-    spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(studies, "METHODS", FEW_INTEGRATORS)
@@ -324,7 +308,7 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.usefixtures("hasty")
-def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
     changes = {
         "rotor__speeds": ["10000 rpm"],
@@ -385,9 +369,8 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
 
 @pytest.mark.parametrize(("command", "long"), [("check", True), ("campbell", False), ("run --json", True)])
 def test_the_theory_is_chosen_once(
-    command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Callable[..., Outcome]
+    command: str, long: bool, paper: Scene, monkeypatch: pytest.MonkeyPatch, spindamp: Command
 ) -> None:
-    """Also where what a run takes is reckoned from a small one."""
     from fem.accuracy import theory_selection as choosing
 
     calls: list[float] = []
@@ -438,7 +421,7 @@ def test_speeds_are_compared_with_their_like() -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
     scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
@@ -449,7 +432,7 @@ def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spi
 
 
 @pytest.mark.usefixtures("hasty")
-def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: Command) -> None:
     """Without rolling resistance nothing stops the ball: there is no cut-off to compare with."""
     scene = write(changed(structure, release__cycles="auto"), tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--out", "out")
@@ -466,9 +449,7 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
 
 
 @pytest.mark.usefixtures("hasty")
-def test_what_needs_each_other_is_switched_together(
-    paper: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]
-) -> None:
+def test_what_needs_each_other_is_switched_together(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1}
     both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
@@ -484,7 +465,7 @@ def test_what_needs_each_other_is_switched_together(
 
 
 @pytest.mark.usefixtures("hasty")
-def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> None:
     """A row without numbers says why in the text, in the CSV file and in the figure, beside the rule's reason."""
     printed = changed(structure, damper__formulation="printed", release__displacement=["20 mm", "15 mm"])
     outcome = spindamp("effects", write(printed, tmp_path / "scene.toml"), "--out", "out")

@@ -12,14 +12,14 @@ import pytest
 
 import spindamp
 from damper import Working, work_bound, working
-from tests.workflows.browser import findings_if_any
+from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Found, Scored
 from workflows.studies.response import study as response
-from workflows.studies.sweep import executor
+from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
 SHIPPED_DESIGN = (SHIPPED / "design.toml").read_text(encoding="utf-8")
@@ -162,10 +162,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
     assert why in report.obstacle(found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
-    drive, load = (
-        (2 * math.pi * 203) ** 2 * 5e-3,
-        (700 * math.pi / 30) ** 2 * 0.2,
-    )  # of the plate at rest; 2/7 is rubbed
+    drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
     (thick,) = objectives.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
@@ -187,8 +184,6 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    from workflows.studies.design import report
-
     space = objectives.space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
     found = Found(shares, objectives.scored(space, shares[None], PlateCache(), quick=True)[0], 1)
@@ -262,7 +257,7 @@ def test_from_the_command_line(spindamp, slow, tmp_path):
     assert found == json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert findings_if_any(tmp_path / "out" / "report.html") == []
+    assert findings(tmp_path / "out" / "report.html") == []
     assert spindamp("check", tmp_path / "out" / "best.toml").status == 0
     wrong = spindamp("design", "structure")
     assert wrong.status == 2
@@ -324,8 +319,6 @@ def at_the_crossing(scene, share=0.0):
 
 
 def placed_of(space, shares):
-    from workflows.studies.sweep import evaluate
-
     rows = evaluate.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
     return list(evaluate.all_placed(space.solved_as, plan, 0, PlateCache(), rows, evaluate.Reasons()))

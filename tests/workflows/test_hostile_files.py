@@ -5,27 +5,18 @@ from __future__ import annotations
 import os
 import socket
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, on_mesh, refused, write
 from workflows.scene.load import SHIPPED, load
 
 ROOT = Path(__file__).parents[2]
 PAPER = (SHIPPED / "paper.toml").read_text(encoding="utf-8")
 NOBODY = 65534
-
-
-def _refused(outcome: Outcome, start: str, message: str) -> None:
-    assert outcome.status == 2, outcome
-    assert outcome.out == ""
-    assert len(outcome.err.splitlines()) == 1
-    assert outcome.err.startswith(f"spindamp: {start}")
-    assert message in outcome.err
-    assert len(outcome.err) < 300
 
 
 SCENES: dict[str, tuple[bytes, str]] = {
@@ -41,6 +32,7 @@ SCENES: dict[str, tuple[bytes, str]] = {
     "JSON": (b'{"plate": {"length": 1}}', "not valid TOML"),
     "YAML": (b"plate:\n  length: 1\n", "not valid TOML"),
     "half of a scene": (PAPER.encode()[:300].rstrip()[:-3] + b'"x', "not valid TOML"),
+    "a key twice": (b"title = '1'\ntitle = '2'", "not valid TOML"),
     "a table twice": (PAPER.encode() + b"\n[rotor]\n", "not valid TOML"),
     "brackets without end": (b"a = " + b"[" * 200_000, "not a scene"),
     "braces without end": (b"a = " + b"{a = " * 100_000, "not a scene"),
@@ -50,10 +42,10 @@ SCENES: dict[str, tuple[bytes, str]] = {
 
 
 @pytest.mark.parametrize("what", SCENES)
-def test_scene_file(what: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_scene_file(what: str, spindamp: Command, tmp_path: Path) -> None:
     content, message = SCENES[what]
     (tmp_path / "bad.toml").write_bytes(content)
-    _refused(spindamp("run", "bad.toml", "--out", "out"), "bad.toml: ", message)
+    assert len(refused(spindamp("run", "bad.toml", "--out", "out"), "bad.toml: ", message)) < 300
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 
@@ -123,9 +115,7 @@ def _unprivileged(folder: Path) -> Iterator[None]:
 
 @pytest.mark.parametrize("what", NO_FILES)
 @pytest.mark.parametrize("as_mesh", [False, True], ids=["scene", "mesh"])
-def test_what_is_no_file(
-    what: str, as_mesh: bool, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
-) -> None:
+def test_what_is_no_file(what: str, as_mesh: bool, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     closed = what == "a file for others only"
     if closed and os.geteuid() == 0:
         tmp_path.chmod(0o777)
@@ -135,14 +125,14 @@ def test_what_is_no_file(
     with _no_file(what, tmp_path / "it.msh"):
         name, start = "it.msh", "it.msh: "
         if as_mesh:
-            scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=None)
+            scene = on_mesh(paper, "it.msh")
             name, start = write(scene, tmp_path / "scene.toml").name, "scene.toml: [plate] mesh = 'it.msh': "
         if closed:
             with _unprivileged(tmp_path):
                 outcome = spindamp("check", name)
         else:
             outcome = spindamp("check", name)
-    _refused(outcome, start, NO_FILES[what])
+    assert len(refused(outcome, start, NO_FILES[what])) < 300
 
 
 GOOD = (ROOT / "meshes" / "plate_coarse.msh").read_text(encoding="utf-8")
@@ -193,50 +183,46 @@ MESHES: dict[str, tuple[str | bytes, str]] = {
 
 @pytest.mark.parametrize("command", ["check", "run"])
 @pytest.mark.parametrize("what", MESHES)
-def test_mesh_file(what: str, command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+def test_mesh_file(what: str, command: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     content, message = MESHES[what]
     (tmp_path / "it.msh").write_bytes(content if isinstance(content, bytes) else content.encode())
-    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=None)
+    scene = on_mesh(paper, "it.msh")
     write(scene, tmp_path / "bad.toml")
-    _refused(spindamp(command, "bad.toml"), "bad.toml: [plate] ", message)
+    assert len(refused(spindamp(command, "bad.toml"), "bad.toml: [plate] ", message)) < 300
     assert {path.name for path in tmp_path.iterdir()} == {"bad.toml", "it.msh"}
 
 
 @pytest.mark.parametrize("name", ["it.xyz", "it", "it.vtu", "it.xdmf", "it.stl", "it.inp", "it.bdf", "it.h5m", "it.e"])
-def test_junk_under_any_name(name: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+def test_junk_under_any_name(name: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     (tmp_path / name).write_bytes(b"\x00\xff<a>\n*NODE\nGRID" * 100)
-    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh=name, damper__at=None)
+    scene = on_mesh(paper, name)
     write(scene, tmp_path / "bad.toml")
-    _refused(spindamp("check", "bad.toml"), f"bad.toml: [plate] mesh = '{name}': ", "")
+    refused(spindamp("check", "bad.toml"), f"bad.toml: [plate] mesh = '{name}': ")
 
 
-def test_entities_that_grow_without_end(spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene) -> None:
+def test_entities_that_grow_without_end(spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     entities = '<!ENTITY a0 "aaaaaaaaaa">' + "".join(f'<!ENTITY a{i} "{f"&a{i - 1};" * 10}">' for i in range(1, 12))
     bomb = f'<?xml version="1.0"?><!DOCTYPE VTKFile [{entities}]><VTKFile type="UnstructuredGrid">&a11;</VTKFile>'
     (tmp_path / "it.vtu").write_text(bomb)
-    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.vtu", damper__at=None)
+    scene = on_mesh(paper, "it.vtu")
     write(scene, tmp_path / "bad.toml")
-    _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.vtu': ", "not a mesh file")
+    refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.vtu': ", "not a mesh file")
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_a_damper_on_the_clamped_edge(
-    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene
-) -> None:
+def test_a_damper_on_the_clamped_edge(command: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     (tmp_path / "it.msh").write_text(GOOD, encoding="utf-8")
-    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.msh", damper__at=["0 cm", "1 cm"])
+    scene = on_mesh(paper, "it.msh", damper__at=["0 cm", "1 cm"])
     write(scene, tmp_path / "scene.toml")
-    outcome = spindamp(command, "scene.toml")
-    assert outcome.status == 2
-    assert outcome.err.startswith("spindamp: scene.toml: [damper] at = [0.0, 0.01]: ")
+    refused(spindamp(command, "scene.toml"), "scene.toml: [damper] at = [0.0, 0.01]: ")
 
 
 def test_a_format_whose_reader_is_not_installed(
-    spindamp: Callable[..., Outcome], tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
+    spindamp: Command, tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "netCDF4", None)
     (tmp_path / "it.exo").write_text(GOOD, encoding="utf-8")
-    scene = changed(paper, plate__length=None, plate__width=None, plate__mesh="it.exo", damper__at=None)
+    scene = on_mesh(paper, "it.exo")
     write(scene, tmp_path / "bad.toml")
     message = "to read this format, the Python package netCDF4 must be installed"
-    _refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.exo': ", message)
+    refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.exo': ", message)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib.metadata import version
@@ -19,7 +19,7 @@ import fem
 import spindamp as face
 from tests.benchmarks import broken_kernels
 from tests.compiler import needs_compiler
-from tests.workflows.conftest import KNOWN, Outcome, changed, write
+from tests.workflows.conftest import KNOWN, Command, changed, write
 from workflows.cli.main import main
 from workflows.effects.selection import resolve
 from workflows.errors import ImpossibleResult, SpindampError, during, lawful
@@ -66,9 +66,7 @@ ENDS = r"; nothing was published, please report it with the scene \(python .*spi
         (("response", "--out", "out"), r"a \S+ motion at \S+ rad/s, \d+ of \d+, order 2 at \d+ rpm"),
     ],
 )
-def test_one_line_and_nothing_written(
-    spindamp: Callable[..., Outcome], tmp_path: Path, command: tuple[str, ...], place: str
-) -> None:
+def test_one_line_and_nothing_written(spindamp: Command, tmp_path: Path, command: tuple[str, ...], place: str) -> None:
     scene = write(SHAKEN if command[0] == "response" else SCENE, tmp_path / "scene.toml")
     outcome = spindamp(command[0], scene, *command[1:])
     assert (outcome.status, outcome.out) == (1, "")
@@ -141,7 +139,7 @@ def violate(number: int) -> None:
 
 
 @needs_compiler
-def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_self_check(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     stamps: list[Path] = []
     monkeypatch.setattr("damper.self_check.leave", stamps.append)
     outcome = spindamp("--self-check")
@@ -164,7 +162,7 @@ def test_self_check(spindamp: Callable[..., Outcome], monkeypatch: pytest.Monkey
     assert outcome.out.splitlines()[-1] == "do not trust results of this installation"
 
 
-def test_self_check_of_plain_python(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_self_check_of_plain_python(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """What takes seconds is checked, and what is not is said."""
     stamps: list[Path] = []
     monkeypatch.setattr("damper.self_check.leave", stamps.append)

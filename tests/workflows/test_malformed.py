@@ -6,18 +6,15 @@ detail is tested in `test_scene_errors`; here it is that there is one, for every
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.limits import HANG
-from tests.workflows.conftest import Outcome, toml
+from tests.workflows.conftest import Command, Outcome, python, refused, toml
 from workflows.scene.load import SHIPPED, key_name
 from workflows.scene.quantities import Table
 from workflows.scene.scene import Effects, Scene
@@ -337,25 +334,20 @@ def test_every_key_is_bent() -> None:
 
 
 @pytest.mark.parametrize("what", CASES)
-def test_malformed(what: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_malformed(what: str, spindamp: Command, tmp_path: Path) -> None:
     case = CASES[what]
     (tmp_path / "bad.toml").write_text(case.text, encoding="utf-8")
-    refused(spindamp("run", "bad.toml", "--out", "out"), case)
+    corrected(spindamp("run", "bad.toml", "--out", "out"), case)
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 
-def refused(outcome: Outcome, case: Case) -> None:
-    """Exit 2, and on standard error one short line: file, key, and what would be right."""
-    assert outcome.status == 2, outcome
-    assert outcome.out == ""
-    assert outcome.err.endswith("\n")
-    assert len(outcome.err.splitlines()) == 1
-    assert len(outcome.err) < 300
-    said = outcome.err.removeprefix(f"spindamp: bad.toml: {case.key}")
-    assert said != outcome.err, outcome.err
-    assert said[0] in " :…x", outcome.err  # the whole key, and not the beginning of another
-    assert any(word in said for word in RIGHT), outcome.err
-    assert case.hint in said
+def corrected(outcome: Outcome, case: Case) -> None:
+    """Refused in one short line: file, key, and what would be right."""
+    err = refused(outcome, f"bad.toml: {case.key}", case.hint)
+    assert len(err) < 300
+    said = err.removeprefix(f"spindamp: bad.toml: {case.key}")
+    assert said[0] in " :…x", err  # the whole key, and not the beginning of another
+    assert any(word in said for word in RIGHT), err
 
 
 RIGHT = ("expected", "missing", "did you mean", "unknown", "belongs", "leave", "no such file", "negative", "one of")
@@ -365,7 +357,6 @@ RIGHT = ("expected", "missing", "did you mean", "unknown", "belongs", "leave", "
 @pytest.mark.parametrize("what", ["plate.length a date", "misspelt damper.cavity", "structure without [rotor]"])
 def test_malformed_for_the_command_itself(what: str, tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text(CASES[what].text, encoding="utf-8")
-    command = [sys.executable, "-m", "workflows.cli", "run", "bad.toml"]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=HANG)
-    refused(Outcome(done.returncode, done.stdout, done.stderr), CASES[what])
+    done = python("-m", "workflows.cli", "run", "bad.toml", cwd=tmp_path)
+    corrected(Outcome(done.returncode, done.stdout, done.stderr), CASES[what])
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]

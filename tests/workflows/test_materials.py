@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
@@ -63,9 +62,7 @@ def test_the_readme_lists_the_same() -> None:
         assert (float(poissons_ratio) if poissons_ratio else None) == known.poissons_ratio
 
 
-def test_check_and_results_show_the_numbers_with_their_source(
-    spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path
-) -> None:
+def test_check_and_results_show_the_numbers_with_their_source(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
     scene = write(named(paper, "Ti-6Al-4V"), tmp_path / "scene.toml")
     said = spindamp("check", scene).out
     assert "youngs_modulus = 113800000000.0 # Ti-6Al-4V: ASM" in said
@@ -112,9 +109,7 @@ def test_a_given_mass_is_that_of_all_balls(structure: Scene) -> None:
             assert coupling.ball_mass(scene, 1.0) == pytest.approx(0.006, rel=1e-14)
 
 
-def test_sixty_balls_are_one_of_sixty_times_the_mass(
-    spindamp: Callable[..., Outcome], structure: Scene, tmp_path: Path
-) -> None:
+def test_sixty_balls_are_one_of_sixty_times_the_mass(spindamp: Command, structure: Scene, tmp_path: Path) -> None:
     sixty = changed(structure, damper__mass_ratio=None, damper__ball_material="steel", damper__count=60)
     mass = 60 * 4 / 3 * math.pi * 1e-9 * 7850
     found = [
@@ -124,7 +119,7 @@ def test_sixty_balls_are_one_of_sixty_times_the_mass(
     assert found[0] == found[1]
 
 
-def test_check_says_what_the_balls_weigh(spindamp: Callable[..., Outcome], paper: Scene, tmp_path: Path) -> None:
+def test_check_says_what_the_balls_weigh(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
     scene = changed(paper, damper__mass_ratio=None, damper__ball_material="tungsten carbide", damper__count=60)
     said = spindamp("check", write(scene, tmp_path / "scene.toml")).out
     assert "ball_density = 14900.0" in said

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import workflows
 from tests.workflows.conftest import Scene, changed
@@ -16,7 +14,6 @@ from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.scene.load import opened
 from workflows.solve import limits
-from workflows.solve.results import Reduced
 
 
 def _frequency(scene: Scene) -> float:
@@ -42,24 +39,6 @@ def test_as_much_mass_more_lowers_what_the_hole_raises(paper: Scene, rpm: int) -
     none = point.reduced.f2_hz
     slope = (-3 * none + 4 * one - two) / 2 / none
     assert hole.shift == pytest.approx(-slope, rel=0.02)
-
-
-def _beam(mass: float) -> float:
-    """First root for a tip mass over the beam's: 1 + cos x cosh x + mu x (cos x sinh x - sin x cosh x)."""
-
-    def root(x: float) -> float:
-        c, s, ch, sh = math.cos(x), math.sin(x), math.cosh(x), math.sinh(x)
-        return 1 + c * ch + mass * x * (c * sh - s * ch)
-
-    return float(brentq(root, 1.5, 2.3, xtol=1e-14))
-
-
-@pytest.mark.parametrize("mass", [1e-4, 1e-3])
-def test_a_beam_with_less_at_its_tip(mass: float) -> None:
-    """The effective mass of a cantilever at its tip is a quarter of its own."""
-    exact = (_beam(-mass) / _beam(0.0)) ** 2 - 1
-    reduced = Reduced(f1_hz=1.0, M1=0.25 + 1e-3, K1=1.0, f2_hz=1.0, M2=0.25, K2=1.0, floor_tilt=0.0)
-    assert limits._shift(reduced, mass) == pytest.approx(exact, rel=10 * mass)
 
 
 @pytest.mark.usefixtures("quickly")

@@ -8,7 +8,6 @@ import re
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,8 @@ import pytest
 
 import spindamp
 import workflows
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.browser import Reader
+from tests.workflows.conftest import Outcome, Scene, changed, on_mesh, write
 from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.report import page
@@ -99,7 +99,7 @@ def test_values_of_numpy_and_paths(structure: Scene, paper: Scene) -> None:
     given = changed(structure, rotor__speeds=speeds, damper__cavity=(np.float64(2.5e-3), np.float32(3e-3)))
     assert workflows.parse(given).rotor.speeds == (100.0, 200.0)
     assert workflows.parse(changed(paper, rotor__modes=np.int64(3))).rotor.modes == 3
-    mesh = changed(paper, plate__length=None, plate__width=None, plate__mesh=Path("a") / "b.msh")
+    mesh = changed(on_mesh(paper, ""), plate__mesh=Path("a") / "b.msh")
     assert workflows.parse(mesh).plate.mesh == str(Path("a") / "b.msh")
     with pytest.raises(workflows.BadInput, match=r"\[rotor\] modes = 3.5: expected a whole number"):
         workflows.parse(changed(paper, rotor__modes=np.float64(3.5)))
@@ -108,8 +108,8 @@ def test_values_of_numpy_and_paths(structure: Scene, paper: Scene) -> None:
 def test_a_mesh_is_looked_for_from_the_current_folder(
     paper: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    mesh = {"plate__length": None, "plate__width": None, "plate__mesh": "plate_coarse.msh"}
-    scene = changed(paper, **mesh, rotor__speeds=[0], rotor__modes=1, damper=None, release=None)
+    alone = changed(paper, rotor__speeds=[0], rotor__modes=1, damper=None, release=None)
+    scene = changed(alone, plate__length=None, plate__width=None, plate__mesh="plate_coarse.msh")
     monkeypatch.chdir(tmp_path)
     for form in (scene, workflows.parse(scene)):
         with pytest.raises(workflows.BadInput, match=r"^scene: \[plate\] mesh = 'plate_coarse.msh': no such file"):
@@ -130,41 +130,19 @@ def test_results_in_brief(damper: Results, plate: Results) -> None:
         assert len(repr(part)) < 3000
 
 
-class Page(HTMLParser):
-    """Counts tags, and keeps the text."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.seen: list[str] = []
-        self.text = ""
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag: str, attrs: object) -> None:
-        self.open.append(tag)
-        self.seen.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 def test_results_as_a_table(damper: Results, plate: Results, structure: Scene) -> None:
     for results in (damper, plate):
-        page = Page(results._repr_html_())
+        page = Reader(results._repr_html_())
         assert page.open == []
-        assert page.seen.count("table") == 1
-        assert page.seen.count("tr") == 1 + len(results.speeds)
+        assert page.tags.count("table") == 1
+        assert page.tags.count("tr") == 1 + len(results.speeds)
         assert len(results._repr_html_()) < 5000
     many = replace(damper, speeds=damper.speeds * 100)
-    assert Page(many._repr_html_()).seen.count("tr") < 20
+    assert Reader(many._repr_html_()).tags.count("tr") < 20
     assert "more speeds" in many._repr_html_()
-    assert Page(replace(plate, speeds=())._repr_html_()).open == []
+    assert Reader(replace(plate, speeds=())._repr_html_()).open == []
     hostile = workflows.run(changed(structure, title="<script>alert(1)</script> & co"))
-    assert "script" not in Page(hostile._repr_html_()).seen
+    assert "script" not in Reader(hostile._repr_html_()).tags
 
 
 def test_save(damper: Results, plate: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

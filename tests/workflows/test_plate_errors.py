@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows import BadInput
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -28,11 +27,7 @@ def quick(paper: Scene, tmp_path: Path) -> Path:
     "error", [ValueError, RuntimeError, FloatingPointError, ArithmeticError, np.linalg.LinAlgError]
 )
 def test_defects_are_defects(
-    place: str,
-    error: type[Exception],
-    quick: Path,
-    spindamp: Callable[..., Outcome],
-    monkeypatch: pytest.MonkeyPatch,
+    place: str, error: type[Exception], quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """No slip of ours is blamed on the damper's place, or on the physics."""
 
@@ -40,9 +35,9 @@ def test_defects_are_defects(
         raise error("what nobody thought of")
 
     monkeypatch.setattr(f"fem.{place}", slip)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 1, outcome.err
-    assert f"an internal error: {error.__name__}: what nobody thought of" in outcome.err
+    refused(
+        spindamp("run", quick, "--json"), "", f"an internal error: {error.__name__}: what nobody thought of", status=1
+    )
 
 
 def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
@@ -54,26 +49,24 @@ def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
 
 @pytest.mark.parametrize("tip_mass", [None, "10 g"])
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_off_the_plate(
-    command: str, tip_mass: str | None, paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
+def test_off_the_plate(command: str, tip_mass: str | None, paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """The damper's place is also that of the tip mass, which the search for a mesh meets first."""
     _on_the_mesh(paper, tmp_path, damper__at=["30 cm", "0 cm"], plate__tip_mass=tip_mass)
-    outcome = spindamp(command, "scene.toml", "--json")
-    assert outcome.status == 2
-    assert "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate" in outcome.err
+    refused(
+        spindamp(command, "scene.toml", "--json"),
+        "",
+        "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate",
+    )
 
 
-def test_where_the_mode_does_not_move(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_where_the_mode_does_not_move(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     _on_the_mesh(paper, tmp_path, damper__at=["0 cm", "0 cm"])
-    outcome = spindamp("run", "scene.toml", "--json")
-    assert outcome.status == 2
-    assert "scene.toml: [damper] at = [0.0, 0.0]: expected a place that moves" in outcome.err
+    refused(
+        spindamp("run", "scene.toml", "--json"), "", "scene.toml: [damper] at = [0.0, 0.0]: expected a place that moves"
+    )
 
 
-def test_no_bending_among_the_modes(
-    quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_bending_among_the_modes(quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """What it lacks are modes, and no other place would help."""
     from fem import Campbell
 
@@ -86,7 +79,7 @@ def test_no_bending_among_the_modes(
 
 @pytest.mark.parametrize("kind", ["SingularMatrix", "NotConverged"])
 def test_no_answer_in_floating_point(
-    kind: str, quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+    kind: str, quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import fem
 
@@ -104,12 +97,7 @@ def test_no_answer_in_floating_point(
     [("Divergence", (100.0, -1.0), "[rotor] speeds"), ("NoEquilibrium", (100.0,), "[rotor] speeds, stagger")],
 )
 def test_no_answer_at_a_speed_names_its_key(
-    kind: str,
-    found: tuple[float, ...],
-    keys: str,
-    quick: Path,
-    spindamp: Callable[..., Outcome],
-    monkeypatch: pytest.MonkeyPatch,
+    kind: str, found: tuple[float, ...], keys: str, quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import fem
 
@@ -117,21 +105,17 @@ def test_no_answer_at_a_speed_names_its_key(
         raise getattr(fem, kind)(*found)
 
     monkeypatch.setattr("fem.campbell", lost)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 3
-    assert f"{quick.name}: {keys}: " in outcome.err
+    refused(spindamp("run", quick, "--json"), "", f"{quick.name}: {keys}: ", status=3)
 
 
 def test_bad_input_of_a_ring_down_names_its_file(
-    quick: Path, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+    quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refused(*_: object) -> None:
+    def unmoved(*_: object) -> None:
         raise BadInput("none of them moves: ask for more", key="[rotor] modes", value=6)
 
-    monkeypatch.setattr("workflows.solve.coupling.released_at", refused)
-    outcome = spindamp("run", quick, "--json")
-    assert outcome.status == 2
-    assert f"{quick.name}: [rotor] modes = 6: none of them moves" in outcome.err
+    monkeypatch.setattr("workflows.solve.coupling.released_at", unmoved)
+    refused(spindamp("run", quick, "--json"), "", f"{quick.name}: [rotor] modes = 6: none of them moves")
 
 
 def test_a_singular_matrix_is_named() -> None:
@@ -146,7 +130,7 @@ def test_a_singular_matrix_is_named() -> None:
         factorise(csc_array(np.ones((2, 3))))
 
 
-def test_a_mass_that_tears_the_plate_off(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_a_mass_that_tears_the_plate_off(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """m Omega² R / (E b h): 1e6 kg at 3500 rpm and 0.2 m, on 8 cm² of 182.6 GPa, is a strain of 184."""
     write(changed(paper, rotor__speeds=["3500 rpm"], damper__housing="1e6 kg"), tmp_path / "scene.toml")
     outcome = spindamp("run", "scene.toml", "--json")
@@ -157,7 +141,7 @@ def test_a_mass_that_tears_the_plate_off(paper: Scene, spindamp: Callable[..., O
     assert "critical" not in line
 
 
-def test_a_root_that_holds_nothing(paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_a_root_that_holds_nothing(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     springs = {"stiffness": 1e-6, "rotational_stiffness": 1e-9}
     scene = changed(paper, rotor__speeds=["0 rpm"], plate__root=springs, damper=None, release=None)
     write(scene, tmp_path / "scene.toml")

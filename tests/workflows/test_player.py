@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.workflows.browser import driven, needs_chromium, printed
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.io import files
 from workflows.report import figures
 from workflows.report import page as ball_player
@@ -172,9 +171,7 @@ def test_the_still_picture_marks_the_walls_that_were_hit(finished: Path, results
     assert set(np.round(np.abs(places[:, axes[0]]), 12)) == {damper.cavity[axes[0]] / 2}
 
 
-def test_without_a_damper_that_moves_there_is_no_player(
-    paper: Scene, spindamp: Callable[..., Outcome], tmp_path: Path
-) -> None:
+def test_without_a_damper_that_moves_there_is_no_player(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     scene = changed(
         paper, release__displacement=["1 um", "0 mm"], rotor__speeds=["10000 rpm"], plate__theory="kirchhoff"
     )

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 import fem
-from tests.workflows.conftest import Outcome
 from workflows.progress import Stages
 
 
@@ -40,10 +38,6 @@ def test_work_that_is_not_counted_has_none(capsys: pytest.CaptureFixture[str]) -
     shown = capsys.readouterr().err
     assert "mesh" in shown
     assert "remaining" not in shown
-
-
-def test_nothing_is_shown_where_there_is_no_terminal(spindamp: Callable[..., Outcome]) -> None:
-    assert spindamp("ringdown", "structure", "--json").err == ""
 
 
 def test_speeds_are_counted_where_each_is_solved_by_itself() -> None:

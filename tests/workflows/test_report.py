@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import workflows
-from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, picture, width_on_a_phone
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.browser import PHONE, Reader, findings, needs_axe, needs_chromium, picture
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.report import mode_viewer
 from workflows.scene.load import parse
 from workflows.solve import engine_orders
 
 TEMPLATES = Path(workflows.__file__).parent / "templates"
-VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
 @pytest.fixture(scope="module")
@@ -26,46 +23,13 @@ def page(finished: Path) -> str:
     return (finished / "report.html").read_text(encoding="utf-8")
 
 
-class Reader(HTMLParser):
-    """Collects what could load something, ids, and tags left open."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.loads: list[str] = []
-        self.ids: list[str] = []
-        self.references: list[str] = []
-        self.tags: set[str] = set()
-        self.open: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.add(tag)
-        for name, value in attrs:
-            if name in ("src", "href", "xlink:href", "data", "action", "srcset") and value:
-                (self.references if value.startswith("#") else self.loads).append(value)
-            elif name == "id" and value:
-                self.ids.append(value)
-            elif name.startswith("on"):
-                pytest.fail(f"{tag} {name}")
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.handle_starttag(tag, attrs)
-        if tag not in VOID:
-            self.open.pop()
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag, self.getpos()
-
-
 def test_self_contained(page: str) -> None:
-    reader = Reader()
-    reader.feed(page)
+    reader = Reader(page)
     assert not reader.open
     assert all(load.startswith("data:") for load in reader.loads)
     assert len(reader.ids) == len(set(reader.ids))
     assert {reference[1:] for reference in reader.references} <= set(reader.ids)
-    assert not reader.tags & {"iframe", "object", "embed"}
+    assert not set(reader.tags) & {"iframe", "object", "embed"}
     assert not re.search(r"https?:|@import|url\((?!#)|fetch\(|XMLHttpRequest|\beval\(", page)
 
 
@@ -88,23 +52,11 @@ def test_says_what_it_must(page: str) -> None:
         assert words in text, words
 
 
-@pytest.mark.usefixtures("undrawn", "quickly")
-def test_text_of_a_scene_is_escaped(structure: Scene, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
-    title = "<script>alert('1')</script> & {{ 7 * 7 }}"
-    scene = write(changed(structure, title=title), tmp_path / "scene.toml")
-    assert spindamp("run", scene, "--out", "out").status == 0
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "<script>alert" not in page
-    assert "&lt;script&gt;" in page
-    assert "{{ 7 * 7 }}" in page
-
-
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
-def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcome], tmp_path: Path) -> None:
+def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:
     assert spindamp("run", name, "--out", "out").status == 0
-    reader = Reader()
-    reader.feed((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
+    reader = Reader((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
     assert not reader.open
     assert ("img" in reader.tags) == (name != "structure")
 
@@ -112,7 +64,7 @@ def test_other_scenes_have_reports_too(name: str, spindamp: Callable[..., Outcom
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("broken", ["import sys; sys.exit(3)", "import os; os.abort()", "import time; time.sleep(60)"])
 def test_without_vtk_the_report_still_has_its_picture(
-    broken: str, spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
+    broken: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch, paper: Scene, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", broken])
     monkeypatch.setattr(mode_viewer, "PATIENCE", 0.5)
@@ -130,12 +82,6 @@ def test_chromium_opens_it_without_a_word(finished: Path, width: int) -> None:
 
 
 @needs_chromium
-def test_a_phone_shows_it_whole(finished: Path) -> None:
-    assert width_on_a_phone(finished / "report.html") <= PHONE
-
-
-@needs_chromium
-@needs_axe
 def test_nothing_hinders_a_reader(finished: Path) -> None:
     assert findings(finished / "report.html", ("light", "dark")) == []
 
@@ -146,10 +92,10 @@ def test_what_hinders_a_reader_is_found(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     page.write_text(
         '<!doctype html><html lang="en"><title>a</title><body><main><h1>a</h1><img src="data:,">'
-        '<p style="color: #ccc; background: #fff">pale</p></main></body></html>',
+        '<p style="color: #ccc; background: #fff; width: 500px">pale</p></main></body></html>',
         encoding="utf-8",
     )
-    assert {found.split()[1] for found in findings(page)} >= {"image-alt", "color-contrast"}
+    assert {found.split()[1] for found in findings(page)} >= {"pixels", "image-alt", "color-contrast"}
 
 
 def luminance(colour: str) -> float:

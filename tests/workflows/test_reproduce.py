@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workflows.browser import PHONE, findings, needs_axe, needs_chromium, width_on_a_phone
+from tests.workflows.browser import findings, needs_chromium
 from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce
 from workflows.studies.reproduction.claims import of_figures, of_table_two
 from workflows.studies.reproduction.simulation import FORMULATIONS, RELEASE, SHOWN, Simulated
@@ -197,12 +197,6 @@ def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 @needs_chromium
-def test_a_phone_shows_it_whole(written: Path) -> None:
-    assert width_on_a_phone(written / "report.html") <= PHONE
-
-
-@needs_chromium
-@needs_axe
 def test_nothing_hinders_a_reader(written: Path) -> None:
     assert findings(written / "report.html") == []
 

@@ -7,16 +7,12 @@ import json
 import os
 import re
 import shutil
-import subprocess
-import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.limits import HANG
-from tests.workflows.conftest import Outcome, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, python, write
 from workflows.effects import selection
 from workflows.io import provenance
 from workflows.scene.load import parse
@@ -31,8 +27,8 @@ def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The paper's scene once more, by a process of its own with another seed for its hashes."""
     folder = tmp_path_factory.mktemp("again")
     seed = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
-    command = [sys.executable, "-m", "workflows.cli", "run", "--out", str(folder / "out")]
-    subprocess.run(command, check=True, capture_output=True, env=os.environ | {"PYTHONHASHSEED": seed}, timeout=HANG)
+    out, environment = folder / "out", os.environ | {"PYTHONHASHSEED": seed}
+    assert python("-m", "workflows.cli", "run", "--out", out, env=environment).returncode == 0
     return folder / "out"
 
 
@@ -80,7 +76,7 @@ def test_a_scene_has_one_hash_however_it_is_written(structure: Scene) -> None:
     assert _hash(changed(structure, effects={"impact_friction": False})) != _hash(structure)
 
 
-def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Callable[..., Outcome]) -> None:
+def test_a_mesh_file_counts_by_its_bytes(tmp_path: Path, spindamp: Command) -> None:
     import xarray as xr
 
     mesh = Path(__file__).parents[2] / "meshes" / "blade.msh"

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Scene, changed, write
-from workflows.scene.load import SceneFile, load, parse
+from tests.workflows.conftest import Scene, changed, on_mesh, write
+from workflows.scene.load import load, parse
 
 SCHEMA = json.loads(Path(workflows.__file__).with_name("results.schema.json").read_text(encoding="utf-8"))
 STAGES = {"mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"}
@@ -181,8 +181,8 @@ def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
 def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, left: float) -> None:
     # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
     speeds = [math.sqrt(219_320 / 0.2)]
-    scene = parse(changed(structure, rotor__speeds=speeds, damper__formulation=formulation))
-    damping = workflows.run(SceneFile(scene, "scene.toml", Path())).speeds[0].damping
+    scene = changed(structure, rotor__speeds=speeds, damper__formulation=formulation)
+    damping = workflows.run(scene).speeds[0].damping
     assert damping is not None
     assert damping.impacts == impacts
     assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
@@ -190,8 +190,7 @@ def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, lef
 
 @pytest.mark.usefixtures("quickly")
 def test_nothing_spins(paper: Scene) -> None:
-    scene = changed(paper, rotor__speeds=[0], release__cycles=5)
-    results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
+    results = workflows.run(changed(paper, rotor__speeds=[0], release__cycles=5))
     point = workflows.document(results)["speeds"][0]
     assert point["load_g"] == 0
     assert point["damper"]["cutoff_ratio"] is None
@@ -203,8 +202,7 @@ def test_nothing_spins(paper: Scene) -> None:
 def test_coriolis_forces_that_the_damper_does_not_feel(paper: Scene, stagger: str, said: bool) -> None:
     """Bending in the plane of rotation is lowered by 0.4 % at 17500 rpm, bending across it not at all."""
     scene = changed(paper, rotor__speeds=["17500 rpm"], rotor__stagger=stagger, release__cycles=2)
-    results = workflows.run(SceneFile(parse(scene), "scene.toml", Path()))
-    assert ("of a real mode" in " ".join(results.notes)) is said
+    assert ("of a real mode" in " ".join(workflows.run(scene).notes)) is said
 
 
 def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
@@ -226,8 +224,7 @@ def test_notes_a_careful_engineer_would_write(document: dict[str, Any]) -> None:
 @pytest.mark.parametrize("name", ["plate_coarse.msh", "plate_medium.msh"])
 def test_a_scene_may_name_a_mesh(paper: Scene, document: dict[str, Any], name: str, tmp_path: Path) -> None:
     mesh = Path(__file__).parents[2] / "meshes" / name
-    changes = {"plate__length": None, "plate__width": None, "plate__mesh": str(mesh), "damper__at": None}
-    scene = write(changed(paper, rotor__speeds=["10000 rpm"], **changes), tmp_path / "scene.toml")
+    scene = write(on_mesh(paper, mesh, rotor__speeds=["10000 rpm"]), tmp_path / "scene.toml")
     point = workflows.run(load(scene)).speeds[0]
     same = document["speeds"][3]
     assert point.load_g == pytest.approx(same["load_g"])

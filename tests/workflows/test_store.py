@@ -8,13 +8,12 @@ import signal
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command, refused
 from workflows.errors import BadInput
 from workflows.io import files
 from workflows.io import folder as folders
@@ -125,10 +124,13 @@ def test_places_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     (tmp_path / "file").write_text("mine")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    for place in (tmp_path / "file", tmp_path / "file" / "below", Path(), Path(".."), Path("/")):
+    Path("loop").symlink_to("loop")
+    taken = (tmp_path / "file", tmp_path / "file" / "below", Path(), Path(".."), Path("/"))
+    for place in (*taken, "x" * 300, "a/" + "x" * 300, "/dev/null", "/dev/null/out", "loop", "nul\0"):
         with pytest.raises(BadInput, match="--out"):
-            check(place)
+            check(Path(place))
     assert (tmp_path / "file").read_text() == "mine"
+    assert list(Path().iterdir()) == [Path("loop")]
 
 
 def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
@@ -216,7 +218,7 @@ NAMES |= {"accuracy": "accuracy.svg", "effects": "effects.json", "reproduce": "c
 
 @pytest.mark.parametrize("command", NAMES)
 def test_a_users_own_file_is_seen_before_the_work(
-    command: str, spindamp: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: str, spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def begun(*_: object, **__: object) -> None:
         raise AssertionError("work has begun")
@@ -230,9 +232,7 @@ def test_a_users_own_file_is_seen_before_the_work(
         monkeypatch.setattr(f"workflows.{work}", begun)
     (tmp_path / "out").mkdir()
     _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
-    outcome = spindamp(command, "--out", "out")
-    assert outcome.status == 2
-    assert f"holds a {NAMES[command]} that no run of ours wrote" in outcome.err
+    refused(spindamp(command, "--out", "out"), "", f"holds a {NAMES[command]} that no run of ours wrote")
 
 
 def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from scipy.stats import qmc
 
 import spindamp
-from tests.workflows.browser import findings_if_any
+from tests.workflows.browser import findings
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load
 from workflows.studies.sweep import axes, report, study
@@ -261,7 +261,7 @@ def test_from_the_command_line(spindamp, tmp_path):
     assert done.status == 0, done.err
     assert json.loads(done.out) == json.loads((tmp_path / "out" / "sweep.json").read_text(encoding="utf-8"))
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").count("<svg") >= 1
-    assert findings_if_any(tmp_path / "out" / "report.html") == []
+    assert findings(tmp_path / "out" / "report.html") == []
     again = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
     assert (again.status, again.out) == (0, done.out)
     wrong = spindamp("sweep", "structure", "--vary", "damper.frictoin=1,2")

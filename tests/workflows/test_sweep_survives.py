@@ -264,8 +264,4 @@ def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
 def test_no_cluster(asked, tmp_path):
     pytest.importorskip("distributed")
     with pytest.raises(BadInput, match="no scheduler answers there"):
-        complete_on(asked, tmp_path / "out", crew.cluster("nonsense://there:1"))
-
-
-def complete_on(asked, out, hired):
-    study.complete(asked, out, hired, Stages(visible=False))
+        study.complete(asked, tmp_path / "out", crew.cluster("nonsense://there:1"), Stages(visible=False))

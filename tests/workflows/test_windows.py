@@ -7,22 +7,20 @@ import io
 import os
 import runpy
 import signal
-import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
 import psutil
 import pytest
 
-from tests.workflows.conftest import Outcome
+from tests.workflows.conftest import Command, python
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
-def test_signals_that_are_not_there(spindamp: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_signals_that_are_not_there(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SIGHUP", "SIGPIPE", "SIGKILL", "SIGALRM", "setitimer"):
         monkeypatch.delattr(signal, name)
     assert spindamp("check", "paper").status == 0
@@ -86,9 +84,7 @@ assert cli.main(["run", "structure", "--out", "out"]) == 0
 def test_every_text_file_says_its_encoding(tmp_path: Path) -> None:
     """A file name, a title or a reason may hold letters that the system's own encoding has not."""
     environment = os.environ | {"PYTHONWARNDEFAULTENCODING": "1", "PYTHONWARNINGS": "always::EncodingWarning"}
-    done = subprocess.run(
-        [sys.executable, "-c", TWICE], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
+    done = python("-c", TWICE, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     ours = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and "site-packages" not in line]
     assert not ours
