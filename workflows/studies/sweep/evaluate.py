@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
 
     Rows = npt.NDArray[np.void]
+    Block = tuple[Rows, tuple[str, ...]]
 
 
 QUICK = {"sweeps": 4, "stay": 60}
@@ -182,28 +183,6 @@ UNGRADED = -1
 """The grade without a verdict."""
 
 
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Rows of the points from `begin` on, and the texts that their reasons count."""
-
-    begin: int
-    rows: Rows
-    reasons: tuple[str, ...]
-
-
-class Reasons:
-    """Texts by number, each once."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-
-    def number(self, text: str) -> int:
-        """Which one it is."""
-        if text not in self.texts:
-            self.texts.append(text)
-        return self.texts.index(text)
-
-
 def empty(count: int) -> Rows:
     """Rows without an answer."""
     rows = np.zeros(count, ROW)
@@ -211,12 +190,6 @@ def empty(count: int) -> Rows:
         rows[quantity.name] = np.nan if quantity.kind.startswith("f") else UNGRADED
     rows["reason"] = -1
     return rows
-
-
-def of_the_structure(row: Any, point: SpeedPoint, ball_mass: float) -> None:
-    """Fill in what carries the damper."""
-    _fill(row, point)
-    row["ball_mass"] = ball_mass
 
 
 def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
@@ -243,8 +216,8 @@ def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]
 
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
-    """The headline numbers of the points from `begin` to before `end`."""
-    rows, reasons = empty(end - begin), Reasons()
+    """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count."""
+    rows, reasons = empty(end - begin), list[str]()
     placed = list(all_placed(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
@@ -252,11 +225,11 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCach
             _measure(rows[each.number], each, known, QUICK if quick else {})
     with during(f"at points {begin} to {end - 1}"):
         _ring_down(rows, placed)
-    return Block(begin, rows, tuple(reasons.texts))
+    return rows, tuple(reasons)
 
 
 def all_placed(
-    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: Reasons
+    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: list[str]
 ) -> Iterator[DamperCase]:
     """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
     end = begin + len(rows)
@@ -276,14 +249,21 @@ def all_placed(
             found = of_a_point(source, changed, every)
             state = plates.state(found)
         except SpindampError as error:
-            rows["reason"][mine] = reasons.number(said(error, source))
+            rows["reason"][mine] = _number(reasons, said(error, source))
             continue
         for number in mine:
             omega = float(columns[SPEEDS][number])
             try:
                 yield place(number, state, omega, rows[number])
             except SpindampError as error:
-                rows["reason"][number] = reasons.number(said(error, source))
+                rows["reason"][number] = _number(reasons, said(error, source))
+
+
+def _number(reasons: list[str], text: str) -> int:
+    """Which of the reasons a text is; a new one is added."""
+    if text not in reasons:
+        reasons.append(text)
+    return reasons.index(text)
 
 
 def place(number: int, state: StructureState, omega: float, row: Any) -> DamperCase:
@@ -296,7 +276,8 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     if point is None or point.reduced is None:
         raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, state.effects, point)
-    of_the_structure(row, point, damper.ball_mass)
+    _fill(row, point)
+    row["ball_mass"] = damper.ball_mass
     return DamperCase(number, state, point, damper, coupling.released_at(scene, point))
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.formatting import significant, whole
+from workflows.io.files import as_json
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
@@ -211,9 +210,9 @@ def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
     return bool((high > 1.1 * low).any())
 
 
-def draw_map(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], x: str, y: str) -> str:
-    """A map of a quantity, its name in words and its factor from SI, with the best point marked."""
-    quantity, named, factor = shown
+def draw_map(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str) -> str:
+    """A map of a quantity with the best point marked."""
+    named, factor = NAMED[quantity], _FACTORS[quantity]
     panel, places = panels(data, (x, y))
     fixed = {name: k for name, k in best.items() if name not in (x, y, panel)}
     tables = [
@@ -275,14 +274,15 @@ class Picture:
     caption: str
 
 
+@plots.style()
 def draw(data: xr.Dataset) -> list[Picture]:
     """What a study looks like: the damping first, then the amplitude below which the ball rests."""
     if not (data[HEADLINE].values > 0).any():
         return []
     if "ST" in data:
-        return [_picture(partial(_bars, data), _OF_BARS)]
+        return [Picture(_bars(data), _OF_BARS)]
     if SAMPLE in data.dims:
-        return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
+        return [Picture(_scattered(data), "Each point of the sample, over each key that is varied.")]
     numbers = _numeric(data)
     keys = [name for name in numbers if name != SPEEDS]
     wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
@@ -293,8 +293,8 @@ def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
     """Maps over two keys."""
     best, used = _best(data), (x, y, panels(data, (x, y))[0])
     return [
-        _picture(
-            partial(draw_map, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
+        Picture(
+            draw_map(data, best, name, x, y),
             _caption(data, best, used, name) + in_words(data, best, x, y) * (name == HEADLINE),
         )
         for name in _shown(data, (x, y))
@@ -307,19 +307,13 @@ def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
     series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
     along = (x,) if series is None else (x, series)
     return [
-        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name))
-        for name in _shown(data, along)
+        Picture(_curves(data, best, name, x, series), _caption(data, best, along, name)) for name in _shown(data, along)
     ]
 
 
 def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
     """The headline, and what else varies along these keys."""
     return [name for name in NAMED if name == HEADLINE or varies(data, name, along)]
-
-
-def _picture(draw: Callable[[], str], caption: str) -> Picture:
-    with plots.style():
-        return Picture(draw(), caption)
 
 
 def _best(data: xr.Dataset) -> dict[str, int]:
@@ -544,7 +538,7 @@ def write(data: xr.Dataset, out: Path) -> None:
 
 def dumps(data: xr.Dataset) -> str:
     """The machine-readable result."""
-    return json.dumps(document(data), indent=1, ensure_ascii=False, allow_nan=False)
+    return as_json(document(data))
 
 
 def render(data: xr.Dataset) -> str:
