@@ -267,13 +267,16 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
         f" {significant(scored.grows, 3)} times as much or more."
     ]
     if damper is not None and damper.rolling_friction > 0:
-        needed = damper.rolling_friction / scored.grows
-        lines.append(
-            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
-            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
-            f" {significant(1e3 * damper.rolling_friction)} mm, or that much more force."
-        )
+        lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
     return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
+
+
+def _to_roll(friction: float, share: float, instead: str) -> str:
+    """What would set the ball rolling: so much of its rolling friction, or something else instead."""
+    return (
+        "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
+        f" a rolling friction of {_mm(friction * share)} mm instead of {_mm(friction)} mm, or {instead}."
+    )
 
 
 def _level(goal: LeastAmplitude) -> str:
@@ -326,12 +329,8 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
     ]
     if damper is not None and damper.rolling_friction > 0 and scored.cutoff > goal.low:
-        needed = damper.rolling_friction * goal.low / scored.cutoff
-        lines.append(
-            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
-            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
-            f" {significant(1e3 * damper.rolling_friction)} mm, or a least amplitude above the cut-off."
-        )
+        share = goal.low / scored.cutoff
+        lines.append(_to_roll(damper.rolling_friction, share, "a least amplitude above the cut-off"))
     return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
 
 
@@ -345,9 +344,9 @@ def verdict(space: Space, found: Found) -> str:
     return damping_verdict(found, goal) if isinstance(goal, LeastDamping) else amplitude_verdict(found)
 
 
-def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
+def sentences(designed: Designed) -> list[str]:
     """What carries it, and what holds it; or why nothing works."""
-    scored, goal = found.scored, space.goal
+    space, found, scored, goal = designed.space, designed.found, designed.found.scored, designed.space.goal
     if not scored.works:
         return _why_none(space, found)
     lines = [
@@ -359,10 +358,10 @@ def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
     elif isinstance(goal, LeastAmplitude):
         lines += amplitude_sentences(found, goal)
     what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
-    for each in held:
+    for each in designed.holds:
         gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
         lines.append(f"What holds it: {each.said}{gain}.")
-    if not held:
+    if not designed.holds:
         lines.append("No limit holds it: the best lies inside all ranges.")
     return lines
 
@@ -442,7 +441,7 @@ class Designed:
             "holds": [vars(each) for each in self.holds],
             "evaluations": self.found.evaluations,
             "verdict": verdict(self.space, self.found),
-            "why": sentences(self.space, self.found, self.holds),
+            "why": sentences(self),
         }
         if self.response is not None:
             found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
@@ -496,12 +495,12 @@ def dumps(found: Designed) -> str:
 
 def text(found: Designed) -> str:
     """The answer in a few lines."""
-    return "\n".join([f"{verdict(found.space, found.found)}.", *_sentences(found)])
+    return "\n".join([f"{verdict(found.space, found.found)}.", *sentences(found)])
 
 
 def in_short(found: Designed) -> str:
     """The answer and what it is due to, in one line."""
-    return f"{verdict(found.space, found.found)}: {_sentences(found)[0]}"
+    return f"{verdict(found.space, found.found)}: {sentences(found)[0]}"
 
 
 def render(found: Designed) -> str:
@@ -514,12 +513,8 @@ def render(found: Designed) -> str:
         plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
-        sentences=_sentences(found),
+        sentences=sentences(found),
         figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
         toml=found.toml,
         evaluations=formatting.fixed(found.found.evaluations),
     )
-
-
-def _sentences(found: Designed) -> list[str]:
-    return sentences(found.space, found.found, found.holds)

@@ -31,7 +31,7 @@ from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from damper import Batch, ParticleDamper, Working
+    from damper import ParticleDamper, Working
     from fem.meshes.mesh_sequence import Planform
 
     Rows = npt.NDArray[np.void]
@@ -192,10 +192,11 @@ def empty(count: int) -> Rows:
     return rows
 
 
-def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
+def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
+    point = replace(each.point, working=taken_over(OwnFigures, measured(each.judged, known, **how)))
     _fill(row, point)
-    verdict = limits.verdict(results, point)
+    verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank
     for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
         if value is not None:
@@ -205,14 +206,6 @@ def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
 def _fill(row: Any, point: SpeedPoint) -> None:
     for name, value in serialise.headlines(point):
         row[name] = value
-
-
-def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]) -> None:
-    """Fill in what ring-downs from the scenes' releases left."""
-    rows["peak_sdc"], rows["impacts"], rows["events"] = batch.peak_sdc, batch.impacts, batch.events
-    load = rows["load_g"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rows["cutoff_ratio"] = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
 
 
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
@@ -286,23 +279,19 @@ def said(error: SpindampError, source: SceneFile) -> str:
     return one_line(str(error).removeprefix(f"{source.name}: "))
 
 
-def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
-    figures = taken_over(OwnFigures, measured(each.judged, known, **how))
-    point = replace(each.point, working=figures)
-    damper_quantities(row, replace(each.results, speeds=(point,)), point)
-
-
 def _ring_down(rows: Rows, placed: list[DamperCase]) -> None:
     """Ring all dampers down from their scenes' releases, in batches of those that can go together."""
     groups: dict[Any, list[DamperCase]] = {}
     for each in placed:
         groups.setdefault(_together(each), []).append(each)
     for group in groups.values():
-        batch = _batch(group)
-        mine = [each.number for each in group]
-        filled = rows[mine]
-        of_the_ring_downs(filled, batch, np.array([each.scene.rotor.gravity for each in group]))
-        rows[mine] = filled
+        batch, mine = _batch(group), [each.number for each in group]
+        gravity, load = np.array([each.scene.rotor.gravity for each in group]), rows["load_g"][mine]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
+        for name in ("peak_sdc", "impacts", "events"):
+            rows[name][mine] = getattr(batch, name)
+        rows["cutoff_ratio"][mine] = ratio
 
 
 def _together(each: DamperCase) -> Any:
@@ -317,9 +306,8 @@ def _batch(group: list[DamperCase]) -> Any:
     from damper import ringdowns
     from damper.model import PARAMETERS
 
-    first = group[0]
+    first, released = group[0], [each.release for each in group]
     cycles = first.scene.release.cycles if first.scene.release is not None else "auto"
-    released = [each.release for each in group]
     rows = np.concatenate([each.damper.parameters for each in group])
     names = [name for name in PARAMETERS.names or () if name != "printed"]
     if first.damper.floor_friction is None:

@@ -40,12 +40,6 @@ _SHOWN = {
 """How units of coordinates are shown: a factor, and the unit's name."""
 
 
-def value(data: xr.Dataset, name: str, k: int) -> str:
-    """The kth value of a key in words."""
-    found = data[name].values[k]
-    return said(data, name, found.item() if hasattr(found, "item") else found)
-
-
 def axis_label(data: xr.Dataset, name: str) -> str:
     """A key with its unit."""
     unit = shown_unit(data, name)[1]
@@ -64,7 +58,8 @@ def titled(data: xr.Dataset, key: str | None, k: int) -> str:
         return ""
     if key == SPEEDS:
         return f"{whole(float(data['rpm'].values[k]))} rpm"
-    return f"{short(key)} {value(data, key, k)}"
+    value = data[key].values[k]
+    return f"{short(key)} {said(data, key, value.item() if hasattr(value, 'item') else value)}"
 
 
 def short(name: str) -> str:
@@ -389,7 +384,7 @@ def _bars(data: xr.Dataset) -> str:
         axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plots.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
-        axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
+        axes.set_yticks(range(len(names)), [short(name) for name in names])
     return plots.svg(figure, "indices", "Total Sobol' indices of each parameter")
 
 
@@ -563,17 +558,12 @@ def render(data: xr.Dataset) -> str:
 def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
     rows = []
-    for quantity, factor, called in (
-        (HEADLINE, 100.0, "damping ratio, %"),
-        ("cutoff", 1e3, "at rest below, mm"),
-    ):
+    for quantity, called in ((HEADLINE, "damping ratio, %"), ("cutoff", "at rest below, mm")):
         q = sensitivity.QUANTITIES.index(quantity)
         for k, rpm in enumerate(data["rpm"].values):
             ranked = sensitivity.worth_measuring(data, quantity, k)[:2]
-            worth = ", ".join(
-                f"{n.partition('.')[2].replace('_', ' ')} {100 * t:.0f} %" for n, t, _ in ranked if t > 0.05
-            )
-            values = [factor * float(value) for value in data["percentiles"].values[q, :, k]]
+            worth = ", ".join(f"{short(name)} {100 * total:.0f} %" for name, total, _ in ranked if total > 0.05)
+            values = [_FACTORS[quantity] * float(value) for value in data["percentiles"].values[q, :, k]]
             if math.isfinite(values[0]):
                 rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
     return rows
@@ -592,9 +582,5 @@ def _best_line(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None
         return None
     keys, values = found["best"]["keys"], found["best"]["values"]
     words = {name: said(data, name, value) for name, value in keys.items() if name != SPEEDS}
-    numbers = {
-        title: formatting.significant(factor * values[name])
-        for name, title, factor in _FIGURES
-        if values[name] is not None
-    }
-    return words | numbers
+    numbers = ((title, factor, values[name]) for name, title, factor in _FIGURES)
+    return words | {title: significant(factor * value) for title, factor, value in numbers if value is not None}
