@@ -206,9 +206,9 @@ def design(
         NoAnswer: the plate has none.
     """
     from workflows.studies.design import study
-    from workflows.studies.sweep.executor import crew_of
+    from workflows.studies.sweep.executor import workers_of
 
-    return study.design(scene, seed=seed, hired=crew_of(workers, dask, executor))
+    return study.design(scene, seed=seed, pool=workers_of(workers, dask, executor))
 
 
 def dataset(results: Results) -> xarray.Dataset:

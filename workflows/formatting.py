@@ -84,3 +84,9 @@ def revolutions(speeds: Sequence[float]) -> str:
         low, high = (f"{end(speeds) * 30 / math.pi:.6g}" for end in (min, max))
         return f"{len(rpm)} speeds from {low} to {high} rpm"
     return f"{' and '.join(part for part in (', '.join(rpm[:-1]), rpm[-1]) if part)} rpm"
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table, its heads first; cells that a row lacks at its end stay empty."""
+    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(len(rows[0]))]
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=False)) for row in rows]

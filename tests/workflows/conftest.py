@@ -22,7 +22,7 @@ from workflows.cli.main import main
 from workflows.report import figures, mode_viewer
 from workflows.scene.load import SHIPPED
 from workflows.solve import damper
-from workflows.studies.sweep import executor as crew
+from workflows.studies.sweep import executor
 from workflows.studies.sweep.evaluate import QUICK
 
 Scene = dict[str, Any]
@@ -111,7 +111,7 @@ def here() -> Iterator[ThreadPoolExecutor]:
 @pytest.fixture
 def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> None:
     """Commands that hire workers have a thread of this process in their place."""
-    monkeypatch.setattr(crew, "local", lambda *_: crew.given(here, 1))
+    monkeypatch.setattr(executor, "local", lambda *_: executor.given(here, 1))
 
 
 @pytest.fixture

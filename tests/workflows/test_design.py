@@ -220,7 +220,7 @@ def test_nothing_better_among_all_designs(slow, here):
     assert found.found.scored.value == best.value > 0
     assert found.document()["value"] == best.value
     assert best.value < found.found.scored.bound
-    again = study.design(slow, hired=executor.given(here, 3))
+    again = study.design(slow, pool=executor.given(here, 3))
     assert again.document() == found.document(), "the number of workers has a part in it"
     scene = parse(tomllib.loads(found.toml))
     assert scene.design is None
@@ -321,7 +321,7 @@ def at_the_crossing(scene, share=0.0):
 def placed_of(space, shares):
     rows = evaluate.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(evaluate.all_placed(space.solved_as, plan, 0, PlateCache(), rows, evaluate.Reasons()))
+    return list(evaluate.all_placed(space.solved_as, plan, 0, PlateCache(), rows, []))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):
@@ -447,7 +447,7 @@ def test_nothing_better_at_the_crossings(shaken, here):
     assert document["value"] == best.value
     assert document["confirmed"] == pytest.approx(best.value, rel=0.01)
     assert [entry["force"] for entry in document["crossings"]] == [1.0, 8.0]
-    assert study.design(shaken, hired=executor.given(here, 3)).document() == document, "the same seed, other workers"
+    assert study.design(shaken, pool=executor.given(here, 3)).document() == document, "the same seed, other workers"
     scene = parse(tomllib.loads(found.toml))
     assert (scene.design, scene.excitation.levels) == (None, (1.0, 8.0))
     text = report.render(found)

@@ -16,9 +16,8 @@ import zarr
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.progress import Stages
-from workflows.studies.sweep import evaluate, store, study
-from workflows.studies.sweep import executor as crew
-from workflows.studies.sweep.executor import Crew
+from workflows.studies.sweep import evaluate, executor, store, study
+from workflows.studies.sweep.executor import Workers
 
 VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], "damper.restitution": [0.3, 0.6]}
 
@@ -46,8 +45,8 @@ class Here(Executor):
 
 
 @contextmanager
-def crew_of(executor, size=2):
-    yield Crew(lambda: executor, lambda: size)
+def workers_of(executor, size=2):
+    yield Workers(lambda: executor, lambda: size)
 
 
 def finished(out):
@@ -67,7 +66,7 @@ def asked():
 
 
 def complete(asked, out, executor=None, size=2):
-    study.complete(asked, out, crew_of(executor or Here(), size), Stages(visible=False))
+    study.complete(asked, out, workers_of(executor or Here(), size), Stages(visible=False))
     return contents(out)
 
 
@@ -236,7 +235,7 @@ def test_a_folder_with_other_things_is_refused(asked, tmp_path):
 
 def test_processes_give_the_same_bits(asked, undisturbed, tmp_path):
     """One real process of this machine: spawned, one thread, its own caches."""
-    study.complete(asked, tmp_path / "out", crew.local(1), Stages(visible=False))
+    study.complete(asked, tmp_path / "out", executor.local(1), Stages(visible=False))
     assert contents(tmp_path / "out") == undisturbed
 
 
@@ -257,11 +256,11 @@ def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
     distributed = pytest.importorskip("distributed")
     how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
     with distributed.LocalCluster(**how) as cluster:
-        study.complete(asked, tmp_path / "out", crew.cluster(cluster.scheduler_address), Stages(visible=False))
+        study.complete(asked, tmp_path / "out", executor.cluster(cluster.scheduler_address), Stages(visible=False))
     assert contents(tmp_path / "out") == undisturbed
 
 
 def test_no_cluster(asked, tmp_path):
     pytest.importorskip("distributed")
     with pytest.raises(BadInput, match="no scheduler answers there"):
-        study.complete(asked, tmp_path / "out", crew.cluster("nonsense://there:1"), Stages(visible=False))
+        study.complete(asked, tmp_path / "out", executor.cluster("nonsense://there:1"), Stages(visible=False))

@@ -180,9 +180,9 @@ def sweep(
             if instead := axis.key.displaced(asked.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
-    hired = executor.crew_of(workers, dask)
+    pool = executor.workers_of(workers, dask)
     with Stages() as stages:
-        data = study.in_memory(asked, hired, stages) if out is None else study.complete(asked, out, hired, stages)
+        data = study.in_memory(asked, pool, stages) if out is None else study.complete(asked, out, pool, stages)
         if uncertain:
             data = sensitivity.analysed(data, seed)
         if out is not None:
@@ -206,10 +206,10 @@ def design(
     Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
     """
     from workflows.studies.design import report, study
-    from workflows.studies.sweep.executor import crew_of
+    from workflows.studies.sweep.executor import workers_of
 
     def solve(source: SceneFile, stages: Stages) -> report.Designed:
-        return study.design(source, seed=seed, hired=crew_of(workers, dask), stages=stages)
+        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages)
 
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)

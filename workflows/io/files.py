@@ -14,6 +14,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.io import provenance
+from workflows.io.folder import replacing
 from workflows.io.serialise import Column, columns, keep
 from workflows.solve.engine_orders import branches
 from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
@@ -177,7 +178,7 @@ def write_netcdf(results: Results, path: Path) -> None:
             missing = np.nan if values.dtype.kind == "f" else None
             kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
             file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
-        file.attrs.update(_about(results))
+        file.attrs.update(about(results))
         keep(results, file)
     path.write_bytes(content.getbuffer())
 
@@ -196,7 +197,7 @@ def dataset(results: Results) -> xr.Dataset:
 
     variables = _variables(results)
     coordinates = {_SPEED: variables.pop(_SPEED)}
-    return xr.Dataset(variables, coords=coordinates, attrs=_about(results))
+    return xr.Dataset(variables, coords=coordinates, attrs=about(results))
 
 
 _Variable = tuple[tuple[str, ...], Any, dict[str, str]]
@@ -216,8 +217,8 @@ def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:
     return {name: size for dims, values, _ in variables.values() for name, size in zip(dims, values.shape, strict=True)}
 
 
-def _about(results: Results) -> dict[str, str]:
-    """The attributes of the data set."""
+def about(results: Results) -> dict[str, str]:
+    """What a data set says of itself: title, hashes, versions."""
     return {
         "title": results.scene.title,
         "source": "spindamp",
@@ -262,10 +263,27 @@ def as_json(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def write_table(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    """A table; what a row has beyond the columns is left out, a list is written with spaces between its items."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(columns), extrasaction="ignore")
-        table.writeheader()
-        for row in rows:
-            table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})
+def as_table(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> str:
+    """A table as CSV; what a row has beyond the columns is left out, a list has spaces between its items."""
+    text = io.StringIO(newline="")
+    table = csv.DictWriter(text, list(columns), extrasaction="ignore")
+    table.writeheader()
+    for row in rows:
+        table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})
+    return text.getvalue()
+
+
+def write_study(out: Path, contents: Mapping[str, str | bytes]) -> None:
+    """Write a study's files, by their names, into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    with replacing(out) as folder:
+        for name, content in contents.items():
+            (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def finite(value: float | None) -> float | None:
+    """A number for JSON, which has neither infinity nor nan: None in their place."""
+    return None if value is None or not np.isfinite(value) else float(value)

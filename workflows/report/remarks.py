@@ -19,7 +19,6 @@ from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import beside
 from workflows.scene.materials import KNOWN, OSMIUM, is_too_dense
-from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
@@ -156,11 +155,13 @@ def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
 
 def level_floor(results: Results) -> str | None:
     """A scene that keeps the floor level, and what its tilt does to the cut-off, simulated."""
-    rung = [(p, d) for p, _, d in ring_downs(results) if p.tilted is not None and p.load_g > 0]
-    if not rung:
+    pairs = [
+        (p.tilted.ratio, d.cutoff_ratio) for p, _, d in ring_downs(results) if p.tilted is not None and p.load_g > 0
+    ]
+    if not pairs:
         return None
-    found = [(p.tilted.ratio, d.cutoff_ratio) for p, d in rung if p.tilted is not None]
-    tilted, level = ([pair[k] for pair in found if pair[k] is not None] for k in (0, 1))
+    tilted = sorted(ratio for ratio, _ in pairs if ratio is not None)
+    level = sorted(ratio for _, ratio in pairs if ratio is not None)
     text = (
         "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
         " figures are those of a floor that tilts as the structure bends"
@@ -168,17 +169,11 @@ def level_floor(results: Results) -> str | None:
     if limits.is_printed(results):
         text = "The printed equations keep the cavity's floor level"
     if tilted and level:
-        text += (
-            f": simulated with the tilt, the ball rests below {_span(tilted)} of the load, and not below {_span(level)}"
-        )
-    never = sum(ratio is None for ratio, _ in found)
-    where = f"; at {never} of {len(found)} loads it never moves" if never else ""
+        below, not_below = (span(ratios[0], ratios[-1], 3) for ratios in (tilted, level))
+        text += f": simulated with the tilt, the ball rests below {below} of the load, and not below {not_below}"
+    never = sum(ratio is None for ratio, _ in pairs)
+    where = f"; at {never} of {len(pairs)} loads it never moves" if never else ""
     return f"{text}{where}."
-
-
-def _span(ratios: list[float | None]) -> str:
-    known = sorted(ratio for ratio in ratios if ratio is not None)
-    return span(known[0], known[-1], 3)
 
 
 def turning_floor(results: Results) -> str | None:
@@ -186,9 +181,8 @@ def turning_floor(results: Results) -> str | None:
     damper, asked = results.scene.damper, results.scene.accuracy.damping
     if damper is None or not results.effects["floor_tilt"].on:
         return None
-    share = max(
-        (0.4 * damper.radius * abs(r.floor_tilt) for p, r, _ in ring_downs(results) if p.load_g > 0), default=0.0
-    )
+    tilts = [abs(r.floor_tilt) for p, r, _ in ring_downs(results) if p.load_g > 0]
+    share = 0.4 * damper.radius * max(tilts, default=0.0)
     if share <= asked:
         return None
     return (
@@ -204,17 +198,15 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> str | None:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    known = [p for p, _, _ in ring_downs(results) if p.pendulum is not None and p.load_g > 0]
-    if damper is None or damper.floor_radius is None or not known:
+    pendulum = next((p.pendulum for p, _, _ in ring_downs(results) if p.pendulum is not None and p.load_g > 0), None)
+    if damper is None or damper.floor_radius is None or pendulum is None:
         return None
-    pendulum = known[0].pendulum
-    if pendulum is None:
-        return None
-    orders = [significant(order, 3) for order in pendulum.order]
-    tuned = (
-        f"of engine order {orders[0]}" if orders[0] == orders[1] else f"of engine orders {orders[0]} and {orders[1]}"
+    along, across = (significant(order, 3) for order in pendulum.order)
+    tuned = f"order {along}" if along == across else f"orders {along} and {across}"
+    text = (
+        f"In its hollow floor the ball is a pendulum of engine {tuned}, at all speeds, along the bending direction and"
+        " across"
     )
-    text = f"In its hollow floor the ball is a pendulum {tuned}, at all speeds, along the bending direction and across"
     reach = max(
         (side / 2 - damper.radius) / (radius - damper.radius)
         for side, radius in zip(damper.cavity, damper.floor_radius, strict=True)
@@ -247,12 +239,13 @@ def scattered(results: Results) -> str | None:
 def modes_left_out(results: Results) -> str | None:
     """Modes that hits feed but for which there is no room, or that were not looked for."""
     scene = results.scene
-    worst = 0.0
-    for point, reduced, damping in ring_downs(results):
-        kept = set(damping.modal_energies)
-        ball = reduced.M1 - reduced.M2
-        left = [ball * math.hypot(*m.shape) ** 2 for m in point.cavity_modes if m.number not in kept]
-        worst = max([worst, *left])
+    left_out = (
+        (reduced.M1 - reduced.M2) * math.hypot(*mode.shape) ** 2
+        for point, reduced, damping in ring_downs(results)
+        for mode in point.cavity_modes
+        if mode.number not in damping.modal_energies
+    )
+    worst = max(left_out, default=0.0)
     if worst <= scene.accuracy.damping or not results.effects["structural_modes"].on:
         return None
     return (
@@ -408,22 +401,16 @@ def _steady(point: SpeedPoint) -> float:
     return 0.0 if own is None or not own.peak > 0 else limits.energy_loss(own.peak)
 
 
-def _holds_for(scene: Scene) -> str:
-    if scene.plate is None or scene.plate.root is None:
-        return "perfectly clamped"
-    return "held by linear springs"
-
-
 def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
     found: list[tuple[str, str]] = []
     if scene.plate is not None:
-        found += [
-            (f"The plate is linear elastic and {_holds_for(scene)} at the root.", "ours"),
-            *_known(scene),
-            *_of_effects(results, "plate"),
-        ]
+        held = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
+        found.append((f"The plate is linear elastic and {held} at the root.", "ours"))
+        if scene.material is not None and (name := scene.material.name) is not None:
+            found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+        found += _of_effects(results, "plate")
     if scene.damper is not None:
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
@@ -435,22 +422,21 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             *_weight(results),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
         ]
-        if scene.damper.formulation == "consistent":
-            found.append(
-                (
-                    "The moment of inertia is taken about the contact (7/5 m r²), and the structure feels the whole"
-                    " reaction of the ball.",
-                    "ours: Newton's laws, where the printed equations do not keep them",
-                )
-            )
-        else:
-            found.append(("Equations 2 to 4 as printed, which do not conserve energy.", "paper, eqs. 2 to 4"))
+        consistent = (
+            "The moment of inertia is taken about the contact (7/5 m r²), and the structure feels the whole reaction of"
+            " the ball.",
+            "ours: Newton's laws, where the printed equations do not keep them",
+        )
+        printed = ("Equations 2 to 4 as printed, which do not conserve energy.", "paper, eqs. 2 to 4")
+        found.append(consistent if scene.damper.formulation == "consistent" else printed)
     if any(paper.row(scene, point.load_g) for point in results.speeds):
         found += [
             ("Rotation speeds, hub radius 0 and g = 10 m/s².", "read back from the loads of Table II, to every digit"),
             ("E/ρ of the plate, for ν = 0.3.", "ours: one number fitted to the seven frequencies of Table II"),
-            *_thin(results),
         ]
+        if _is(results, "kirchhoff"):
+            source = "ours: Table II fits it to 0.04 %, and Mindlin's theory to 0.11 %"
+            found.append(("The plate is thin: no transverse shear.", source))
         if scene.damper is not None and scene.damper.damping_ratio:
             found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
     return found
@@ -469,26 +455,9 @@ def _weight(results: Results) -> list[tuple[str, str]]:
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
     """What effects of the plate, or of the damper, take for granted, on or off."""
     theory = "" if results.theory is None else kind(results.theory.name).value
-    found = [
-        effect.assumed(results.scene, results.effects[name].on, theory)
-        for name, effect in EFFECTS.items()
-        if effect.of == of
-    ]
-    return [(each.text, each.source) for each in found if each is not None]
-
-
-def _known(scene: Scene) -> list[tuple[str, str]]:
-    """A material that the scene names."""
-    name = None if scene.material is None else scene.material.name
-    return [] if name is None else [(f"E, ν and ρ of {name}.", KNOWN[name].source)]
-
-
-def _thin(results: Results) -> list[tuple[str, str]]:
-    if results.theory is None or results.theory.name != "kirchhoff":
-        return []
-    return [
-        ("The plate is thin: no transverse shear.", "ours: Table II fits it to 0.04 %, and Mindlin's theory to 0.11 %")
-    ]
+    own = {name: effect for name, effect in EFFECTS.items() if effect.of == of}
+    assumed = [effect.assumed(results.scene, results.effects[name].on, theory) for name, effect in own.items()]
+    return [(each.text, each.source) for each in assumed if each is not None]
 
 
 PARTS = {
@@ -678,13 +647,11 @@ def real_modes(results: Results) -> str | None:
     """What Coriolis forces do to the mode that the damper feels, where that is more than the accuracy asked for."""
     if not results.effects["coriolis"].on:
         return None
-    moved = [
-        mode.frequency_hz / point.reduced.f2_hz - 1
-        for point in results.speeds
-        if point.reduced is not None
-        for mode in [next((mode for mode in point.modes if mode.family == "flap"), None)]
-        if mode is not None
-    ]
+    moved = []
+    for point in results.speeds:
+        flap = next((mode for mode in point.modes if mode.family == "flap"), None)
+        if point.reduced is not None and flap is not None:
+            moved.append(flap.frequency_hz / point.reduced.f2_hz - 1)
     most = max(moved, key=abs, default=0.0)
     if abs(most) <= results.scene.accuracy.frequency:
         return None
@@ -699,11 +666,9 @@ def divergence(results: Results) -> str | None:
     if results.diagram is None or not results.diagram.lost:
         return None
     lost, critical = results.diagram.lost, results.diagram.critical
-    which = (
-        f"{whole(lost[0])} rpm"
-        if len(lost) == 1
-        else f"{len(lost)} of the speeds asked for, from {whole(lost[0])} rpm on"
-    )
+    which = f"{whole(lost[0])} rpm"
+    if len(lost) > 1:
+        which = f"{len(lost)} of the speeds asked for, from {which} on"
     where = "" if critical is None else f" Its critical speed is {critical:.6g} rpm."
     return f"The plate diverges at {which}: it leaves its equilibrium without oscillating, and has no frequency.{where}"
 
@@ -712,9 +677,8 @@ def veering(results: Results) -> str | None:
     """Where modes could not be followed for certain."""
     if results.diagram is None or not results.diagram.veerings:
         return None
-    places = [
-        f"{whole(low)} and {whole(high)} rpm ({', '.join(names)})" for low, high, names in results.diagram.veerings
-    ]
+    crossings = results.diagram.veerings
+    places = [f"{whole(low)} and {whole(high)} rpm ({', '.join(names)})" for low, high, names in crossings]
     more = f", and {len(places) - 4} times more" if len(places) > 4 else ""
     return (
         f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed for certain: they exchange"
@@ -855,11 +819,10 @@ def _rows(results: Results) -> str | None:
 
 def _rolling(results: Results) -> str | None:
     damper = results.scene.damper
-    rolled = [(p, math.hypot(*d.release), demand) for p, _, d in ring_downs(results) if (demand := _demand(d)) > 0]
-    if damper is None:
-        return None
-    beyond = [each for each in rolled if each[2] > damper.friction]
-    if not beyond:
+    demands_of = ((p, math.hypot(*d.release), d.largest_rolling_demand or 0.0) for p, _, d in ring_downs(results))
+    rolled = [each for each in demands_of if each[2] > 0]
+    beyond = [] if damper is None else [each for each in rolled if each[2] > damper.friction]
+    if damper is None or not beyond:
         return None
     points, lifts, demands = zip(*beyond, strict=True)
     lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
@@ -868,11 +831,6 @@ def _rolling(results: Results) -> str | None:
         f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
         f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )
-
-
-def _demand(damping: Damping) -> float:
-    """The friction that pure rolling needs in a ring-down, 0 where the ball does not roll on its floor."""
-    return damping.largest_rolling_demand or 0.0
 
 
 def _release_stress(results: Results) -> str | None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from workflows import pipeline
 from workflows.errors import lawful, one_line
-from workflows.formatting import amount, fixed, percent, revolutions, significant
+from workflows.formatting import aligned, amount, fixed, percent, revolutions, significant
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
 from workflows.report.remarks import remarked
@@ -33,7 +33,7 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
-    parts += ["", *_aligned(rows(results))]
+    parts += ["", *aligned(rows(results))]
     legend = [*remarks.cutoff_legend(results), *remarks.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
     if results.notes and out is None:
@@ -86,11 +86,6 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
-
-
-def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(len(rows[0]))]
-    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=False)) for row in rows]
 
 
 class Shown(Results):

@@ -32,7 +32,7 @@ from workflows.studies.response import study
 from workflows.studies.response.study import HELPS, across, checked, shaken
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep.axes import Axis, Spread, find
-from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, Reasons, measured
+from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
 from workflows.studies.sweep.plan import size
 
 if TYPE_CHECKING:
@@ -562,7 +562,7 @@ def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> 
     """The designs at rows of shares; `quick` where a few percent do not count."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
-    rows, reasons = evaluate.empty(size(plan)), Reasons()
+    rows, reasons = evaluate.empty(size(plan)), list[str]()
     placed: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
         placed[each.number // speeds].append(each)
@@ -570,7 +570,7 @@ def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> 
     for number, mine in enumerate(placed):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
-            found.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons.texts[int(missing.max())])))
+            found.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
         else:
             found.append(_one(space, mine, quick=quick))
     return found

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -14,7 +12,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.formatting import significant, whole
-from workflows.io.folder import replacing
+from workflows.io.files import as_json, finite, write_study
 from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
@@ -28,7 +26,7 @@ from workflows.studies.response.study import Response
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep.axes import Spread
-from workflows.studies.sweep.evaluate import PlateCache, Reasons, measured
+from workflows.studies.sweep.evaluate import PlateCache, measured
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 if TYPE_CHECKING:
@@ -51,7 +49,7 @@ def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
     plan = space.plan(np.asarray(found.shares)[None])
     size = plans.size(plan)
-    placed = evaluate.all_placed(space.source, plan, 0, PlateCache(), evaluate.empty(size), Reasons())
+    placed = evaluate.all_placed(space.source, plan, 0, PlateCache(), evaluate.empty(size), [])
     curves = []
     for each in placed:
         damper = each.judged
@@ -119,27 +117,23 @@ def _gain(space: Space, found: Found, score: Score, k: int, *, upwards: bool) ->
     return further.value / found.scored.value - 1 if further.works else None
 
 
+@plots.style()
 def draw(found: Designed) -> list[Picture]:
     """All pictures there are."""
     pictures, goal = [], found.space.goal
     if isinstance(goal, LeastDamping):
         curves = of(found.space, found.found, goal)
         if curves:
-            pictures.append(_picture(partial(_curves, goal, curves), _OF_CURVES))
+            pictures.append(Picture(_curves(goal, curves), _OF_CURVES))
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
             shades = map_spread(len(through.forces) + 1)[:-1]
-            drawn = partial(report.response, found.response, through, str(number), shades)
-            pictures.append(_picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
+            drawn = report.response(found.response, through, str(number), shades)
+            pictures.append(Picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
-        pictures.append(_picture(partial(_map, found, found.grid), f"{caption} {_OF_THE_MAP}"))
+        pictures.append(Picture(_map(found, found.grid), f"{caption} {_OF_THE_MAP}"))
     return pictures
-
-
-def _picture(draw: Callable[[], str], caption: str) -> Picture:
-    with plots.style():
-        return Picture(draw(), caption)
 
 
 _OF_CURVES = (
@@ -273,13 +267,16 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
         f" {significant(scored.grows, 3)} times as much or more."
     ]
     if damper is not None and damper.rolling_friction > 0:
-        needed = damper.rolling_friction / scored.grows
-        lines.append(
-            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
-            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
-            f" {significant(1e3 * damper.rolling_friction)} mm, or that much more force."
-        )
+        lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
     return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
+
+
+def _to_roll(friction: float, share: float, instead: str) -> str:
+    """What would set the ball rolling: so much of its rolling friction, or something else instead."""
+    return (
+        "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
+        f" a rolling friction of {_mm(friction * share)} mm instead of {_mm(friction)} mm, or {instead}."
+    )
 
 
 def _level(goal: LeastAmplitude) -> str:
@@ -332,12 +329,8 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
     ]
     if damper is not None and damper.rolling_friction > 0 and scored.cutoff > goal.low:
-        needed = damper.rolling_friction * goal.low / scored.cutoff
-        lines.append(
-            "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
-            f" a rolling friction of {significant(1e3 * needed)} mm instead of"
-            f" {significant(1e3 * damper.rolling_friction)} mm, or a least amplitude above the cut-off."
-        )
+        share = goal.low / scored.cutoff
+        lines.append(_to_roll(damper.rolling_friction, share, "a least amplitude above the cut-off"))
     return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
 
 
@@ -351,9 +344,9 @@ def verdict(space: Space, found: Found) -> str:
     return damping_verdict(found, goal) if isinstance(goal, LeastDamping) else amplitude_verdict(found)
 
 
-def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
+def sentences(designed: Designed) -> list[str]:
     """What carries it, and what holds it; or why nothing works."""
-    scored, goal = found.scored, space.goal
+    space, found, scored, goal = designed.space, designed.found, designed.found.scored, designed.space.goal
     if not scored.works:
         return _why_none(space, found)
     lines = [
@@ -365,10 +358,10 @@ def sentences(space: Space, found: Found, held: tuple[Holds, ...]) -> list[str]:
     elif isinstance(goal, LeastAmplitude):
         lines += amplitude_sentences(found, goal)
     what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
-    for each in held:
+    for each in designed.holds:
         gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
         lines.append(f"What holds it: {each.said}{gain}.")
-    if not held:
+    if not designed.holds:
         lines.append("No limit holds it: the best lies inside all ranges.")
     return lines
 
@@ -440,15 +433,15 @@ class Designed:
             "best": best | {"cavity": None if damper is None else list(damper.cavity)},
             "works": scored.works,
             "value": scored.value,
-            "at": {"speed": _known(scored.speed), "amplitude": _known(scored.amplitude), "order": scored.order},
-            "without": _known(scored.without),
-            "bound": _known(scored.bound),
-            "cutoff": _known(scored.cutoff),
-            "ball_mass": _known(scored.mass),
+            "at": {"speed": finite(scored.speed), "amplitude": finite(scored.amplitude), "order": scored.order},
+            "without": finite(scored.without),
+            "bound": finite(scored.bound),
+            "cutoff": finite(scored.cutoff),
+            "ball_mass": finite(scored.mass),
             "holds": [vars(each) for each in self.holds],
             "evaluations": self.found.evaluations,
             "verdict": verdict(self.space, self.found),
-            "why": sentences(self.space, self.found, self.holds),
+            "why": sentences(self),
         }
         if self.response is not None:
             found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
@@ -481,10 +474,6 @@ class Grid:
         return np.array([[each.impossible for each in row] for row in self.scored])
 
 
-def _known(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
-
-
 FILES = r"design\.json|best\.toml"
 """Names of what is written besides the page, as a regular expression."""
 
@@ -495,27 +484,23 @@ def write(found: Designed, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    page = render(found)
-    with replacing(out) as folder:
-        (folder / "design.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "report.html").write_text(page, encoding="utf-8")
-        if found.toml:
-            (folder / "best.toml").write_text(found.toml, encoding="utf-8")
+    contents = {"design.json": dumps(found) + "\n", "report.html": render(found)}
+    write_study(out, contents | ({"best.toml": found.toml} if found.toml else {}))
 
 
 def dumps(found: Designed) -> str:
     """The machine-readable result."""
-    return json.dumps(found.document(), indent=1, ensure_ascii=False, allow_nan=False)
+    return as_json(found.document())
 
 
 def text(found: Designed) -> str:
     """The answer in a few lines."""
-    return "\n".join([f"{verdict(found.space, found.found)}.", *_sentences(found)])
+    return "\n".join([f"{verdict(found.space, found.found)}.", *sentences(found)])
 
 
 def in_short(found: Designed) -> str:
     """The answer and what it is due to, in one line."""
-    return f"{verdict(found.space, found.found)}: {_sentences(found)[0]}"
+    return f"{verdict(found.space, found.found)}: {sentences(found)[0]}"
 
 
 def render(found: Designed) -> str:
@@ -528,12 +513,8 @@ def render(found: Designed) -> str:
         plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
-        sentences=_sentences(found),
+        sentences=sentences(found),
         figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
         toml=found.toml,
         evaluations=formatting.fixed(found.found.evaluations),
     )
-
-
-def _sentences(found: Designed) -> list[str]:
-    return sentences(found.space, found.found, found.holds)

@@ -24,7 +24,7 @@ from workflows.studies.design.space import Found, Scored, Space
 from workflows.studies.response.study import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
-from workflows.studies.sweep.executor import Crew
+from workflows.studies.sweep.executor import Workers
 
 if TYPE_CHECKING:
     from workflows.studies.design.space import Floats
@@ -158,7 +158,7 @@ def design(
     scene: SceneLike = DEFAULT,
     *,
     seed: int = 0,
-    hired: AbstractContextManager[Crew] | None = None,
+    pool: AbstractContextManager[Workers] | None = None,
     stages: Stages | None = None,
 ) -> Designed:
     """The damper that damps best within what a scene's [design] allows.
@@ -171,7 +171,7 @@ def design(
     resources.check(source)
     clock = stages or Stages()
     space = objectives.space(source, clock)
-    with hired or executor.local() as workers, clock("design") as step:
+    with pool or executor.local() as workers, clock("design") as step:
         score = partial(scored, workers, executor.digest())
         found = search(space, partial(score, space), seed, step.advance)
         if found.scored.impossible:
@@ -217,7 +217,7 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, number: int) ->
     return objectives.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
 
 
-def scored(workers: Crew, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
+def scored(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
     """Score designs, part by part on all workers."""
     parts = range(-(-len(shares) // _PART))
     found = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.io.files import as_json, write_table
-from workflows.io.folder import replacing
+from workflows.io.files import as_json, as_table, write_study
 from workflows.io.provenance import versions
 from workflows.progress import Stages
 from workflows.report import plots
@@ -160,14 +159,16 @@ def write(found: Reproduction, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    with replacing(out) as folder:
-        document = found.document()
-        (folder / "reproduce.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        claims = document["claims"]
-        write_table(folder / "reproduce.csv", claims[0], claims)
-        lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
-        write_table(folder / "closure.csv", lines[0], lines)
-        (folder / "report.html").write_text(render(found), encoding="utf-8")
+    document = found.document()
+    claims = document["claims"]
+    lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
+    contents = {
+        "reproduce.json": dumps(found) + "\n",
+        "reproduce.csv": as_table(claims[0], claims),
+        "closure.csv": as_table(lines[0], lines),
+        "report.html": render(found),
+    }
+    write_study(out, contents)
 
 
 FILES = r"reproduce\.(json|csv)|closure\.csv"

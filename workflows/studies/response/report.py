@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,19 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows import formatting
-from workflows.formatting import significant, whole
+from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
-from workflows.io.folder import replacing
+from workflows.io.files import as_json, as_table, finite, write_study
 from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.limits import AIR
-from workflows.studies.response import study
 from workflows.studies.response.study import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
 
 
 _OF_STATES = {
@@ -51,38 +47,33 @@ def tag(through: Through) -> str:
     return f"order_{c.order}_mode_{c.branch + 1}_{c.rpm:.0f}rpm"
 
 
-def write_csv(found: Response, folder: Path) -> None:
-    """A table for each crossing, with a row for each speed, force and start; and one of the damping ratios."""
-    for through in found.passed:
-        with (folder / f"response_{tag(through)}.csv").open("w", newline="", encoding="utf-8") as file:
-            table = csv.writer(file)
-            names = list(_OF_STATES)
-            unit = {"N": "n", "Pa": "pa", "m/s²": "m_s2"}[found.excitation.unit]
-            force = f"{found.excitation.kind}_{unit}"
-            table.writerow(["rpm", force, "start", "regime", "without_m", "locked_m", *names, "shortcut_m"])
-            for row in _rows(through):
-                table.writerow(row)
-    with (folder / "response_damping_ratio.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(["order", "rpm", "amplitude_m", "damping_ratio"])
-        for through in found.passed:
-            c, figures = through.crossing, through.figures
-            for amplitude, ratio in zip(figures.amplitude, figures.damping_ratio, strict=True):
-                table.writerow([c.order, f"{c.rpm:.10g}", f"{amplitude:.10g}", f"{ratio:.10g}"])
+def tables(found: Response) -> dict[str, str]:
+    """A file for each crossing, with a row for each speed, force and start; and one of the damping ratios."""
+    unit = {"N": "n", "Pa": "pa", "m/s²": "m_s2"}[found.excitation.unit]
+    force = f"{found.excitation.kind}_{unit}"
+    columns = ("rpm", force, "start", "regime", "without_m", "locked_m", *_OF_STATES, "shortcut_m")
+    written = {f"response_{tag(through)}.csv": as_table(columns, _rows(through, columns)) for through in found.passed}
+    ratios = [
+        {"order": through.crossing.order, "rpm": f"{through.crossing.rpm:.10g}"}
+        | {"amplitude_m": f"{amplitude:.10g}", "damping_ratio": f"{ratio:.10g}"}
+        for through in found.passed
+        for amplitude, ratio in zip(through.figures.amplitude, through.figures.damping_ratio, strict=True)
+    ]
+    columns = ("order", "rpm", "amplitude_m", "damping_ratio")
+    return written | {"response_damping_ratio.csv": as_table(columns, ratios)}
 
 
-def _rows(through: Through) -> list[list[str]]:
-    states, rows = through.states, []
+def _rows(through: Through, columns: Sequence[str]) -> Iterator[dict[str, str]]:
+    states = through.states
     without, linear = (np.abs(through.shaped(part)) for part in (states.without, states.linear))
     regimes = through.shaped(states.regime)
     values = [through.shaped(getattr(states, name)) for name in _OF_STATES]
-    for n, omega in enumerate(through.omega):
-        for k, force in enumerate(through.forces):
-            for j, start in enumerate(states.starts):
-                numbers = [without[n, k], linear[n, k], *(value[n, k, j] for value in values), through.short[n, k, j]]
-                first = [f"{omega * 30 / np.pi:.10g}", f"{force:.10g}", str(start), str(regimes[n, k, j])]
-                rows.append(first + ["" if np.isnan(number) else f"{number:.10g}" for number in numbers])
-    return rows
+    for n, k, j in np.ndindex(regimes.shape):
+        numbers = [without[n, k], linear[n, k], *(value[n, k, j] for value in values), through.short[n, k, j]]
+        first = [f"{through.omega[n] * 30 / np.pi:.10g}", f"{through.forces[k]:.10g}"]
+        row = [*first, str(states.starts[j]), str(regimes[n, k, j])]
+        row += ["" if np.isnan(number) else f"{number:.10g}" for number in numbers]
+        yield dict(zip(columns, row, strict=True))
 
 
 def dataset(found: Response) -> xr.Dataset:
@@ -90,15 +81,7 @@ def dataset(found: Response) -> xr.Dataset:
     import xarray as xr
 
     dims = ("crossing", "speed", "force", "start")
-    passed, results = found.passed, found.results
-    data = xr.Dataset(
-        attrs={
-            "title": results.scene.title,
-            "source": "spindamp",
-            **provenance.hashes(results),
-            "versions": ", ".join(f"{name} {number}" for name, number in provenance.versions().items()),
-        }
-    )
+    passed, data = found.passed, xr.Dataset(attrs=files.about(found.results))
     if not passed:
         return data
     heights = {"units": found.excitation.unit.replace("²", "2"), "long_name": f"height of the {found.excitation.kind}"}
@@ -143,9 +126,11 @@ def campbell_plot(found: Response) -> str:
             small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
-            kinds = [row.regime for row in study.rows(found) if row.through is through]
-            for kind in dict.fromkeys(kinds):
-                _mark(axes, through, kind)
+            at = through.crossing.rpm, through.crossing.frequency_hz
+            for kind in dict.fromkeys(row.regime for row in rows(found, through)):
+                size = 5 + 2 * list(_MARKS).index(kind)
+                look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ms": size, "zorder": 4}
+                axes.plot(*at, _MARKS[kind], ls="", label=kind, **look)
         for crossing, _ in found.idle:
             axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
         axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
@@ -154,23 +139,6 @@ def campbell_plot(found: Response) -> str:
         if unique:
             figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
         return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
-
-
-def _mark(axes: Axes, through: Through, kind: str) -> None:
-    c = through.crossing
-    size = 5 + 2 * list(_MARKS).index(kind)
-    axes.plot(
-        c.rpm,
-        c.frequency_hz,
-        _MARKS[kind],
-        color=plots.INK,
-        mfc="none",
-        mew=0.8,
-        ms=size,
-        ls="",
-        label=kind,
-        zorder=4,
-    )
 
 
 def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
@@ -183,9 +151,8 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
         without = np.abs(through.shaped(states.without))
         for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
             axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
-            axes.fill_between(
-                rpm, 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1), color=colour, alpha=0.25, lw=0
-            )
+            low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
+            axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
             for start in range(mean.shape[2]):
                 label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
                 axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
@@ -210,11 +177,8 @@ def ratios(found: Response, through: Through, name: str) -> str:
         rows = np.arange(levels + 1) - 0.5
         axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
         axes.set_yticks(range(levels), [significant(force) for force in through.forces])
-        axes.set(
-            xlim=(rpm[0], rpm[-1]),
-            xlabel="rotation speed, rpm",
-            ylabel=f"{found.excitation.kind}, {found.excitation.unit}",
-        )
+        force = f"{found.excitation.kind}, {found.excitation.unit}"
+        axes.set(xlim=(rpm[0], rpm[-1]), xlabel="rotation speed, rpm", ylabel=force)
         low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
         axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
         axes.grid(visible=False)
@@ -255,10 +219,8 @@ def path(found: Response, through: Through, name: str) -> str:
         along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], label="ball in its cavity")
         size = np.abs(taken.structure[:, axis]).max() or 1.0
         scale = np.abs(taken.ball[:, axis]).max() or 1.0
-        along.plot(
-            1e3 * taken.time, 1e3 * scale * taken.structure[:, axis] / size, color=plots.MUTED, lw=0.8,
-            label="structure, scaled",
-        )  # fmt: skip
+        scaled = 1e3 * scale * taken.structure[:, axis] / size
+        along.plot(1e3 * taken.time, scaled, color=plots.MUTED, lw=0.8, label="structure, scaled")
         along.set(xlabel="time, ms", ylabel="place, mm")
         along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
         place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], lw=0.8)
@@ -311,7 +273,7 @@ def _limits(found: Response, helped: list[Row]) -> dict[int, str]:
     limits = {row.through.crossing.order: "" for row in helped}
     for through in found.passed:
         mine = [row for row in helped if row.through is through]
-        if mine and any(is_beyond(found, row) for row in rows(found) if row.through is through):
+        if mine and any(is_beyond(found, row) for row in rows(found, through)):
             greatest = max(row.force for row in mine)
             limits[through.crossing.order] = f"up to {significant(greatest)} {found.excitation.unit}"
     return limits
@@ -331,7 +293,7 @@ def place(c: Crossing) -> str:
 def _sentence(found: Response, through: Through) -> str:
     c, unit = through.crossing, found.excitation.unit
     where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
-    every = [row for row in rows(found) if row.through is through]
+    every = rows(found, through)
     borne = [row for row in every if not is_beyond(found, row)]
     mine = borne if any(row.ratio <= HELPS for row in borne) else every
     best = min(mine, key=lambda row: row.ratio)
@@ -371,21 +333,9 @@ def _begins(found: Response, through: Through) -> str:
 def text(found: Response) -> str:
     """What a person reads on the terminal."""
     lines = [found.results.scene.title, *sentences(found), ""]
-    heads = (
-        "order",
-        "mode",
-        "largest at, rpm",
-        f"{found.excitation.kind}, {found.excitation.unit}",
-        "without, mm",
-        "with, mm",
-        "ratio",
-        "regime",
-        "hits",
-        "short way off",
-    )
-    table = [heads, *(_cells(found, row) for row in rows(found))]
-    widths = [max(len(cells[k]) for cells in table) for k in range(len(heads))]
-    lines += ["  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)) for cells in table]
+    force = f"{found.excitation.kind}, {found.excitation.unit}"
+    heads = ("order", "mode", "largest at, rpm", force, "without, mm", "with, mm", "ratio", "regime", "hits")
+    lines += aligned([(*heads, "short way off"), *(_cells(found, row) for row in rows(found))])
     if any(is_beyond(found, row) for row in rows(found)):
         lines.append(f"{remarks.BEYOND_MEANS}.")
     low, high = (significant(100 * ratio, 2) for ratio in AIR)
@@ -434,11 +384,7 @@ def document(found: Response) -> dict[str, Any]:
         "aerodynamic_damping_ratio": list(AIR),
         "crossings": entries(found),
         "dampers": [_damper(found, through) for through in found.passed],
-        "not_followed": [
-            {"order": c.order, "mode": c.branch + 1, "family": c.family, "rpm": c.rpm, "frequency_hz": c.frequency_hz}
-            | {"why": why}
-            for c, why in found.idle
-        ],
+        "not_followed": [_crossing(c) | {"why": why} for c, why in found.idle],
     }
 
 
@@ -447,19 +393,19 @@ def entries(found: Response) -> list[dict[str, Any]]:
     return [_entry(found, row) for row in rows(found)]
 
 
+def _crossing(c: Crossing) -> dict[str, Any]:
+    mode = {"order": c.order, "mode": c.branch + 1, "family": c.family}
+    return mode | {"rpm": c.rpm, "frequency_hz": c.frequency_hz}
+
+
 def _entry(found: Response, row: Row) -> dict[str, Any]:
     c = row.through.crossing
     asked = found.results.scene.accuracy.damping
     short = None
     if row.short is not None and row.difference is not None:
         short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= asked}
-    return {
-        "order": c.order,
-        "mode": c.branch + 1,
-        "family": c.family,
-        "rpm": c.rpm,
-        "frequency_hz": c.frequency_hz,
-        "frequency_error": _known(c.error),
+    return _crossing(c) | {
+        "frequency_error": finite(c.error),
         "basis_error": c.basis,
         "force": row.force,
         "peak_rpm": row.rpm,
@@ -473,8 +419,8 @@ def _entry(found: Response, row: Row) -> dict[str, Any]:
         "stress_with": row.stress_with,
         "regime": row.regime,
         "hits_per_cycle": row.hits_per_cycle,
-        "power_in": _known(row.power_in),
-        "power_lost": _known(row.power_lost),
+        "power_in": finite(row.power_in),
+        "power_lost": finite(row.power_lost),
         "shortcut": short,
     }
 
@@ -485,19 +431,15 @@ def _damper(found: Response, through: Through) -> dict[str, Any]:
     return {
         "order": c.order,
         "mode": c.branch + 1,
-        "least_force": _known(through.least_force),
+        "least_force": finite(through.least_force),
         "structure_damping_ratio": found.results.scene.damper.damping_ratio if found.results.scene.damper else None,
         "damping_ratio_peak": figures.peak,
-        "at_amplitude": _known(figures.peak_amplitude),
-        "range": [_known(end) for end in figures.range],
-        "cutoff": _known(figures.cutoff),
+        "at_amplitude": finite(figures.peak_amplitude),
+        "range": [finite(end) for end in figures.range],
+        "cutoff": finite(figures.cutoff),
         "endured_amplitude": endured(found, through),
         "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
     }
-
-
-def _known(value: float | None) -> float | None:
-    return None if value is None or not np.isfinite(value) else float(value)
 
 
 FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
@@ -506,7 +448,7 @@ FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
 
 def dumps(found: Response) -> str:
     """The machine-readable result."""
-    return json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
+    return as_json(document(found))
 
 
 def write(found: Response, out: str | os.PathLike[str]) -> Path:
@@ -515,19 +457,18 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
     Raises:
         BadInput: `out` cannot be written.
     """
-    page, out = render(found), Path(out)
-    with replacing(out) as folder:
-        (folder / "response.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "response.nc").write_bytes(dataset(found).to_netcdf(engine="h5netcdf"))  # HDF5 dies on a full disk
-        write_csv(found, folder)
-        campbell = plots.standalone(campbell_plot(found))
-        (folder / "campbell.svg").write_text(campbell, encoding="utf-8")
-        for number, through in enumerate(found.passed):
-            shades = plots.shades(len(through.forces))
-            drawn = plots.standalone(response(found, through, str(number), shades), len(shades))
-            (folder / f"response_{tag(through)}.svg").write_text(drawn, encoding="utf-8")
-        (folder / "report.html").write_text(page, encoding="utf-8")
-    return out
+    shades = plots.shades(len(found.excitation.levels))
+    contents: dict[str, str | bytes] = {
+        "response.json": dumps(found) + "\n",
+        "response.nc": bytes(dataset(found).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
+        "campbell.svg": plots.standalone(campbell_plot(found)),
+        "report.html": render(found),
+    }
+    for number, through in enumerate(found.passed):
+        drawn = response(found, through, str(number), shades)
+        contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
+    write_study(Path(out), contents | tables(found))
+    return Path(out)
 
 
 def render(found: Response) -> str:
@@ -536,17 +477,10 @@ def render(found: Response) -> str:
 
     shades = plots.shades(len(found.excitation.levels))
     sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
-    words = (
-        formatting.fixed,
-        formatting.amount,
-        formatting.significant,
-        formatting.percent,
-        formatting.curly,
-        formatting.whole,
-    )
+    words = ("fixed", "amount", "significant", "percent", "curly", "whole")
     return from_template(
         "response.html.j2",
-        {word.__name__: word for word in words},
+        {word: getattr(formatting, word) for word in words},
         plots.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
         found=found,
         unit=found.excitation.unit,
@@ -555,7 +489,7 @@ def render(found: Response) -> str:
         campbell=Markup(campbell_plot(found)),
         damping=Markup(damping(found)),
         air=AIR,
-        is_beyond=partial(study.is_beyond, found),
+        is_beyond=partial(is_beyond, found),
         mark=remarks.BEYOND,
         marked=remarks.BEYOND_MEANS,
     )
@@ -565,7 +499,7 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
     """What the page has of a crossing."""
     from markupsafe import Markup
 
-    mine = [row for row in study.rows(found) if row.through is through]
+    mine = rows(found, through)
     return {
         "through": through,
         "crossing": through.crossing,
@@ -573,6 +507,6 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "response": Markup(response(found, through, str(number), shades)),
         "ratios": Markup(ratios(found, through, str(number))),
         "path": Markup(path(found, through, str(number))),
-        "endured": study.endured(found, through),
-        "beyond": any(study.is_beyond(found, row) for row in mine),
+        "endured": endured(found, through),
+        "beyond": any(is_beyond(found, row) for row in mine),
     }

@@ -134,9 +134,10 @@ class Row:
         return None if self.short is None else self.short / self.mean - 1
 
 
-def rows(found: Response) -> list[Row]:
-    """All crossings under all forces."""
-    return [_row(found, through, k) for through in found.passed for k in range(len(through.forces))]
+def rows(found: Response, only: Through | None = None) -> list[Row]:
+    """All crossings under all forces, or one of them."""
+    passed = found.passed if only is None else (only,)
+    return [_row(found, through, k) for through in passed for k in range(len(through.forces))]
 
 
 def _row(found: Response, through: Through, force: int) -> Row:

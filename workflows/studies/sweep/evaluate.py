@@ -31,10 +31,11 @@ from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from damper import Batch, ParticleDamper, Working
+    from damper import ParticleDamper, Working
     from fem.meshes.mesh_sequence import Planform
 
     Rows = npt.NDArray[np.void]
+    Block = tuple[Rows, tuple[str, ...]]
 
 
 QUICK = {"sweeps": 4, "stay": 60}
@@ -182,28 +183,6 @@ UNGRADED = -1
 """The grade without a verdict."""
 
 
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Rows of the points from `begin` on, and the texts that their reasons count."""
-
-    begin: int
-    rows: Rows
-    reasons: tuple[str, ...]
-
-
-class Reasons:
-    """Texts by number, each once."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-
-    def number(self, text: str) -> int:
-        """Which one it is."""
-        if text not in self.texts:
-            self.texts.append(text)
-        return self.texts.index(text)
-
-
 def empty(count: int) -> Rows:
     """Rows without an answer."""
     rows = np.zeros(count, ROW)
@@ -213,16 +192,11 @@ def empty(count: int) -> Rows:
     return rows
 
 
-def of_the_structure(row: Any, point: SpeedPoint, ball_mass: float) -> None:
-    """Fill in what carries the damper."""
-    _fill(row, point)
-    row["ball_mass"] = ball_mass
-
-
-def damper_quantities(row: Any, results: Results, point: SpeedPoint) -> None:
+def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
+    point = replace(each.point, working=taken_over(OwnFigures, measured(each.judged, known, **how)))
     _fill(row, point)
-    verdict = limits.verdict(results, point)
+    verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank
     for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
         if value is not None:
@@ -234,17 +208,9 @@ def _fill(row: Any, point: SpeedPoint) -> None:
         row[name] = value
 
 
-def of_the_ring_downs(rows: Rows, batch: Batch, gravity: npt.NDArray[np.float64]) -> None:
-    """Fill in what ring-downs from the scenes' releases left."""
-    rows["peak_sdc"], rows["impacts"], rows["events"] = batch.peak_sdc, batch.impacts, batch.events
-    load = rows["load_g"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rows["cutoff_ratio"] = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
-
-
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
-    """The headline numbers of the points from `begin` to before `end`."""
-    rows, reasons = empty(end - begin), Reasons()
+    """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count."""
+    rows, reasons = empty(end - begin), list[str]()
     placed = list(all_placed(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, Working] = {}
     for each in placed:
@@ -252,11 +218,11 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCach
             _measure(rows[each.number], each, known, QUICK if quick else {})
     with during(f"at points {begin} to {end - 1}"):
         _ring_down(rows, placed)
-    return Block(begin, rows, tuple(reasons.texts))
+    return rows, tuple(reasons)
 
 
 def all_placed(
-    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: Reasons
+    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: list[str]
 ) -> Iterator[DamperCase]:
     """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
     end = begin + len(rows)
@@ -276,14 +242,21 @@ def all_placed(
             found = of_a_point(source, changed, every)
             state = plates.state(found)
         except SpindampError as error:
-            rows["reason"][mine] = reasons.number(said(error, source))
+            rows["reason"][mine] = _number(reasons, said(error, source))
             continue
         for number in mine:
             omega = float(columns[SPEEDS][number])
             try:
                 yield place(number, state, omega, rows[number])
             except SpindampError as error:
-                rows["reason"][number] = reasons.number(said(error, source))
+                rows["reason"][number] = _number(reasons, said(error, source))
+
+
+def _number(reasons: list[str], text: str) -> int:
+    """Which of the reasons a text is; a new one is added."""
+    if text not in reasons:
+        reasons.append(text)
+    return reasons.index(text)
 
 
 def place(number: int, state: StructureState, omega: float, row: Any) -> DamperCase:
@@ -296,7 +269,8 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     if point is None or point.reduced is None:
         raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, state.effects, point)
-    of_the_structure(row, point, damper.ball_mass)
+    _fill(row, point)
+    row["ball_mass"] = damper.ball_mass
     return DamperCase(number, state, point, damper, coupling.released_at(scene, point))
 
 
@@ -305,23 +279,19 @@ def said(error: SpindampError, source: SceneFile) -> str:
     return one_line(str(error).removeprefix(f"{source.name}: "))
 
 
-def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
-    figures = taken_over(OwnFigures, measured(each.judged, known, **how))
-    point = replace(each.point, working=figures)
-    damper_quantities(row, replace(each.results, speeds=(point,)), point)
-
-
 def _ring_down(rows: Rows, placed: list[DamperCase]) -> None:
     """Ring all dampers down from their scenes' releases, in batches of those that can go together."""
     groups: dict[Any, list[DamperCase]] = {}
     for each in placed:
         groups.setdefault(_together(each), []).append(each)
     for group in groups.values():
-        batch = _batch(group)
-        mine = [each.number for each in group]
-        filled = rows[mine]
-        of_the_ring_downs(filled, batch, np.array([each.scene.rotor.gravity for each in group]))
-        rows[mine] = filled
+        batch, mine = _batch(group), [each.number for each in group]
+        gravity, load = np.array([each.scene.rotor.gravity for each in group]), rows["load_g"][mine]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
+        for name in ("peak_sdc", "impacts", "events"):
+            rows[name][mine] = getattr(batch, name)
+        rows["cutoff_ratio"][mine] = ratio
 
 
 def _together(each: DamperCase) -> Any:
@@ -336,9 +306,8 @@ def _batch(group: list[DamperCase]) -> Any:
     from damper import ringdowns
     from damper.model import PARAMETERS
 
-    first = group[0]
+    first, released = group[0], [each.release for each in group]
     cycles = first.scene.release.cycles if first.scene.release is not None else "auto"
-    released = [each.release for each in group]
     rows = np.concatenate([each.damper.parameters for each in group])
     names = [name for name in PARAMETERS.names or () if name != "printed"]
     if first.damper.floor_friction is None:

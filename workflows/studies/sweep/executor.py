@@ -48,19 +48,19 @@ _ENVIRONMENT = {
 
 
 @dataclass(frozen=True)
-class Crew:
+class Workers:
     """Who computes.
 
     Attributes:
         executor: gives an executor that works, a new one where the workers of the last have died.
-        workers: how many work now.
+        count: how many work now.
     """
 
     executor: Callable[[], Executor]
-    workers: Callable[[], int]
+    count: Callable[[], int]
 
 
-def results(crew: Crew, compute: Callable[[Task], T], tasks: Iterable[Task]) -> Iterator[tuple[Task, T]]:
+def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task]) -> Iterator[tuple[Task, T]]:
     """What is computed for each task, as it comes.
 
     Raises:
@@ -69,9 +69,9 @@ def results(crew: Crew, compute: Callable[[Task], T], tasks: Iterable[Task]) -> 
     waiting, pending, lost = deque(tasks), dict[Future[T], Task](), 0
     try:
         while waiting or pending:
-            most = _AHEAD * max(crew.workers(), 1)
+            most = _AHEAD * max(workers.count(), 1)
             while waiting and len(pending) < most:
-                pending[_submitted(crew, compute, waiting[0])] = waiting[0]
+                pending[_submitted(workers, compute, waiting[0])] = waiting[0]
                 waiting.popleft()
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 task = pending.pop(future)
@@ -88,10 +88,10 @@ def results(crew: Crew, compute: Callable[[Task], T], tasks: Iterable[Task]) -> 
             future.cancel()
 
 
-def _submitted(crew: Crew, compute: Callable[[Task], T], task: Task) -> Future[T]:
+def _submitted(workers: Workers, compute: Callable[[Task], T], task: Task) -> Future[T]:
     """A task handed out; as lost where the workers died in this moment."""
     try:
-        return crew.executor().submit(compute, task)
+        return workers.executor().submit(compute, task)
     except BrokenExecutor as error:
         future: Future[T] = Future()
         future.set_exception(error)
@@ -105,9 +105,9 @@ def _died(future: Future[Any]) -> bool:
     return isinstance(error, BrokenExecutor) or type(error).__name__ in _LOST
 
 
-def crew_of(
+def workers_of(
     workers: int | None = None, dask: str | None = None, executor: Executor | None = None
-) -> AbstractContextManager[Crew]:
+) -> AbstractContextManager[Workers]:
     """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
     if executor is not None:
         return given(executor)
@@ -115,13 +115,13 @@ def crew_of(
 
 
 @contextmanager
-def given(executor: Executor, workers: int = 1) -> Iterator[Crew]:
-    """A crew on an executor that is somebody else's, and stays open."""
-    yield Crew(lambda: executor, lambda: workers)
+def given(executor: Executor, workers: int = 1) -> Iterator[Workers]:
+    """Workers of an executor that is somebody else's, and stays open."""
+    yield Workers(lambda: executor, lambda: workers)
 
 
 @contextmanager
-def local(workers: int | None = None) -> Iterator[Crew]:
+def local(workers: int | None = None) -> Iterator[Workers]:
     """Processes of this machine, one for each core unless it is said; each computes with one thread."""
     import loky
 
@@ -130,13 +130,13 @@ def local(workers: int | None = None) -> Iterator[Crew]:
         raise BadInput("expected a whole number of processes from 1 on", key="--workers", value=count)
     executor = partial(loky.get_reusable_executor, count, initializer=_begin, initargs=(os.getpid(),), env=_ENVIRONMENT)
     try:
-        yield Crew(executor, lambda: count)
+        yield Workers(executor, lambda: count)
     finally:
         executor().shutdown(kill_workers=True)
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Crew]:
+def cluster(address: str) -> Iterator[Workers]:
     """The workers of a Dask scheduler.
 
     Raises:
@@ -158,7 +158,7 @@ def cluster(address: str) -> Iterator[Crew]:
                 value=address,
             )
         with client.get_executor(pure=False, retries=10) as executor:
-            yield Crew(lambda: executor, lambda: sum(client.ncores().values()))
+            yield Workers(lambda: executor, lambda: sum(client.ncores().values()))
 
 
 def _begin(parent: int) -> None:
@@ -243,6 +243,4 @@ def compile_all() -> None:
 
 def _digest() -> str:
     """Of the code and of where it lies: an installation has a cache of its own."""
-    import hashlib
-
     return hashlib.sha256(f"{digest()} {Path(__file__).resolve()}".encode()).hexdigest()[:16]

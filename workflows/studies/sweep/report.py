@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,7 @@ import numpy as np
 
 from workflows import formatting
 from workflows.formatting import significant, whole
+from workflows.io.files import as_json
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
@@ -41,12 +40,6 @@ _SHOWN = {
 """How units of coordinates are shown: a factor, and the unit's name."""
 
 
-def value(data: xr.Dataset, name: str, k: int) -> str:
-    """The kth value of a key in words."""
-    found = data[name].values[k]
-    return said(data, name, found.item() if hasattr(found, "item") else found)
-
-
 def axis_label(data: xr.Dataset, name: str) -> str:
     """A key with its unit."""
     unit = shown_unit(data, name)[1]
@@ -65,7 +58,8 @@ def titled(data: xr.Dataset, key: str | None, k: int) -> str:
         return ""
     if key == SPEEDS:
         return f"{whole(float(data['rpm'].values[k]))} rpm"
-    return f"{short(key)} {value(data, key, k)}"
+    value = data[key].values[k]
+    return f"{short(key)} {said(data, key, value.item() if hasattr(value, 'item') else value)}"
 
 
 def short(name: str) -> str:
@@ -211,9 +205,9 @@ def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
     return bool((high > 1.1 * low).any())
 
 
-def draw_map(data: xr.Dataset, best: dict[str, int], shown: tuple[str, str, float], x: str, y: str) -> str:
-    """A map of a quantity, its name in words and its factor from SI, with the best point marked."""
-    quantity, named, factor = shown
+def draw_map(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str) -> str:
+    """A map of a quantity with the best point marked."""
+    named, factor = NAMED[quantity], _FACTORS[quantity]
     panel, places = panels(data, (x, y))
     fixed = {name: k for name, k in best.items() if name not in (x, y, panel)}
     tables = [
@@ -275,14 +269,15 @@ class Picture:
     caption: str
 
 
+@plots.style()
 def draw(data: xr.Dataset) -> list[Picture]:
     """What a study looks like: the damping first, then the amplitude below which the ball rests."""
     if not (data[HEADLINE].values > 0).any():
         return []
     if "ST" in data:
-        return [_picture(partial(_bars, data), _OF_BARS)]
+        return [Picture(_bars(data), _OF_BARS)]
     if SAMPLE in data.dims:
-        return [_picture(partial(_scattered, data), "Each point of the sample, over each key that is varied.")]
+        return [Picture(_scattered(data), "Each point of the sample, over each key that is varied.")]
     numbers = _numeric(data)
     keys = [name for name in numbers if name != SPEEDS]
     wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
@@ -293,8 +288,8 @@ def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
     """Maps over two keys."""
     best, used = _best(data), (x, y, panels(data, (x, y))[0])
     return [
-        _picture(
-            partial(draw_map, data, best, (name, NAMED[name], _FACTORS[name]), x, y),
+        Picture(
+            draw_map(data, best, name, x, y),
             _caption(data, best, used, name) + in_words(data, best, x, y) * (name == HEADLINE),
         )
         for name in _shown(data, (x, y))
@@ -307,19 +302,13 @@ def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
     series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
     along = (x,) if series is None else (x, series)
     return [
-        _picture(partial(_curves, data, best, name, x, series), _caption(data, best, along, name))
-        for name in _shown(data, along)
+        Picture(_curves(data, best, name, x, series), _caption(data, best, along, name)) for name in _shown(data, along)
     ]
 
 
 def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
     """The headline, and what else varies along these keys."""
     return [name for name in NAMED if name == HEADLINE or varies(data, name, along)]
-
-
-def _picture(draw: Callable[[], str], caption: str) -> Picture:
-    with plots.style():
-        return Picture(draw(), caption)
 
 
 def _best(data: xr.Dataset) -> dict[str, int]:
@@ -395,7 +384,7 @@ def _bars(data: xr.Dataset) -> str:
         axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plots.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
-        axes.set_yticks(range(len(names)), [name.partition(".")[2].replace("_", " ") for name in names])
+        axes.set_yticks(range(len(names)), [short(name) for name in names])
     return plots.svg(figure, "indices", "Total Sobol' indices of each parameter")
 
 
@@ -544,7 +533,7 @@ def write(data: xr.Dataset, out: Path) -> None:
 
 def dumps(data: xr.Dataset) -> str:
     """The machine-readable result."""
-    return json.dumps(document(data), indent=1, ensure_ascii=False, allow_nan=False)
+    return as_json(document(data))
 
 
 def render(data: xr.Dataset) -> str:
@@ -569,17 +558,12 @@ def render(data: xr.Dataset) -> str:
 def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
     rows = []
-    for quantity, factor, called in (
-        (HEADLINE, 100.0, "damping ratio, %"),
-        ("cutoff", 1e3, "at rest below, mm"),
-    ):
+    for quantity, called in ((HEADLINE, "damping ratio, %"), ("cutoff", "at rest below, mm")):
         q = sensitivity.QUANTITIES.index(quantity)
         for k, rpm in enumerate(data["rpm"].values):
             ranked = sensitivity.worth_measuring(data, quantity, k)[:2]
-            worth = ", ".join(
-                f"{n.partition('.')[2].replace('_', ' ')} {100 * t:.0f} %" for n, t, _ in ranked if t > 0.05
-            )
-            values = [factor * float(value) for value in data["percentiles"].values[q, :, k]]
+            worth = ", ".join(f"{short(name)} {100 * total:.0f} %" for name, total, _ in ranked if total > 0.05)
+            values = [_FACTORS[quantity] * float(value) for value in data["percentiles"].values[q, :, k]]
             if math.isfinite(values[0]):
                 rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
     return rows
@@ -598,9 +582,5 @@ def _best_line(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None
         return None
     keys, values = found["best"]["keys"], found["best"]["values"]
     words = {name: said(data, name, value) for name, value in keys.items() if name != SPEEDS}
-    numbers = {
-        title: formatting.significant(factor * values[name])
-        for name, title, factor in _FIGURES
-        if values[name] is not None
-    }
-    return words | numbers
+    numbers = ((title, factor, values[name]) for name, title, factor in _FIGURES)
+    return words | {title: significant(factor * value) for title, factor, value in numbers if value is not None}

@@ -14,7 +14,7 @@ import math
 import os
 import shutil
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,12 +25,13 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.studies.sweep.axes import SPEEDS, Value
-from workflows.studies.sweep.evaluate import QUANTITIES, Block
+from workflows.studies.sweep.evaluate import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
     import zarr
 
+    from workflows.studies.sweep.evaluate import Rows
     from workflows.studies.sweep.plan import Plan
 
 DATA, DONE, LOCK = "sweep.zarr", "done", ".lock"
@@ -105,18 +106,18 @@ class Folder:
             return False
         return True
 
-    def write(self, region: Region, block: Block) -> None:
+    def write(self, region: Region, rows: Rows, reasons: Sequence[str]) -> None:
         """Write the rows of a region.
 
         Raises:
             BadInput: the disk does not take it; what is finished stays.
         """
         shape = tuple(each.stop - each.start for each in region.slices)
-        texts = np.array([*block.reasons, ""], dtype=object)[block.rows["reason"]]
+        texts = np.array([*reasons, ""], dtype=object)[rows["reason"]]
         with writing(self.given):
             for name, array in self.arrays.items():
                 if name != DONE:
-                    values = texts if name == "reason" else block.rows[name]
+                    values = texts if name == "reason" else rows[name]
                     array[region.slices] = values.reshape(shape)
             self.arrays[DONE][region.slices] = True
 

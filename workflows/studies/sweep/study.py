@@ -19,13 +19,15 @@ from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
 from workflows.studies.sweep import axes, evaluate, executor, plan, sensitivity, store
-from workflows.studies.sweep.evaluate import Block, PlateCache
-from workflows.studies.sweep.executor import Crew, crew_of
+from workflows.studies.sweep.evaluate import PlateCache
+from workflows.studies.sweep.executor import Workers, workers_of
 from workflows.studies.sweep.plan import Plan
 from workflows.studies.sweep.store import Folder, Region
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from workflows.studies.sweep.evaluate import Block
 
 LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a block at most, and the number of blocks above which they grow."""
@@ -145,7 +147,7 @@ def compute(study: Study, region: Region) -> Block:
     return evaluate.block(study.source, study.plan, region.begin, region.end, _plates, quick=study.quick)
 
 
-def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stages: Stages) -> xr.Dataset:
+def complete(study: Study, out: Path, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
     """Compute what a folder lacks of a study, and open all of it.
 
     Raises:
@@ -155,17 +157,17 @@ def complete(study: Study, out: Path, hired: AbstractContextManager[Crew], stage
         folder.going_on(_GOES_ON),
         store.opened(out, study.plan, study.size, study.attributes) as place,
     ):
-        fill(study, place, hired, stages)
+        fill(study, place, pool, stages)
         return store.opened_table(place.path / store.DATA)
 
 
-def in_memory(study: Study, hired: AbstractContextManager[Crew], stages: Stages) -> xr.Dataset:
+def in_memory(study: Study, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
     """The same, with nothing left on the disk."""
     with tempfile.TemporaryDirectory(prefix="spindamp-sweep-") as place:
-        return complete(study, Path(place) / "study", hired, stages).load()
+        return complete(study, Path(place) / "study", pool, stages).load()
 
 
-def fill(study: Study, place: Folder, hired: AbstractContextManager[Crew], stages: Stages) -> None:
+def fill(study: Study, place: Folder, pool: AbstractContextManager[Workers], stages: Stages) -> None:
     """Compute the regions that are missing or damaged."""
     regions = study.regions()
     missing = [region for region in regions if not place.holds(region)]
@@ -174,9 +176,9 @@ def fill(study: Study, place: Folder, hired: AbstractContextManager[Crew], stage
     with stages("sweep", len(regions), done=len(regions) - len(missing)) as step:
         if not missing:
             return
-        with hired as workers:
-            for region, block in executor.results(workers, partial(compute, study), missing):
-                place.write(region, block)
+        with pool as workers:
+            for region, (rows, reasons) in executor.results(workers, partial(compute, study), missing):
+                place.write(region, rows, reasons)
                 done += region.end - region.begin
                 step.advance(f"{done} of {points} points")
 
@@ -197,6 +199,6 @@ def sweep(
 ) -> xr.Dataset:
     """The headline numbers of a scene over any of its keys; see :func:`spindamp.sweep`."""
     study = asked(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
-    hired, clock = crew_of(workers, dask, executor), stages or Stages()
-    found = in_memory(study, hired, clock) if out is None else complete(study, Path(out), hired, clock)
+    pool, clock = workers_of(workers, dask, executor), stages or Stages()
+    found = in_memory(study, pool, clock) if out is None else complete(study, Path(out), pool, clock)
     return sensitivity.analysed(found, seed) if uncertain else found

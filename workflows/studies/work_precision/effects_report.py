@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
-from workflows.io.files import as_json, write_table
-from workflows.io.folder import replacing
+from workflows.io.files import as_json, as_table, write_study
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.studies.work_precision.effects import Switched, Switches
@@ -127,24 +126,18 @@ def write(found: Switches, out: Path) -> None:
     from markupsafe import Markup
 
     figure = draw(found)
-    with replacing(out) as folder:
-        (folder / "effects.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "effects.svg").write_text(plots.standalone(figure), encoding="utf-8")
-        times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
-        write_table(
-            folder / "effects.csv",
-            ("effect", "on", "called_for", *times, *_quantities(found), "remarks", "failed"),
-            [_flat(row) for row in found.rows],
-        )
-        page = from_template(
-            "effects.html.j2",
-            {"significant": formatting.significant},
-            found=found,
-            figure=Markup(figure),
-            policy=POLICY_OF_DIFFERENCES,
-            spent=_spent,
-        )
-        (folder / "report.html").write_text(page, encoding="utf-8")
+    times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
+    quantities = dict.fromkeys(name for row in found.rows for name in row.changes)
+    columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
+    words = {"significant": formatting.significant}
+    constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
+    contents = {
+        "effects.json": dumps(found) + "\n",
+        "effects.svg": plots.standalone(figure),
+        "effects.csv": as_table(columns, map(_flat, found.rows)),
+        "report.html": from_template("effects.html.j2", words, found=found, figure=Markup(figure), **constant),
+    }
+    write_study(out, contents)
 
 
 def text(found: Switches) -> str:
@@ -174,10 +167,6 @@ def _flat(row: Switched) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
-
-
-def _quantities(found: Switches) -> list[str]:
-    return list(dict.fromkeys(name for row in found.rows for name in row.changes))
 
 
 FILES = r"effects\.(json|csv|svg)"

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows import formatting
-from workflows.io.files import as_json, write_table
-from workflows.io.folder import replacing
+from workflows.io.files import as_json, as_table, write_study
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.studies.work_precision.study import WITH_THEORY
@@ -69,27 +68,28 @@ def write(found: WorkPrecision, out: Path) -> None:
     from markupsafe import Markup
 
     asked = found.asked["frequency"]
-    named = list(enumerate(found.studies))
-    figures = [study_plot(study, f"ladder{number}", _asked(found, study)) for number, study in named]
+    figures = [
+        Markup(study_plot(study, f"ladder{number}", _asked(found, study))) for number, study in enumerate(found.studies)
+    ]
     first = [study for study in found.studies if study.stage in ("plate", "damper")]
-    with replacing(out) as folder:
-        (folder / "accuracy.json").write_text(dumps(found) + "\n", encoding="utf-8")
-        (folder / "accuracy.svg").write_text(plots.standalone(overview(first, asked)), encoding="utf-8")
-        write_table(
-            folder / "accuracy.csv",
-            ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed"),
-            [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows],
-        )
-        page = from_template(
-            "accuracy.html.j2",
-            {"milliseconds": _milliseconds, "exponent": _exponent, "significant": formatting.significant},
-            found=found,
-            figures=list(map(Markup, figures)),
-            policy=POLICY,
-            verdict=verdict(found),
-            not_drawn=not_drawn,
-        )
-        (folder / "report.html").write_text(page, encoding="utf-8")
+    columns = ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed")
+    rows = [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows]
+    page = from_template(
+        "accuracy.html.j2",
+        {"milliseconds": _milliseconds, "exponent": _exponent, "significant": formatting.significant},
+        found=found,
+        figures=figures,
+        policy=POLICY,
+        verdict=verdict(found),
+        not_drawn=not_drawn,
+    )
+    contents = {
+        "accuracy.json": dumps(found) + "\n",
+        "accuracy.svg": plots.standalone(overview(first, asked)),
+        "accuracy.csv": as_table(columns, rows),
+        "report.html": page,
+    }
+    write_study(out, contents)
 
 
 def text(found: WorkPrecision) -> str:
