@@ -180,7 +180,7 @@ def write_netcdf(results: Results, path: Path) -> None:
             file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
         file.attrs.update(about(results))
         keep(results, file)
-    path.write_bytes(content.getbuffer())
+    path.write_bytes(content.getvalue())
 
 
 def dataset(results: Results) -> xr.Dataset:

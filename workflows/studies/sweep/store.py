@@ -29,7 +29,6 @@ from workflows.studies.sweep.evaluate import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
-    import zarr
 
     from workflows.studies.sweep.evaluate import Rows
     from workflows.studies.sweep.plan import Plan
@@ -91,7 +90,7 @@ class Folder:
 
     path: Path
     given: Path
-    arrays: dict[str, zarr.Array[Any]]
+    arrays: dict[str, Any]
 
     def holds(self, region: Region) -> bool:
         """Whether a region is done, and every byte of it is as it was written."""
