@@ -257,38 +257,19 @@ amplitude = ["1 mm", "3 mm"]
 """
 )
 
+SWEEP = ("--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1", "--out", "out-sweep")
 ON_STRUCTURES = {
     "run": ("run", "scene.toml", "--out", "out-run"),
     "run on a level floor": ("run", "level.toml", "--out", "out-level"),
     "ringdown": ("ringdown", "scene.toml", "--json"),
     "response": ("response", "scene.toml", "--out", "out-response"),
     "design": ("design", "design.toml", "--workers", "1", "--out", "out-design"),
-    "sweep": (
-        "sweep",
-        "scene.toml",
-        "--vary",
-        "damper.restitution=0.4,0.5",
-        "--quick",
-        "--workers",
-        "1",
-        "--out",
-        "out-sweep",
-    ),
+    "sweep": ("sweep", "scene.toml", *SWEEP),
 }
 ON_PLATES = {
     "run of a plate": ("run", "paper", "--out", "out-run"),
     "campbell": ("campbell", "paper", "--json"),
-    "sweep of a plate": (
-        "sweep",
-        "paper",
-        "--vary",
-        "damper.restitution=0.4,0.5",
-        "--quick",
-        "--workers",
-        "1",
-        "--out",
-        "out-sweep",
-    ),
+    "sweep of a plate": ("sweep", "paper", *SWEEP),
 }
 
 STAMPS = """

@@ -18,6 +18,7 @@ from workflows.io.folder import replacing
 from workflows.io.serialise import Column, columns, keep
 from workflows.solve.engine_orders import branches
 from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -223,7 +224,7 @@ def about(results: Results) -> dict[str, str]:
         "title": results.scene.title,
         "source": "spindamp",
         **provenance.hashes(results),
-        "versions": ", ".join(f"{name} {number}" for name, number in provenance.versions().items()),
+        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
     }
 
 

@@ -1,6 +1,8 @@
 """A folder of results that is replaced whole or not at all, whatever ends the run; and the signals that may end it.
 
-A run writes into a scratch folder beside it, which takes its place by one rename. While that happens signals wait.
+A run writes into a scratch folder beside it, which takes its place by one rename; from then on signals are ignored.
+Before that they are raised as exceptions. What a handler raises may be lost in a finaliser or in a callback of C, so
+that it is raised again until the command ends.
 """
 
 from __future__ import annotations

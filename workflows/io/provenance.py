@@ -15,7 +15,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
 from workflows.solve.results import Results, Theory
-from workflows.versions import versions as versions
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform

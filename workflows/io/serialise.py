@@ -26,6 +26,7 @@ from workflows.io import provenance
 from workflows.scene.load import parse
 from workflows.scene.scene import Scene
 from workflows.solve.results import Results, SpeedPoint, expect
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     import h5netcdf
@@ -86,7 +87,7 @@ def _json(results: Results, indent: int | None) -> str:
         title=results.scene.title,
         scene=provenance.resolved_scene(results.scene, results.effects, results.theory),
         **provenance.hashes(results),
-        versions=provenance.versions(),
+        versions=versions(),
         timings=results.timings,  # type: ignore[arg-type]
         notes=results.notes,
         effects={name: Switch(effect.on, effect.why) for name, effect in results.effects.items()},

@@ -1,4 +1,4 @@
-"""The numbers for people: page, figures, pictures, text, and their writing.
+"""The numbers for people: verdict and remarks in words, page, figures, pictures, text, windows, and their writing.
 
-May import results, output and what those may.
+May import io and what that may.
 """

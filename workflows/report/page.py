@@ -18,7 +18,7 @@ from workflows import formatting
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
 from workflows.io.folder import check, replacing
-from workflows.io.provenance import hashes, versions
+from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
 from workflows.report.mode_viewer import Artist, Picture, View
@@ -27,6 +27,7 @@ from workflows.scene import paper
 from workflows.solve import limits
 from workflows.solve.engine_orders import Crossing, crossings
 from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, expect, middle
+from workflows.versions import versions
 
 _WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
 """Kinds of event that are told; the release and the rubbing that belongs to a hit are not."""

@@ -1,4 +1,4 @@
-"""The answer in a few words: does it damp, how much, up to what load."""
+"""The verdict in words: does it damp, how much, up to what load."""
 
 from __future__ import annotations
 

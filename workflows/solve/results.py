@@ -352,7 +352,7 @@ class BallPath:
 class Damping:
     """One ring-down. Arrays hold a value per vibration cycle.
 
-    What is not published serves pictures and findings: `stopped` is when the ball came to rest
+    What is not published serves pictures and remarks: `stopped` is when the ball came to rest
     for good [s], None where it did not (yet); `ball_mass` that of all balls [kg]; `release` the displacement at the
     release along the damper's axes [m]. `modal_energies` [J] are those left at the end in the plate's modes, by number,
     where they are simulated. `history` and `path` are kept at the speed that the pictures show; there is no path of a

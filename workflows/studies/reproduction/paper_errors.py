@@ -1,4 +1,4 @@
-"""Slips of the paper, each shown by a number, and what the assumptions that it leaves unsaid make of its damping."""
+"""Errors of the paper, each shown by a number, and what the assumptions that it leaves unsaid make of its damping."""
 
 from __future__ import annotations
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from workflows import formatting
 from workflows.io.files import as_json, as_table, write_study
-from workflows.io.provenance import versions
 from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.page import from_template
@@ -29,6 +28,7 @@ from workflows.studies.reproduction.simulation import (
     study,
     sweeps,
 )
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

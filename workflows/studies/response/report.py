@@ -19,6 +19,7 @@ from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.limits import AIR
 from workflows.studies.response.study import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -376,7 +377,7 @@ def document(found: Response) -> dict[str, Any]:
         "title": results.scene.title,
         "scene": provenance.resolved_scene(results.scene, results.effects, results.theory),
         **provenance.hashes(results),
-        "versions": provenance.versions(),
+        "versions": versions(),
         "timings": results.timings,
         "notes": list(results.notes),
         "headline": sentences(found),
