@@ -1,7 +1,7 @@
 """Growing a reduced basis until it answers every speed of a range within a tolerance.
 
 The basis is trained at a few speeds: it takes in the representers of the residuals there until the bounds
-(`fem.sweep.error_bounds`) meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted
+meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted
 modes, more modes are known at the reference speed; where the basis would grow too large, the range is halved.
 """
 
@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.modes.real import FAMILIES, share_matrices, solve_real
-from fem.sweep import error_bounds
-from fem.sweep.reduced_basis import ReducedBasis, begin, enrich, still
+from fem.sweep.reduced_basis import LEAST, ReducedBasis, begin, enrich, still, turning
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +21,159 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
+
+
+ALONE = 1.5
+"""The factor c of a mode that stands alone."""
+
+PRECISION = float(np.finfo(float).eps)
+"""Relative rounding of a product."""
+
+ROUNDED = 4.0
+"""A bound of so many times what rounding leaves uncertain is as good as any."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedModes:
+    """Reduced modes at several speeds.
+
+    Attributes:
+        omega: (k,) speeds in rad/s.
+        rates: (k, q) circular frequencies in rad/s, ascending.
+        vectors: (k, r, q), mass-normalised, complex with Coriolis; the wanted ones come first.
+        residuals: (k, q), rho.
+        bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
+        rounding: (k, wanted), what double precision leaves uncertain, which the bounds contain.
+        floor: (k,), least ratio of the stiffness to that at the reference speed; not positive where the plate diverges.
+    """
+
+    omega: Array
+    rates: Array
+    vectors: NDArray[Any]
+    residuals: Array
+    bounds: Array
+    rounding: Array
+    floor: Array
+
+    def within(self, tolerance: float) -> NDArray[np.bool_]:
+        """Which speeds (k,) have every frequency to a tolerance, or as well as rounding allows."""
+        return np.asarray((self.bounds <= np.maximum(tolerance, ROUNDED * self.rounding)).all(axis=1))
+
+
+def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
+    """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
+    q = min(basis.known.size, basis.size) - 1
+    if basis.coriolis is None:
+        rates, vectors = still(basis, omega, q + 1)
+    else:
+        rates, vectors = turning(basis, basis.coriolis, omega, q + 1)
+    above = np.minimum(rates[:, wanted:], np.sqrt(basis.known[wanted : q + 1]))
+    last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
+    gap = _gap(basis, omega, rates, last)
+    rates, vectors = rates[:, :q], vectors[:, :, :q]
+    floor = basis.held(omega).min(axis=1)
+    rounding = (np.abs(vectors).transpose(0, 2, 1) @ np.sqrt(basis.rounding) / rates) ** 2
+    residuals = _residuals(basis, omega, rates, vectors)
+    inside = np.arange(q) < last[:, None]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        spread = np.where(inside, residuals**2 / (rates * (1.0 - rates / gap[:, None])), 0.0)
+        top = 1.0 / gap + spread.sum(axis=1)
+        good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
+        amount = np.where(good, residuals**2 / (1.0 - top[:, None] * rates), np.inf)
+        error = _errors(rates, amount, last, inside)
+    bounds = np.where(good, error + rounding, np.inf)[:, :wanted]
+    return ReducedModes(omega, rates, vectors, residuals, bounds, rounding[:, :wanted], floor)
+
+
+def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+    """Bounds (k, q) on relative errors from each mode's amount rho² / (1 - u w).
+
+    All modes lifted by p times their amounts: the i-th largest 1/w, whichever mode has become it. Or mode i by ALONE
+    times its own, where the higher modes, lifted by what is left for them, do not reach it.
+    """
+    lifted = -np.sort(-np.where(inside, (1.0 + last[:, None] * amount) / rates, 0.0), axis=1)
+    others = 1.0 + ALONE / (ALONE - 1.0) * (last[:, None] - 1) * amount
+    lowered = np.where(inside, rates / others, np.inf)
+    above = np.minimum.accumulate(lowered[:, ::-1], axis=1)[:, ::-1]
+    clear = np.hstack([above[:, 1:], np.full((len(rates), 1), np.inf)]) > rates
+    return np.asarray(np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf)))
+
+
+def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:
+    """Frequencies (k,) below which the full model has no more than `last` (k,) ones; 0 where none is found."""
+    k = np.arange(omega.size)
+    below = rates[k, last - 1]
+    above = np.minimum(rates[k, last], np.sqrt(basis.known[last]))
+    raised = basis.held(omega).min(axis=1) * basis.known[last]
+    drag = omega if basis.coriolis is not None else np.zeros_like(omega)
+    coarse = np.sqrt(drag**2 + np.maximum(raised, 0.0)) - drag
+    middle = np.sqrt(below * above)
+    unclear = coarse < middle
+    gap = np.minimum(coarse, above)
+    if unclear.any():
+        counted = _count_below(basis, omega[unclear], middle[unclear])
+        gap[unclear] = np.where(counted == last[unclear], middle[unclear], 0.0)
+    return np.where(gap > below, gap, 0.0)
+
+
+def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, tolerance: float) -> Array:
+    """Fewest vectors (n, m) that hold the residuals' representers K_r^-1 r of the wanted modes.
+
+    The squares of what they leave out add up to at most the tolerance, relative to the modes.
+    """
+    coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :wanted]
+    size = np.sqrt(2.0) * modes.rates[:, :wanted, None]
+    flat = (coefficients / size).reshape(-1, coefficients.shape[2]).T
+    flat = np.hstack([flat.real, flat.imag]) if np.iscomplexobj(flat) else flat
+    weights, directions = np.linalg.eigh(flat.T @ basis.gram @ flat)
+    keep = np.cumsum(np.maximum(weights, 0.0)) > tolerance
+    span = np.hstack([basis.vectors, *basis.representers])
+    return np.asarray(span @ (flat @ directions[:, keep]))
+
+
+def _coefficients(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> NDArray[Any]:
+    """Coordinates (k, q, b r) of the residuals' representers in [V, K_r^-1 K_1 V, K_r^-1 M V, ...]."""
+    rows = vectors.transpose(0, 2, 1)
+    parts = [rows, basis.shift(omega)[:, None, None] * rows, -(rates[:, :, None] ** 2) * rows]
+    if basis.coriolis is not None:
+        parts.append(1j * omega[:, None, None] * rates[:, :, None] * rows)
+    return np.concatenate(parts, axis=2)
+
+
+def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> Array:
+    """Relative residuals rho (k, q), with what rounding leaves uncertain of them."""
+    c = _coefficients(basis, omega, rates, vectors)
+    moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
+    squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
+    lost = PRECISION * (np.abs(c) @ np.sqrt(np.maximum(np.diagonal(basis.gram), 0.0))) ** 2
+    held = basis.held(omega)
+    energy = rates**2
+    if basis.coriolis is not None:
+        energy = 0.5 * (energy + (held[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
+    floor = held.min(axis=1)[:, None]
+    squared = (np.maximum(squared, 0.0) + lost) / (2.0 * energy * np.maximum(floor, LEAST))
+    return np.where(floor > 0.0, np.sqrt(squared), np.inf)
+
+
+def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:
+    """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
+    r = basis.size
+    shift = basis.shift(omega)
+    weights: list[NDArray[Any]] = [shift, -(rates**2)]
+    form = np.eye(r) + shift[:, None, None] * basis.gram[:r, r : 2 * r] - (rates**2)[:, None, None] * basis.mass
+    drag = rates**2
+    if basis.coriolis is not None:
+        weights.append(1j * omega * rates)
+        form = form + (1j * omega * rates)[:, None, None] * basis.coriolis
+        drag = drag + 2.0 * rates * omega
+    margin = 1.0 - np.abs(shift) * basis.stretch_outside - drag / basis.known[-1]
+    safe = np.where(margin > 0.0, margin, 1.0)
+    blocks = basis.outside.reshape(len(weights), r, len(weights), r)
+    for a, left in enumerate(weights):
+        for b, right in enumerate(weights):
+            form = form - (left.conj() * right / safe)[:, None, None] * blocks[a, :, b]
+    negative = (np.linalg.eigvalsh(form) < 0.0).sum(axis=1)
+    return np.where(margin > 0.0, negative, -1)
 
 
 LARGEST = 60
@@ -129,7 +281,7 @@ def _by_halves(
 
 def grow(
     operators: Operators, omega: Array, count: int, tolerance: float, spare: int
-) -> tuple[ReducedBasis, error_bounds.ReducedModes, bool]:
+) -> tuple[ReducedBasis, ReducedModes, bool]:
     """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""
     reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
     known = count + spare + 1
@@ -138,31 +290,31 @@ def grow(
     basis = begin(operators, stiffness, modes)
     training = np.linspace(omega[0], omega[-1], TRAINING)
     for _ in range(ROUNDS):
-        trial = error_bounds.solve(basis, training, count)
+        trial = solve(basis, training, count)
         if trial.within(AIM * tolerance).all():
-            found = error_bounds.solve(basis, omega, count)
+            found = solve(basis, omega, count)
             if found.within(tolerance).all():
                 return basis, found, False
             training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
-            trial = error_bounds.solve(basis, training, count)
+            trial = solve(basis, training, count)
         if (trial.floor <= 0.0).any():
             worst = float(training[trial.floor <= 0.0][0])
             solve_real(operators, worst, operators.at(worst), count)
         finest = AIM * tolerance / (2 * count)
-        more = error_bounds.representatives(basis, trial, count, finest)
+        more = representatives(basis, trial, count, finest)
         if more.shape[1] == 0:  # the mode above the wanted ones may stand in the way of their bounds
-            more = error_bounds.representatives(basis, trial, count + 1, finest)
+            more = representatives(basis, trial, count + 1, finest)
         if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
             break
         basis = enrich(operators, stiffness, modes, basis, more)
     gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
-    return basis, error_bounds.solve(basis, omega, count), bool(gapless.any())
+    return basis, solve(basis, omega, count), bool(gapless.any())
 
 
 def _collect(
     operators: Operators,
     basis: ReducedBasis,
-    found: error_bounds.ReducedModes,
+    found: ReducedModes,
     count: int,
     tolerance: float,
     damping_ratio: float,

@@ -15,8 +15,18 @@ from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.reproduction.claims import Claim, Value, Verdict, of_equations, of_figures, of_table_two
-from workflows.studies.reproduction.paper_errors import Closure, Slip, closure, slips
+from workflows.studies.reproduction.claims import (
+    Claim,
+    Closure,
+    Slip,
+    Value,
+    Verdict,
+    closure,
+    of_equations,
+    of_figures,
+    of_table_two,
+    slips,
+)
 from workflows.studies.reproduction.simulation import (
     FORMULATIONS,
     SHOWN,
