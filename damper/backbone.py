@@ -121,6 +121,32 @@ class Backbone:
             turns += branch.at(amplitudes)[1].tolist()
         return tuple(sorted(zip(found, turns, strict=True)))
 
+    def peaks(self, force: Floats) -> Floats:
+        """The largest amplitude that forces keep up at any frequency [m], shape (n,).
+
+        At resonance an amplitude takes least force: whatever takes no more there than a force gives is met beside it.
+
+        Args:
+            force: heights at the cavity along x, shape (n,) [N].
+        """
+        largest = np.zeros(len(force))
+        for branch in self.branches:
+            scans = [self._scan(branch, each, None) for each in (float(force.min()), float(force.max()))]
+            scan = np.unique(np.concatenate([*scans, branch.amplitude[branch.amplitude >= branch.range[0]]]))
+            ends = [end for end in branch.range if 0 < end < math.inf]
+            scan = np.unique([*scan, *ends])
+            scan = scan[(scan >= branch.range[0]) & (scan <= branch.range[1])]
+            needed = self.force(branch, scan)
+            least = np.minimum.accumulate(needed[::-1])[::-1]  # that this amplitude or a larger one takes
+            last = np.searchsorted(least, force, side="right") - 1
+            after = np.minimum(last + 1, len(scan) - 1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = np.log(force / needed[last]) / np.log(needed[after] / needed[last])
+            share = np.where(after > last, np.clip(share, 0.0, 1.0), 0.0)
+            amplitude = scan[last] * (scan[after] / scan[last]) ** share
+            largest = np.maximum(largest, np.where(last >= 0, amplitude, 0.0))
+        return largest
+
     def _scan(self, branch: Branch, force: float, frequency: float | None) -> Floats:
         """Amplitudes of a branch between which all answers lie, closely."""
         nu = branch.frequency.max() if frequency is None else frequency

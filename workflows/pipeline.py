@@ -10,7 +10,7 @@ from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.scene.scene import FASTEST, typed
-from workflows.solve import damper, limits, resources
+from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle
 from workflows.solve.structure import StructureSolver, StructureState
@@ -50,7 +50,8 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
 
 def results(state: StructureState, stages: Stages) -> Results:
     """Gather what a run found, with a verdict at each speed; its notes are those on how the scene is written."""
-    return limits.with_verdicts(state.results(stages=stages))
+    reductions = excitation.estimates(state, stages)
+    return replace(limits.with_verdicts(state.results(stages=stages)), reductions=reductions)
 
 
 def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:

@@ -16,6 +16,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
+from workflows.solve.excitation import held_well
 from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Found, Scored
 from workflows.studies.response import study as response
@@ -428,7 +429,7 @@ def test_the_balance_is_that_of_the_motion(shaken):
         found, _ = at_the_crossing(scene, 0.75)
         lines = objectives.linear(found)
         true = objectives.followed(found, lines, quick=False)
-        assert objectives.speaks(found.system)
+        assert held_well(found.system)
         assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
 
@@ -446,7 +447,7 @@ def test_nothing_better_at_the_crossings(shaken, here):
     document = found.document()
     assert document["value"] == best.value
     assert document["confirmed"] == pytest.approx(best.value, rel=0.01)
-    assert [entry["force"] for entry in document["crossings"]] == [1.0, 8.0]
+    assert {1.0, 8.0} < {entry["force"] for entry in document["crossings"]}
     assert study.design(shaken, pool=executor.given(here, 3)).document() == document, "the same seed, other workers"
     scene = parse(tomllib.loads(found.toml))
     assert (scene.design, scene.excitation.levels) == (None, (1.0, 8.0))

@@ -44,7 +44,7 @@ def test_a_ball_that_slides_supplies_no_best() -> None:
     assert [point.verdict.grade for point in found.speeds] == ["unknown", "unknown", "yes"]
     said = answer(found)
     assert said.verdict == (
-        "Yes from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, since rolling"
+        "Useful from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the ball would slide, since rolling"
         f" requires a friction of {needed(found, 1):.2g} to {needed(found, 0):.2g} at the amplitude of its best"
     )
     told = " ".join(said.sentences)
@@ -62,7 +62,8 @@ def test_where_all_slide_there_is_one_reason() -> None:
 def test_a_middle_of_speeds_has_both_its_ends() -> None:
     """Slow enough to slide, then good, then too fast for as much."""
     assert answer(at(100, 500, 1000, 5000, 17500)).verdict.startswith(
-        "Yes from 500 rpm (55.9 g) to 5000 rpm (5591 g), modestly from 17500 rpm (68492 g) on; no verdict at 100 rpm"
+        "Useful from 500 rpm (55.9 g) to 5000 rpm (5591 g), of modest use from 17500 rpm (68492 g) on; no verdict at"
+        " 100 rpm"
     )
 
 

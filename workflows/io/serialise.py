@@ -25,7 +25,7 @@ from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import parse
 from workflows.scene.scene import Scene
-from workflows.solve.results import Results, SpeedPoint, expect
+from workflows.solve.results import Results, SpeedPoint, VibrationReduction, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -66,6 +66,10 @@ class Document:
     notes: tuple[str, ...]
     effects: dict[str, Switch]
     speeds: tuple[SpeedPoint, ...]
+    reductions: Annotated[
+        tuple[VibrationReduction, ...],
+        Field(description="at each crossing of an engine order of [excitation] with a mode, from free vibration"),
+    ] = ()
     mesh_sha256: Annotated[
         _Hash | None, Field(description=f"of the mesh file's bytes, where the scene names one{_SAME}")
     ] = None
@@ -92,6 +96,7 @@ def _json(results: Results, indent: int | None) -> str:
         notes=results.notes,
         effects={name: Switch(effect.on, effect.why) for name, effect in results.effects.items()},
         speeds=results.speeds,
+        reductions=results.reductions,
     )
     text = adapter(Document).dump_json(whole, indent=indent, by_alias=True, exclude_defaults=True, exclude=_UNPUBLISHED)
     return text.decode()

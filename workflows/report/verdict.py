@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from workflows.formatting import span, whole
+from workflows.formatting import significant, span, whole
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
 from workflows.scene import paper
 from workflows.solve import limits
-from workflows.solve.limits import AIR, in_g
-from workflows.solve.results import OwnFigures, Reason, Results, SpeedPoint
+from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
+from workflows.solve.results import OwnFigures, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -159,7 +159,7 @@ _NEAR = 0.1
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
-_WORDS = ("not", "hardly", "modestly", "yes")
+_WORDS = ("locked", "not useful", "of modest use", "useful")
 """By rank."""
 
 
@@ -172,10 +172,15 @@ class Answer:
 
 
 def answer(results: Results) -> Answer:
-    """What the run found, most important first.
+    """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
+    alone, orders = _alone(results), of_orders(results)
+    if not results.reductions:
+        return Answer(alone.verdict, (*alone.sentences, *orders))
+    return Answer(orders[0].removesuffix("."), (*orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
 
-    It speaks of the damper's own figures, which no release and no damping of the structure has a part in.
-    """
+
+def _alone(results: Results) -> Answer:
+    """The damper's own figures, which no release and no damping of the structure has a part in."""
     points = sorted((p for p in results.speeds if p.working is not None), key=lambda p: p.load_g)
     if not points:
         return _plate_only(results)
@@ -200,7 +205,7 @@ def answer(results: Results) -> Answer:
         _beside_the_paper(results),
         None if remarks.met(results) and remarks.cavities(results) is None else remarks.sentence(results),
     )
-    verdict = _with_limits(results, loaded, _verdict(loaded)) if refused is None else f"No verdict: {refused}"
+    verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
     return Answer(verdict, tuple(part for part in parts if part))
 
 
@@ -212,14 +217,16 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f1_hz if point.reduced is not None else None
 
 
-def _verdict(points: list[SpeedPoint]) -> str:
-    """One word for all loads, or a word for each stretch of them: yes up to these, hardly from those on."""
+def _verdict(results: Results, points: list[SpeedPoint]) -> str:
+    """How useful the damper is over the loads, by stretches of them; where it is of no use, how little it adds."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
     known = [k for k, (rank, _) in enumerate(stretches) if rank >= 0]
+    if max(map(_rank, points)) == 1:
+        return _of_no_use(results, points)
     if len(stretches) == 1:
-        return _WORDS[stretches[0][0]].capitalize()
+        return capital(_WORDS[stretches[0][0]])
     if len(known) > _STEPS_AT_MOST:
-        return f"{_WORDS[max(map(_rank, points))].capitalize()} at best"
+        return f"{capital(_WORDS[max(map(_rank, points))])} at best"
     words = []
     for k in known:
         rank, run = stretches[k]
@@ -232,6 +239,15 @@ def _verdict(points: list[SpeedPoint]) -> str:
             where = f"up to {last}" if k - 1 in known else f"from {first} to {last}"
         words.append(f"{_WORDS[rank]} {where}")
     return capital(", ".join(words))
+
+
+def _of_no_use(results: Results, points: list[SpeedPoint]) -> str:
+    """How little the damper adds at its best, and where it is locked."""
+    found = [(best.damping_ratio, p) for p in points if (best := limits.best(results, p)) is not None and _rank(p) > 0]
+    most, at = max(found, key=lambda pair: pair[0])
+    locked = [point for point in points if _rank(point) == 0]
+    where = f"; the ball is locked {stretch(locked, points)}" if locked else ""
+    return f"Not useful: at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
 
 
 def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
@@ -250,7 +266,8 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
         within = ", within what the plate endures," if least.limited else ""
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {capital(said)}"
-    return f"{text} The air alone gives turbine blades {percent(AIR[0])} to {percent(AIR[1])} %."
+    air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
+    return f"{text} The air alone gives turbine blades {air}, friction dampers {friction}."
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
@@ -319,6 +336,77 @@ def _beside_the_paper(results: Results) -> str | None:
         )
         text += "." if len(near) == len(rows) else f" ({span(min(loads), max(loads), 5)} g)."
     return text
+
+
+SHORT_WAY = "Estimated from free vibration; `spindamp response` computes the forced motion."
+
+_NO_ESTIMATE: dict[str, str] = {
+    Reason.WEIGHT: remarks.WEIGHT,
+    Reason.SLIP: "the ball would slide at the amplitude of its best",
+    Reason.DENSITY: "no solid is as dense as this ball",
+    Reason.ROOT_STRESS: "the centrifugal pull at the root is more than any blade metal bears",
+    Reason.OTHER_MODE: "another mode moves the cavity more; `spindamp response` computes the motion",
+    Reason.SWINGS: "the ball swings freely in its hollow floor; `spindamp response` computes the motion",
+}
+"""Why free vibration does not tell what happens at a crossing."""
+
+
+def of_orders(results: Results) -> list[str]:
+    """A sentence or more for each order of [excitation] and mode that it meets, where the ball does most first."""
+    excitation = results.scene.excitation
+    if excitation is None:
+        return []
+    every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
+    overload = (
+        "bend the plate beyond small deflections" if limits.deflection_governs(results) else "overstress the root"
+    )
+    met = [_of_order(each, excitation.unit, overload) for each in every]
+    low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
+    unmet = sorted(set(excitation.orders) - {each.order for each in every})
+    return met + [f"Engine order {order} meets no mode between {low} and {high} rpm." for order in unmet]
+
+
+def _of_order(found: VibrationReduction, unit: str, overload: str) -> str:
+    """What the ball does at a crossing: by how much, at which levels, and why not at the others."""
+    where = f"At engine order {found.order} ({whole(found.rpm)} rpm, {found.family} mode)"
+    if found.reason:
+        return f"{where}: no estimate: {found.detail or _NO_ESTIMATE[found.reason]}."
+    if not math.isfinite(found.range[0]):
+        return f"{where}: not useful {_at_no_level(found, unit)}."
+    low, high = found.range
+    between = f"at {significant(low)}" if low == high else f"between {significant(low)} and {significant(high)}"
+    text = f"{where}: up to {percent(1 - found.ratio)} % less vibration, {between} {unit}."
+    borne = [each for each in found.levels if each.endured]
+    idle = {
+        f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in found.levels if not each.endured],
+        f"At {{}} {unit} the load holds the ball at rest.": [e for e in borne if e.level < found.moves_from],
+        f"At {{}} {unit} the ball takes less than 1 %.": [
+            e for e in borne if e.level >= found.moves_from and not low <= e.level <= high
+        ],
+    }
+    return " ".join(
+        [text, *(said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels)]
+    )
+
+
+def _at_no_level(found: VibrationReduction, unit: str) -> str:
+    """That the ball is of no use at any level that was evaluated, and why."""
+    evaluated = "at any level"
+    if math.isfinite(found.endured_level):
+        evaluated += f" that the plate endures (up to {significant(found.endured_level)} {unit})"
+    elif found.detail:
+        evaluated = f"at {found.detail}"
+    if not math.isfinite(found.moves_from):
+        return f"{evaluated}: the ball never moves"
+    if found.moves_from >= found.endured_level:
+        return f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
+    return f"{evaluated}: the ball takes {percent(max(1 - found.ratio, 0.0))} % of the amplitude at most"
+
+
+def listed(levels: Sequence[float]) -> str:
+    """A few levels in words."""
+    texts = [significant(level) for level in levels]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
 
 
 def _plate_only(results: Results) -> Answer:

@@ -462,6 +462,12 @@ class Scene(Table):
                 "design.amplitude",
                 "missing: the range over which the least damping counts (or give [excitation] instead)",
             )
+        if self.excitation is not None and self.damper is not None and self.damper.damping_ratio == 0:
+            raise fault(
+                "damper.damping_ratio",
+                "an excited structure without damping has no bound at resonance: give what the air or its clamp takes,"
+                " such as 0.001",
+            )
         if self.plate is not None:
             on_the_plate(self.plate, self.damper, self.release)
         if self.damper is not None and (radius := self._turning_at) is not None:

@@ -25,6 +25,11 @@ AIR = (1.4e-3, 4.0e-3)
 0.40 % (steam); compiled in Fatigue of Aircraft Structures 2022, doi 10.2478/fas-2022-0006, after Kielb and Abhari 2001
 and Brown 1981."""
 
+FRICTION_DAMPERS = (2e-3, 3.3e-2)
+"""Damping ratios by friction dampers: amplification factors of blades with platform dampers of 15 to 250, of which ζ is
+half the inverse (Experimental Techniques 2018, doi 10.1007/s40799-018-0248-z); amplitudes fall by 62 to 83 % (doi
+10.2478/fas-2022-0006)."""
+
 ENDURED = 4e-3
 """Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
 about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""

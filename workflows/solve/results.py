@@ -221,6 +221,9 @@ class Reason(StrEnum):
     PRINTED = "printed_equations"
     DENSITY = "ball_density"
     ROOT_STRESS = "root_stress"
+    NOT_DRIVEN = "not_driven"
+    OTHER_MODE = "other_mode"
+    SWINGS = "ball_swings"
 
 
 @dataclass(frozen=True)
@@ -269,6 +272,50 @@ class Verdict:
         if self.damping_ratio is None:
             return -1
         return {Grade.YES: 3, Grade.MODEST: 2}.get(Grade(self.grade), 1) if self.damping_ratio else 0
+
+
+@dataclass(frozen=True)
+class ForceLevel:
+    """What the ball does at resonance under one level of the excitation."""
+
+    level: Annotated[float, quantity("1", "height of the excitation, in its unit")]
+    ratio: Annotated[float, quantity("1", "largest amplitude with the ball over the one without")]
+    amplitude: Annotated[float, quantity("m", "at the cavity, with the ball")]
+    endured: Annotated[bool, quantity("1", "whether the structure endures that amplitude, as far as it is known")]
+
+
+@dataclass(frozen=True)
+class VibrationReduction:
+    """How much less a mode vibrates with the ball where an engine order meets it, by the balance of free vibration."""
+
+    order: Annotated[int, quantity("1", "engine order")]
+    mode: Annotated[int, quantity("1", "number of the mode at the lowest speed, from 1")]
+    family: Annotated[str, quantity("", "what the mode does")]
+    rpm: Annotated[float, quantity("rpm", "speed of the crossing without the ball")]
+    frequency_hz: Annotated[float, quantity("Hz", "frequency there")]
+    ratio: Annotated[
+        Unknown, quantity("1", "least amplitude with the ball over the one without, of all levels endured; null: none")
+    ] = math.nan
+    level: Annotated[Unknown, quantity("1", "height of the excitation at which that is, in its unit")] = math.nan
+    range: Annotated[
+        Pair, quantity("1", "levels between which the ball takes 1 % of the amplitude or more, as far as endured")
+    ] = (math.nan, math.nan)
+    endured_level: Annotated[
+        Unknown, quantity("1", "level up to which the structure endures the amplitude; null: no limit is known")
+    ] = math.nan
+    moves_from: Annotated[Unknown, quantity("1", "level up to which the load holds the ball at rest; null: at any")] = (
+        math.nan
+    )
+    levels: Annotated[tuple[ForceLevel, ...], part("the levels of [excitation]")] = ()
+    reason: Annotated[
+        str,
+        quantity(
+            "",
+            "why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another"
+            " moves the cavity more), ball_swings (in its hollow floor)",
+        ),
+    ] = Reason.NONE
+    detail: Annotated[str, quantity("", "the same in words, where they say more")] = ""
 
 
 @dataclass(frozen=True)
@@ -508,6 +555,7 @@ __all__ = [
     "ErrorParts",
     "Figures",
     "Floats",
+    "ForceLevel",
     "Grade",
     "History",
     "Mode",
@@ -519,6 +567,7 @@ __all__ = [
     "SpeedPoint",
     "Surface",
     "Verdict",
+    "VibrationReduction",
     "expect",
     "middle",
     "rpm",
@@ -696,6 +745,7 @@ class Results:
     scene: Scene
     effects: dict[str, Effect]
     speeds: tuple[SpeedPoint, ...]
+    reductions: Annotated[tuple[VibrationReduction, ...], part("under the orders of [excitation]")] = ()
     surface: Annotated[Surface | None, KEPT] = None
     theory: Annotated[Theory | None, KEPT] = None
     diagram: Annotated[Diagram | None, KEPT] = None

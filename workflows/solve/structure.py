@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -99,6 +100,7 @@ class StructureState:
         source: the scene, with these speeds; effects: of plate and damper.
         points: one for each speed that has an answer; plate: None where the structure is given.
         surface: of the plate, as far as it is kept; diagram: what a Campbell diagram has beside the points.
+        solver: what gives it at other speeds.
     """
 
     source: SceneFile
@@ -108,6 +110,7 @@ class StructureState:
     surface: Surface | None = None
     diagram: Diagram | None = None
     mesh_sha256: str | None = None
+    solver: StructureSolver | None = None
 
     @property
     def theory(self) -> Theory | None:
@@ -168,6 +171,14 @@ class StructureSolver:
             with translated_errors(source), stages("modes"):
                 self.discrete = discretise(source, self.choice, stages, size)
 
+    def meeting(self, source: SceneFile) -> StructureSolver:
+        """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
+        other = copy(self)
+        given = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
+        on = {name: replace(self.choice.effects[name], on=True) for name, value in given.items() if value is True}
+        other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
+        return other
+
     @property
     def solves_each_speed(self) -> bool:
         """Whether every speed of the plate is solved by itself, so that more of them cost more."""
@@ -188,11 +199,11 @@ class StructureSolver:
             source = source.changed(rotor=source.scene.rotor.model_copy(update=update))
         if self.discrete is None:
             points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
-            return StructureState(source, effects, points)
+            return StructureState(source, effects, points, solver=self)
         plate = self._plate(source, self.discrete)
         with translated_errors(source), self.stages("reduction"):
             points = plate.with_ball(source, effects)
-        return StructureState(source, effects, points, plate, mesh_sha256=self.choice.mesh_sha256)
+        return StructureState(source, effects, points, plate, mesh_sha256=self.choice.mesh_sha256, solver=self)
 
     def plate(self) -> PlateSolution:
         """The plate at the speeds of its scene, for other dampers too.

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -21,15 +20,24 @@ from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import FLAT, Excitation, Scene
-from workflows.solve import coupling, engine_orders, limits
+from workflows.solve import coupling, engine_orders, excitation, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
+from workflows.solve.excitation import (
+    HELPS,
+    across,
+    at_cavity,
+    checked,
+    free_vibration,
+    harmonic_of,
+    held_well,
+    idle_structure,
+    with_forced_effects,
+)
 from workflows.solve.results import SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
 from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
-from workflows.studies.response import study
-from workflows.studies.response.study import HELPS, across, checked, shaken
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep.axes import Axis, Spread, find
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
@@ -166,12 +174,12 @@ class Crossed:
     @property
     def force(self) -> float:
         """At the cavity along x, of the same effect on the leading mode [N]."""
-        return study.at_cavity(self.system, self.harmonic)
+        return at_cavity(self.system, self.harmonic)
 
     @property
     def backbone(self) -> Backbone:
         """Free vibration at the crossing."""
-        return _free(self.system)
+        return free_vibration(self.system, threads=1)
 
     @property
     def stuck(self) -> float:
@@ -227,13 +235,13 @@ def crossing_objective(
 
     None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
     """
-    excitation = scene.excitation
-    modes, axis, leads = study.crossed(point, crossing)
-    if excitation is None or (modes is not None and study.idle_structure(modes, excitation)):
+    asked = scene.excitation
+    modes, axis, leads = excitation.crossed(point, crossing)
+    if asked is None or (modes is not None and idle_structure(modes, asked)):
         return None
-    kept = None if modes is None else study.kept(point, modes)
+    kept = None if modes is None else excitation.kept(point, modes)
     system = particle_damper(scene, effects, point, kept)
-    harmonic = study.harmonic_of(system, crossing, point, excitation, max(excitation.levels))
+    harmonic = harmonic_of(system, crossing, point, asked, max(asked.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
 
 
@@ -278,14 +286,6 @@ def linear(crossed: Crossed) -> Linear:
     )
 
 
-@lru_cache(maxsize=16)
-def _free(system: ParticleDamper) -> Backbone:
-    """Free vibration, measured once for a design that is followed again, or under other forces."""
-    from damper import backbone
-
-    return backbone(system, threads=1)
-
-
 def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
     """The speed of the structure [rad/s] and what drives it, at frequencies about a resonance.
 
@@ -306,18 +306,8 @@ def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motio
     return motions_of(crossed.at(omega)[0], harmonics, (Start.UP,), crossed.axis, 0, 256)
 
 
-_HELD, _HELD_IN_A_BOWL = 0.3, 1.0
-"""Cut-off over half the clearance from which on the balance speaks for a ball on a flat floor, and in a hollow one."""
-
 _SCAN = 2000
 """Amplitudes looked through."""
-
-
-def speaks(system: ParticleDamper) -> bool:
-    """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
-    gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
-    held = system.rolling_threshold / system.stuck_frequency**2
-    return gap > 0 and held >= (_HELD if system.floor_radius is None else _HELD_IN_A_BOWL) * gap * left
 
 
 def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
@@ -442,7 +432,7 @@ class LeastAmplitude:
         if here is None:
             return []
         lines = linear(here)
-        if here.leads and speaks(here.system):
+        if here.leads and held_well(here.system):
             return [(amplitude(here, lines.resting, quick=quick), here, lines)]
         return [(followed(here, lines, quick=quick), here, lines)]
 
@@ -541,7 +531,7 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
     checked(source)
-    as_shaken = shaken(source)
+    as_shaken = with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
 
 

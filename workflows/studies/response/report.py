@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,11 +16,13 @@ from workflows import formatting
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
 from workflows.io.files import as_json, as_table, finite, write_study
-from workflows.report import plots, remarks
+from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
+from workflows.solve.excitation import HELPS, endured
 from workflows.solve.limits import AIR
-from workflows.studies.response.study import HELPS, Response, Row, Through, endured, is_beyond, root_stress, rows
+from workflows.solve.results import ForceLevel, Reason, VibrationReduction
+from workflows.studies.response.study import Response, Row, Through, is_beyond, peak, rows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -230,105 +234,72 @@ def path(found: Response, through: Through, name: str) -> str:
 
 
 def sentences(found: Response) -> list[str]:
-    """Whether the ball helps, in one plain sentence; then each crossing."""
-    said = [_verdict(found)] + [_sentence(found, through) for through in found.passed]
+    """What the ball does at each order asked for, in plain sentences, where it does most first."""
     if (dense := remarks.too_dense(found.results)) is not None:
-        said = [f"No verdict: {dense[0]}.", dense[1], *said[1:]]
-    if _undamped(found):
-        said = [f"No verdict: {_UNDAMPED}."]
-    for crossing, why in found.idle:
-        said.append(f"{place(crossing)}: nothing to follow, {why}.")
+        return [f"No verdict: {dense[0]}.", dense[1]]
+    reductions = [*(confirmed(found, through) for through in found.passed), *_idle(found)]
+    said = verdict.of_orders(replace(found.results, reductions=tuple(reductions)))
+    unit = found.excitation.unit
+    added = [level for level in found.excitation.levels if level not in found.asked]
+    if added:
+        said.append(
+            f"Beside the levels asked for, {verdict.listed(added)} {unit} is followed, where the ball does most."
+        )
+    ends = [through for through in found.passed if _at_the_end(through)]
+    for through in ends:
+        said.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
     return said
 
 
-_UNDAMPED = (
-    "without damping of its own ([damper] damping_ratio) the structure has no bound at resonance, so that there is no"
-    " amplitude that the ball could be held against; give it what the air or its clamp takes, such as 0.001"
-)
+def _idle(found: Response) -> list[VibrationReduction]:
+    """What is known of the crossings that were not followed."""
+    passed = [through.crossing for through in found.passed]
+    return [each for each in found.results.reductions if not any(_is_of(each, crossing) for crossing in passed)]
 
 
-def _undamped(found: Response) -> bool:
-    given = found.results.scene.damper
-    return given is not None and given.damping_ratio == 0 and bool(found.passed)
+def _is_of(reduction: VibrationReduction, crossing: Crossing) -> bool:
+    return (reduction.order, reduction.mode, reduction.rpm) == (crossing.order, crossing.branch + 1, crossing.rpm)
 
 
-def _verdict(found: Response) -> str:
-    """Whether the ball helps anywhere where the plate endures it, and up to which force it does."""
-    helped = [row for row in rows(found) if row.ratio <= HELPS and not is_beyond(found, row)]
-    orders = _listed(sorted({through.crossing.order for through in found.passed}))
-    if not found.passed:
-        return "No crossing is driven at the damper's place."
-    if not helped:
-        bearable = "" if found.strain_per_amplitude is None else " at any amplitude and speed that its root endures"
-        return f"No: at order{orders} the ball does not help{bearable}."
-    takes = f"the ball takes up to {significant(100 * (1 - min(row.ratio for row in helped)), 2)} % of the amplitude"
-    limits = _limits(found, helped)
-    if not any(limits.values()):
-        return f"Yes: at order{_listed(sorted(limits))} {takes} at resonance."
-    where = [f"{limit} at order {order}" if limit else f"at order {order}" for order, limit in sorted(limits.items())]
-    return f"Yes, {' and '.join(where)}: {takes} at resonance. Larger forces are more than the plate endures."
+_OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
+"""Why free vibration does not tell what the motion does."""
 
 
-def _limits(found: Response, helped: list[Row]) -> dict[int, str]:
-    """Order by order, up to which force the plate endures what the ball helps against; empty where up to the last."""
-    limits = {row.through.crossing.order: "" for row in helped}
-    for through in found.passed:
-        mine = [row for row in helped if row.through is through]
-        if mine and any(is_beyond(found, row) for row in rows(found, through)):
-            greatest = max(row.force for row in mine)
-            limits[through.crossing.order] = f"up to {significant(greatest)} {found.excitation.unit}"
-    return limits
+def confirmed(found: Response, through: Through) -> VibrationReduction:
+    """What the ball does at a crossing by the motion followed, between levels by free vibration."""
+    short = next(each for each in found.results.reductions if _is_of(each, through.crossing))
+    mine = rows(found, through)
+    if short.reason and short.reason not in _OF_MOTION:
+        return short
+    levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(found, row)) for row in mine]
+    borne = [each for each in levels if each.endured] or levels
+    best = min(borne, key=lambda each: each.ratio)
+    useful = [each.level for each in borne if each.endured and each.ratio <= HELPS]
+    low, high = (min(useful), max(useful)) if useful else (math.nan, math.nan)
+    others = [each.level for each in levels if each.level not in useful]
+    if useful and not any(short.range[0] <= level <= short.range[1] for level in others):
+        low, high = min(low, short.range[0]), max(high, short.range[1])  # comparisons with nan leave the motion's
+    return replace(
+        short,
+        ratio=best.ratio,
+        level=best.level,
+        range=(low, high),
+        moves_from=through.least_force,
+        levels=tuple(each for each in levels if each.level in found.asked),
+        reason=Reason.NONE,
+        detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {found.excitation.unit}",
+    )
 
 
-def _listed(orders: list[int]) -> str:
-    """Of a few orders, as the end of a word: s 2 and 3."""
-    words = [str(order) for order in orders]
-    return f" {words[0]}" if len(words) == 1 else f"s {', '.join(words[:-1])} and {words[-1]}"
+def _at_the_end(through: Through) -> bool:
+    """Whether the largest amplitude is at the first speed followed or the last."""
+    speeds = [peak(through, force)[0] for force in range(len(through.forces))]
+    return any(speed in (0, len(through.omega) - 1) for speed in speeds)
 
 
 def place(c: Crossing) -> str:
     """Where an order meets a mode."""
     return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
-
-
-def _sentence(found: Response, through: Through) -> str:
-    c, unit = through.crossing, found.excitation.unit
-    where = f"{place(c)}, {significant(c.frequency_hz)} Hz"
-    every = rows(found, through)
-    borne = [row for row in every if not is_beyond(found, row)]
-    mine = borne if any(row.ratio <= HELPS for row in borne) else every
-    best = min(mine, key=lambda row: row.ratio)
-    begins = _begins(found, through)
-    if best.ratio > HELPS:
-        left, most = significant(100 * best.ratio, 4), significant(100 * (1 - HELPS), 1)
-        return (
-            f"{where}: the ball does not help. Under no force followed does it take {most} % of the amplitude; at best"
-            f" {left} % of it are left{begins}"
-        )
-    helped = [row.force for row in mine if row.ratio <= HELPS]
-    span = significant(helped[0]) if len(helped) == 1 else f"{significant(helped[0])} to {significant(helped[-1])}"
-    cut = significant(100 * (1 - best.ratio), 2)
-    if mine is every and any(is_beyond(found, row) for row in mine if row.ratio <= HELPS):
-        cut += " %, but only where the root of a blade does not endure it; it takes"
-        return f"{where}: the ball takes up to {cut} that at {span} {unit}{begins}"
-    return f"{where}: the ball helps at {span} {unit}, taking up to {cut} % of the amplitude{begins}"
-
-
-def _begins(found: Response, through: Through) -> str:
-    """From which force on the ball moves, and what the root then bears."""
-    least, unit = through.least_force, found.excitation.unit
-    if least == 0:
-        return "; nothing holds it at rest."
-    if not np.isfinite(least):
-        return "; it never moves."
-    stress, force = root_stress(found, through), significant(least)
-    if stress is None:
-        return f"; it begins to move at {force} {unit}."
-    per_force = float(np.abs(through.shaped(through.states.without)).max(axis=0)[0]) / through.forces[0]
-    there = significant(1e-6 * stress * per_force * least)
-    limit = endured(found, through)
-    much = ", more than blades endure" if limit is not None and per_force * least > limit else ""
-    return f"; it begins to move at {force} {unit}, where the root without a ball bears {there} MPa{much}."
 
 
 def text(found: Response) -> str:
@@ -438,7 +409,7 @@ def _damper(found: Response, through: Through) -> dict[str, Any]:
         "at_amplitude": finite(figures.peak_amplitude),
         "range": [finite(end) for end in figures.range],
         "cutoff": finite(figures.cutoff),
-        "endured_amplitude": endured(found, through),
+        "endured_amplitude": endured(found.results, through.crossing),
         "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
     }
 
@@ -506,8 +477,8 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "crossing": through.crossing,
         "rows": mine,
         "response": Markup(response(found, through, str(number), shades)),
-        "ratios": Markup(ratios(found, through, str(number))),
+        "ratios": Markup(ratios(found, through, str(number))) if len(through.forces) > 1 else "",
         "path": Markup(path(found, through, str(number))),
-        "endured": endured(found, through),
+        "endured": endured(found.results, through.crossing),
         "beyond": any(is_beyond(found, row) for row in mine),
     }

@@ -10,16 +10,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from workflows.errors import BadInput, during, read_from
+from workflows.errors import during, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation
-from workflows.solve import coupling, engine_orders, limits, resources
 from workflows.solve import damper as damper_stage
+from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import CavityMode, Floats, Results, SpeedPoint, rpm
-from workflows.solve.structure import StructureSolver, StructureState
+from workflows.solve.excitation import (
+    at_cavity,
+    branch_of,
+    checked,
+    crossed,
+    damper_at,
+    endured,
+    free_vibration,
+    harmonic_of,
+    kept,
+    modes_of,
+    root_stress,
+    with_forced_effects,
+)
+from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction, rpm
+from workflows.solve.structure import StructureSolver
 
 if TYPE_CHECKING:
     import damper
@@ -69,16 +83,16 @@ class Response:
     """All that a forced response found.
 
     Attributes:
-        results: the structure over the whole range of speeds, as of a run.
+        results: the structure over the whole range of speeds, as of a run, with the short way's answer.
         passed: crossings that were followed; idle: the others, each with the reason.
-        strain_per_amplitude: at the root in the first bending mode [1/m]; None where it is not known.
+        asked: levels that the scene names; the others are where the ball does most, by the short way.
     """
 
     results: Results
     excitation: Excitation
     passed: tuple[Through, ...]
     idle: tuple[tuple[Crossing, str], ...]
-    strain_per_amplitude: float | None
+    asked: tuple[float, ...]
 
 
 def peak(found: Through, force: int) -> tuple[int, int]:
@@ -86,10 +100,6 @@ def peak(found: Through, force: int) -> tuple[int, int]:
     means = np.nan_to_num(found.shaped(found.states.mean)[:, force])  # nan where a ball has no end of hits
     speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
     return int(speed), int(start)
-
-
-HELPS = 0.99
-"""Amplitude over that without the ball up to which the ball is said to help: less is next to nothing."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +159,7 @@ def _row(found: Response, through: Through, force: int) -> Row:
 
     without = float(np.abs(through.shaped(states.without))[:, force].max())
     short = float(through.short[speed, force, start])
-    stress = root_stress(found, through)
+    stress = root_stress(found.results, through.crossing)
     return Row(
         through=through,
         force=through.forces[force],
@@ -168,22 +178,9 @@ def _row(found: Response, through: Through, force: int) -> Row:
     )
 
 
-def root_stress(found: Response, through: Through) -> float | None:
-    """At the root per amplitude at the cavity, in the first bending mode [Pa/m]."""
-    material, strain = found.results.scene.material, found.strain_per_amplitude
-    if material is None or strain is None or through.crossing.family != "flap" or through.crossing.branch != 0:
-        return None
-    return material.youngs_modulus * strain
-
-
-def endured(found: Response, through: Through) -> float | None:
-    """Amplitude at the cavity that the root endures [m]; None where it is not known."""
-    return None if root_stress(found, through) is None else limits.endured(found.results)
-
-
 def is_beyond(found: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
-    limit = endured(found, row.through)
+    limit = endured(found.results, row.through.crossing)
     torn = (limits.root_stress(found.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
     return torn or (limit is not None and row.greatest > limit)
 
@@ -216,103 +213,6 @@ def gathered(middle: float, low: float, high: float, count: int) -> Floats:
     return np.where(x < 0, middle + (middle - low) * bent, middle + (high - middle) * bent)
 
 
-_STILL = 1e-6
-"""Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
-
-
-def branch_of(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
-    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
-    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
-    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency_hz), default=None)
-    return 0 if near is None else near.branch
-
-
-def modes_of(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
-    """The mode that is crossed first, then the others; None where the structure is given."""
-    if not point.cavity_modes:
-        return None
-    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
-    return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
-
-
-def crossed(point: SpeedPoint, crossing: Crossing) -> tuple[list[CavityMode] | None, int, bool]:
-    """The modes of :func:`modes_of`, the axis along which the first moves the cavity, and whether it leads along x."""
-    modes = modes_of(point, branch_of((point,), crossing))
-    if modes is None:
-        return None, 0, True
-    axis = int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    return modes, axis, axis == 0 and coupling.leading(point.cavity_modes, 0) is modes[0]
-
-
-def kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
-    """The mode crossed and those that yield most along either axis, ascending."""
-    leaders = [coupling.leading(point.cavity_modes, axis) for axis in range(2)]
-    numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
-    return [mode for mode in point.cavity_modes if mode.number in numbers]
-
-
-def idle_structure(modes: list[CavityMode], excitation: Excitation) -> str:
-    """Why a crossing has nothing to follow; nothing where it has."""
-    most = max(math.hypot(*mode.shape) for mode in modes)
-    if math.hypot(*modes[0].shape) <= _STILL * most:
-        return "the damper's place does not move in this mode"
-    pushes = [abs(_push(mode, excitation.kind)) for mode in modes]
-    return "" if pushes[0] > _STILL * max(pushes) else "the excitation does not drive this mode"
-
-
-def _push(mode: CavityMode, kind: str) -> float:
-    """Modal force by a unit of the excitation."""
-    return {"force": mode.shape[0], "pressure": mode.pressed, "base": -mode.drawn[0]}[kind]
-
-
-def harmonic_of(
-    system: damper.ParticleDamper, crossing: Crossing, point: SpeedPoint, excitation: Excitation, level: float
-) -> damper.Harmonic:
-    """The excitation at a level, at a speed."""
-    from damper import Harmonic
-
-    frequency = crossing.order * point.omega
-    if excitation.kind == "force":
-        return Harmonic(frequency, force=(level, 0.0))
-    if excitation.kind == "base":
-        return Harmonic(frequency, base=(level, 0.0))
-    pressed = {mode.stiffness: mode.pressed for mode in point.cavity_modes}
-    return Harmonic(frequency, modal=tuple(level * pressed[mode.stiffness] for mode in system.modes or ()))
-
-
-def at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic) -> float:
-    """The force at the cavity along x that drives the leading mode as much, with the ball's part in a base [N]."""
-    if system.modes is None:
-        return abs(harmonic.force[0] - system.stuck_mass * harmonic.base[0])
-    k = system.leading(0)
-    mode = system.modes[k]
-    modal = 0.0 if harmonic.modal is None else harmonic.modal[k]
-    drawn = mode.participation[0] + system.ball_mass * mode.shape[0]
-    return abs(harmonic.force[0] + (modal - drawn * harmonic.base[0]) / mode.shape[0])
-
-
-_ACROSS, _FEW_ACROSS = 61, 13
-"""Speeds over the whole range, by which crossings are found; fewer where each speed is solved by itself."""
-
-
-def shaken(source: SceneFile) -> SceneFile:
-    """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
-
-    The floor of the cavity tilts, and a plate moves in its own modes.
-    """
-    structure = source.scene.structure
-    tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
-    modes: bool | str = True if source.scene.plate is not None else "auto"
-    effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
-    return source.changed(effects=effects)
-
-
-def across(solver: StructureSolver) -> StructureState:
-    """The structure over the whole range of a scene's speeds."""
-    speeds = solver.source.scene.rotor.speeds
-    return solver.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if solver.solves_each_speed else _ACROSS))
-
-
 SPEEDS, FEW_SPEEDS = 60, 20
 """Through a crossing; fewer where each speed of the plate is solved by itself."""
 
@@ -337,77 +237,74 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
-    excitation = checked(source)
+    asked = checked(source)
     resources.check(source)
     stages = stages or Stages()
-    source = shaken(source)
+    source = with_forced_effects(source)
     solver = StructureSolver(source, stages)
-    state = across(solver)
-    points = state.points
-    met = engine_orders.of_points(points, excitation.orders)
+    results = excitation.over_speeds(solver)
+    met = engine_orders.of_points(results.speeds, asked.orders)
     if not met:
-        raise engine_orders.unmet(points, excitation.orders, source.name)
+        raise engine_orders.unmet(results.speeds, asked.orders, source.name)
+    at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
+    reductions = []
+    for crossing in met:
+        with during(_where(crossing)):
+            reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, asked))
+    followed = with_best_levels(asked, reductions)
     passed, idle = [], []
     for crossing in met:
-        with during(f"order {crossing.order} at {whole(crossing.rpm)} rpm"):
-            found = _through(solver, crossing, excitation)
+        with during(_where(crossing)):
+            found = _through(solver, at[crossing.omega], crossing, followed)
         if isinstance(found, str):
             idle.append((crossing, found))
         else:
             passed.append(found)
-    results = replace(
-        state.results(stages=stages),
-        scene=source.scene,
-        surface=None if state.plate is None else state.plate.surface(speeds=1),
-    )
-    return Response(results, excitation, tuple(passed), tuple(idle), limits.root_strain(results, 1.0))
+    results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
+    return Response(results, followed, tuple(passed), tuple(idle), asked.levels)
 
 
-def checked(source: SceneFile) -> Excitation:
-    """What shakes a scene.
-
-    Raises:
-        BadInput: no damper, no excitation, no range of speeds.
-    """
-    scene = source.scene
-    if scene.damper is None:
-        raise BadInput("the table is missing: response needs a damper", file=source.name, key="[damper]")
-    if scene.excitation is None:
-        problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
-        raise BadInput(problem, file=source.name, key="[excitation]")
-    if scene.damper.formulation == "printed":
-        problem = "the printed equations know no force: expected 'consistent'"
-        raise BadInput(problem, file=source.name, key="[damper] formulation", value="printed")
-    if len(scene.rotor.speeds) < 2:
-        problem = "expected two speeds at least: crossings are looked for from the lowest to the highest"
-        raise BadInput(problem, file=source.name, key="[rotor] speeds")
-    return scene.excitation
+def _where(crossing: Crossing) -> str:
+    return f"order {crossing.order} at {whole(crossing.rpm)} rpm"
 
 
-def _through(solver: StructureSolver, crossing: Crossing, excitation: Excitation) -> Through | str:
+_NEAR_BEST = 0.9
+"""Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
+
+
+def with_best_levels(asked: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
+    """The excitation with the levels at which the ball does most, where those asked for show much less."""
+    best = set()
+    for each in reductions:
+        shown = max((1 - level.ratio for level in each.levels if level.endured), default=0.0)
+        if math.isfinite(each.range[0]) and shown < _NEAR_BEST * (1 - each.ratio):
+            best.add(float(f"{each.level:.2g}"))
+    return asked.model_copy(update={asked.kind: tuple(sorted({*asked.levels, *best}))})
+
+
+def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
-    (at,) = solver.at([crossing.omega]).points
-    modes, axis, leads = crossed(at, crossing)
-    if modes is not None and (idle := idle_structure(modes, excitation)):
-        return idle
+    system = damper_at(solver, at, crossing, asked)
+    if isinstance(system, str):
+        return system
+    _, axis, leads = crossed(at, crossing)
     omega = _speeds(solver, crossing, at)
-    dampers, harmonics = _driven(solver, crossing, excitation, omega)
+    dampers, harmonics = _driven(solver, crossing, asked, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
-    forces = len(excitation.levels)
-    shape, levels = (len(omega), forces), np.tile(excitation.levels, len(omega))
-    middle = dampers[len(omega) // 2 * forces]
+    forces = len(asked.levels)
+    shape, levels = (len(omega), forces), np.tile(asked.levels, len(omega))
     top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
     with solver.stages("damper"):
-        short = _short(middle, dampers, harmonics, states, speaks=leads)
+        short = _short(system, dampers, harmonics, states, speaks=leads)
         return Through(
             crossing=crossing,
             axis=axis,
             omega=omega,
-            forces=excitation.levels,
+            forces=asked.levels,
             states=states,
             short=short.reshape(*shape, -1),
             least_force=float((levels * states.moves_from).min()),
-            figures=damper_stage.figures(middle),
+            figures=damper_stage.figures(system),
             path=_path(dampers[top], harmonics[top], float(omega[top // forces]), float(levels[top])),
         )
 
@@ -422,7 +319,7 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floa
 
 
 def _driven(
-    solver: StructureSolver, crossing: Crossing, excitation: Excitation, omega: Floats
+    solver: StructureSolver, crossing: Crossing, asked: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
     dampers, harmonics, points = [], [], solver.at(omega).points
@@ -432,8 +329,8 @@ def _driven(
         only = None if own is None else kept(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
-        dampers += [system] * len(excitation.levels)
-        harmonics += [harmonic_of(system, crossing, point, excitation, level) for level in excitation.levels]
+        dampers += [system] * len(asked.levels)
+        harmonics += [harmonic_of(system, crossing, point, asked, level) for level in asked.levels]
     return dampers, harmonics
 
 
@@ -454,7 +351,7 @@ def _followed(
         def progress(number: int) -> None:
             nonlocal done
             for _ in range(number - done):
-                step.advance(f"order {crossing.order} at {whole(crossing.rpm)} rpm")
+                step.advance(_where(crossing))
             done = number
 
         return forced(
@@ -475,12 +372,10 @@ def _short(
     That is so where another yields more along x. One measurement at the crossing serves all of it: frequencies scale
     with the structure's own, forces with its stiffness.
     """
-    from damper import backbone
-
     short = np.full(states.mean.shape, np.nan)
     if not speaks:
         return short
-    found = backbone(middle)
+    found = free_vibration(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
         force = at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency

@@ -1,0 +1,352 @@
+"""Engine orders at resonance: what drives a mode, and how much less it vibrates with the ball, from free vibration.
+
+The estimate goes by the balance of work in a cycle (:mod:`damper.backbone`), over all forces up to what the structure
+endures; `spindamp response` follows the motion itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from workflows.errors import BadInput, read_from
+from workflows.progress import Stages
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import Excitation
+from workflows.solve import coupling, engine_orders, limits
+from workflows.solve.damper import particle_damper
+from workflows.solve.engine_orders import Crossing
+from workflows.solve.results import CavityMode, Floats, ForceLevel, Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.structure import StructureSolver, StructureState
+
+if TYPE_CHECKING:
+    import damper
+
+
+HELPS = 0.99
+"""Amplitude over that without the ball up to which the ball is said to help: less is next to nothing."""
+
+
+_STILL = 1e-6
+"""Displacement of the cavity over that of the whole plate, and force over that of a mode, that counts as none."""
+
+
+def branch_of(points: Sequence[SpeedPoint], crossing: Crossing) -> int:
+    """What the mode that is crossed is called among some speeds: branches are numbered at the lowest of them."""
+    point = min(points, key=lambda point: abs(point.omega - crossing.omega))
+    near = min(point.modes, key=lambda mode: abs(mode.frequency_hz - crossing.frequency_hz), default=None)
+    return 0 if near is None else near.branch
+
+
+def modes_of(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
+    """The mode that is crossed first, then the others; None where the structure is given."""
+    if not point.cavity_modes:
+        return None
+    crossed = next((k for k, mode in enumerate(point.modes) if mode.branch == branch), 0)
+    return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
+
+
+def crossed(point: SpeedPoint, crossing: Crossing) -> tuple[list[CavityMode] | None, int, bool]:
+    """The modes of :func:`modes_of`, the axis along which the first moves the cavity, and whether it leads along x."""
+    modes = modes_of(point, branch_of((point,), crossing))
+    if modes is None:
+        return None, 0, True
+    axis = int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
+    return modes, axis, axis == 0 and coupling.leading(point.cavity_modes, 0) is modes[0]
+
+
+def kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
+    """The mode crossed and those that yield most along either axis, ascending."""
+    leaders = [coupling.leading(point.cavity_modes, axis) for axis in range(2)]
+    numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
+    return [mode for mode in point.cavity_modes if mode.number in numbers]
+
+
+def idle_structure(modes: list[CavityMode], excitation: Excitation) -> str:
+    """Why a crossing has nothing to follow; nothing where it has."""
+    most = max(math.hypot(*mode.shape) for mode in modes)
+    if math.hypot(*modes[0].shape) <= _STILL * most:
+        return "the damper's place does not move in this mode"
+    pushes = [abs(_push(mode, excitation.kind)) for mode in modes]
+    return "" if pushes[0] > _STILL * max(pushes) else "the excitation does not drive this mode"
+
+
+def _push(mode: CavityMode, kind: str) -> float:
+    """Modal force by a unit of the excitation."""
+    return {"force": mode.shape[0], "pressure": mode.pressed, "base": -mode.drawn[0]}[kind]
+
+
+def harmonic_of(
+    system: damper.ParticleDamper, crossing: Crossing, point: SpeedPoint, excitation: Excitation, level: float
+) -> damper.Harmonic:
+    """The excitation at a level, at a speed."""
+    from damper import Harmonic
+
+    frequency = crossing.order * point.omega
+    if excitation.kind == "force":
+        return Harmonic(frequency, force=(level, 0.0))
+    if excitation.kind == "base":
+        return Harmonic(frequency, base=(level, 0.0))
+    pressed = {mode.stiffness: mode.pressed for mode in point.cavity_modes}
+    return Harmonic(frequency, modal=tuple(level * pressed[mode.stiffness] for mode in system.modes or ()))
+
+
+def at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic, *, ball: bool = True) -> float:
+    """The force at the cavity along x that drives the leading mode as much, with the ball's part in a base [N]."""
+    ball_mass = system.ball_mass if ball else 0.0
+    if system.modes is None:
+        return abs(harmonic.force[0] - (system.stuck_mass - system.ball_mass + ball_mass) * harmonic.base[0])
+    k = system.leading(0)
+    mode = system.modes[k]
+    modal = 0.0 if harmonic.modal is None else harmonic.modal[k]
+    drawn = mode.participation[0] + ball_mass * mode.shape[0]
+    return abs(harmonic.force[0] + (modal - drawn * harmonic.base[0]) / mode.shape[0])
+
+
+_ACROSS, _FEW_ACROSS = 61, 13
+"""Speeds over the whole range, by which crossings are found; fewer where each speed is solved by itself."""
+
+
+def with_forced_effects(source: SceneFile) -> SceneFile:
+    """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
+
+    The floor of the cavity tilts, and a plate moves in its own modes.
+    """
+    structure = source.scene.structure
+    tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
+    modes: bool | str = True if source.scene.plate is not None else "auto"
+    effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
+    return source.changed(effects=effects)
+
+
+def across(solver: StructureSolver) -> StructureState:
+    """The structure over the whole range of a scene's speeds."""
+    speeds = solver.source.scene.rotor.speeds
+    return solver.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if solver.solves_each_speed else _ACROSS))
+
+
+def checked(source: SceneFile) -> Excitation:
+    """What shakes a scene.
+
+    Raises:
+        BadInput: no damper, no excitation, no range of speeds.
+    """
+    scene = source.scene
+    if scene.damper is None:
+        raise BadInput("the table is missing: response needs a damper", file=source.name, key="[damper]")
+    if scene.excitation is None:
+        problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
+        raise BadInput(problem, file=source.name, key="[excitation]")
+    if scene.damper.formulation == "printed":
+        problem = "the printed equations know no force: expected 'consistent'"
+        raise BadInput(problem, file=source.name, key="[damper] formulation", value="printed")
+    if len(scene.rotor.speeds) < 2:
+        problem = "expected two speeds at least: crossings are looked for from the lowest to the highest"
+        raise BadInput(problem, file=source.name, key="[rotor] speeds")
+    return scene.excitation
+
+
+def damper_at(
+    solver: StructureSolver, at: SpeedPoint, crossing: Crossing, excitation: Excitation
+) -> damper.ParticleDamper | str:
+    """The damper on the structure at the speed of a crossing, or why there is nothing to damp.
+
+    Raises:
+        BadInput: the damper does not fit there.
+    """
+    modes, _, _ = crossed(at, crossing)
+    if modes is not None and (idle := idle_structure(modes, excitation)):
+        return idle
+    with read_from(solver.source.name):
+        chosen = None if modes is None else kept(at, modes)
+        return particle_damper(solver.source.scene, solver.choice.effects, at, chosen)
+
+
+def over_speeds(solver: StructureSolver) -> Results:
+    """The structure over the whole range of a scene's speeds, with what its strength is judged by."""
+    state = across(solver)
+    surface = None if state.plate is None else state.plate.surface(speeds=1)
+    return replace(state.results(stages=solver.stages), surface=surface)
+
+
+def root_stress(results: Results, crossing: Crossing) -> float | None:
+    """At the root per amplitude at the cavity, in the first bending mode [Pa/m]; None where it is not known."""
+    material, strain = results.scene.material, limits.root_strain(results, 1.0)
+    if material is None or strain is None or crossing.family != "flap" or crossing.branch != 0:
+        return None
+    return material.youngs_modulus * strain
+
+
+def endured(results: Results, crossing: Crossing) -> float | None:
+    """Amplitude at the cavity that the root endures [m]; None where it is not known."""
+    return None if root_stress(results, crossing) is None else limits.endured(results)
+
+
+def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction, ...]:
+    """What the ball does at every crossing of a run's orders with its modes, from free vibration.
+
+    None without [excitation] and a damper, and by the printed equations, which know no force.
+
+    Raises:
+        BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
+    """
+    asked, damper = state.source.scene.excitation, state.source.scene.damper
+    if asked is None or damper is None or state.solver is None or damper.formulation == "printed":
+        return ()
+    met = engine_orders.of_points(state.points, asked.orders)
+    solver, results = state.solver.meeting(with_forced_effects(state.source)), state.results(stages=stages)
+    at = solver.at(sorted({crossing.omega for crossing in met})).by_speed if met else {}
+    return tuple(estimate(solver, results, at[crossing.omega], crossing, asked) for crossing in met)
+
+
+def estimate(
+    solver: StructureSolver, results: Results, at: SpeedPoint, crossing: Crossing, excitation: Excitation
+) -> VibrationReduction:
+    """What the ball does at a crossing, from free vibration.
+
+    Args:
+        solver: of the structure, with the effects of forced motion.
+        results: the structure over the range of speeds.
+        at: the same at the crossing.
+        crossing: of an order with a mode.
+        excitation: its kind and levels.
+    """
+    system = damper_at(solver, at, crossing, excitation)
+    none = VibrationReduction(
+        order=crossing.order,
+        mode=crossing.branch + 1,
+        family=crossing.family,
+        rpm=crossing.rpm,
+        frequency_hz=crossing.frequency_hz,
+    )
+    if isinstance(system, str):
+        return replace(none, reason=Reason.NOT_DRIVEN, detail=system)
+    limit = endured(results, crossing)
+    limit = math.inf if limit is None else limit
+    reason = limits.inadmissible(results, at) or (Reason.WEIGHT if limits.weight_governs(at) else None)
+    if reason is None and not crossed(at, crossing)[2]:
+        reason = Reason.OTHER_MODE
+    if reason is None and system.floor_radius is not None and not held_well(system):
+        reason = Reason.SWINGS
+    if reason is not None:
+        return replace(none, reason=reason)
+    with solver.stages("damper"):
+        found = _over_levels(_Balance.of(system, at, crossing, excitation), limit, excitation.levels)
+    if math.isfinite(found.amplitude) and limits.friction_demand(results, at, found.amplitude) > limits.DRY:
+        return replace(none, reason=Reason.SLIP)
+    return replace(none, **{name: getattr(found, name) for name in found._fields if name != "amplitude"})
+
+
+HELD, HELD_IN_A_BOWL = 0.3, 1.0
+"""Cut-off over half the clearance from which on the balance speaks for a ball on a flat floor, and in a hollow one."""
+
+
+def held_well(system: damper.ParticleDamper) -> bool:
+    """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
+    gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
+    held = system.rolling_threshold / system.stuck_frequency**2
+    return gap > 0 and held >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
+
+
+@lru_cache(maxsize=16)
+def free_vibration(system: damper.ParticleDamper, threads: int | None = None) -> damper.Backbone:
+    """Damping and frequency of free vibration, measured once for a damper that is met again."""
+    from damper import backbone
+
+    return backbone(system, threads=threads)
+
+
+@dataclass(frozen=True, eq=False)
+class _Balance:
+    """Amplitudes at resonance by the level of the excitation.
+
+    Attributes:
+        free: free vibration with the ball.
+        force: at the cavity by a unit of the excitation [N]; alone: the same without the ball's part.
+        resting: frequency with the ball at rest; without: without it [rad/s].
+    """
+
+    free: damper.Backbone
+    force: float
+    alone: float
+    resting: float
+    without: float
+
+    @classmethod
+    def of(
+        cls, system: damper.ParticleDamper, point: SpeedPoint, crossing: Crossing, excitation: Excitation
+    ) -> _Balance:
+        """That of a damper at a crossing."""
+        unit = harmonic_of(system, crossing, point, excitation, 1.0)
+        force, alone = at_cavity(system, unit), at_cavity(system, unit, ball=False)
+        return cls(free_vibration(system), force, alone, system.stuck_frequency, crossing.order * crossing.omega)
+
+    def amplitude(self, levels: Floats) -> Floats:
+        """The largest as the speed goes through the crossing, whatever the ball does [m]."""
+        return self.free.peaks(levels * self.force)
+
+    @property
+    def at_rest(self) -> float:
+        """With the ball at rest, by a unit of the excitation [m]."""
+        return self.force / (self.free.dashpot * self.resting)
+
+    @property
+    def bare(self) -> float:
+        """Without the ball, by a unit of the excitation [m]."""
+        return self.alone / (self.free.dashpot * self.without)
+
+
+class _OverLevels(NamedTuple):
+    """Of :class:`VibrationReduction` what the balance says; amplitude: with the ball, at the best level [m]."""
+
+    ratio: float
+    level: float
+    amplitude: float
+    range: tuple[float, float]
+    endured_level: float
+    moves_from: float
+    levels: tuple[ForceLevel, ...]
+
+
+_LEVELS = 2000
+"""Levels looked through."""
+
+_BELOW, _ABOVE = 0.1, 30.0
+"""Amplitudes looked through: from a part of where the ball begins to move, to a multiple of the last known."""
+
+
+def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> _OverLevels:
+    """Look through all levels up to what the structure endures, and at those asked for."""
+    moving = [branch for branch in balance.free.branches if branch.damping_ratio.max() > 0]
+    rests = next((branch.range[1] for branch in balance.free.branches if branch not in moving), 0.0)
+    moves_from = rests / balance.at_rest
+    by_level = zip(asked, balance.amplitude(np.array(asked)).tolist(), strict=True)
+    levels = tuple(ForceLevel(level, each / balance.bare / level, each, each <= limit) for level, each in by_level)
+    low = min([limit, *(_BELOW * max(rests, float(branch.amplitude[0])) for branch in moving)])
+    high = min(limit, max((_ABOVE * float(branch.amplitude[-1]) for branch in moving), default=math.inf))
+    unknown = (math.nan, math.nan)
+    if not moving or not low < high:
+        return _OverLevels(math.nan, math.nan, math.nan, unknown, limit / balance.at_rest, moves_from, levels)
+    strongest = max(float(branch.damping_ratio.max()) for branch in moving)
+    per_level = balance.force / (balance.free.dashpot * balance.resting + 2 * balance.free.stiffness * strongest)
+    scan = np.geomspace(low / balance.at_rest, high / per_level, _LEVELS)
+    amplitude = balance.amplitude(scan)
+    ratio, borne = amplitude / balance.bare / scan, amplitude <= limit
+    best = int(np.argmin(np.where(borne, ratio, math.inf)))
+    helps = np.flatnonzero(borne & (ratio <= HELPS))
+    ends = unknown if best not in helps else _run(scan, helps, best)
+    most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
+    return _OverLevels(float(ratio[best]), float(scan[best]), float(amplitude[best]), ends, most, moves_from, levels)
+
+
+def _run(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
+    """The first and the last of the neighbouring places that one of them belongs to."""
+    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    mine = next((run for run in runs if one in run), np.array([one]))
+    return float(scan[mine[0]]), float(scan[mine[-1]])
