@@ -232,11 +232,10 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
-    return Damping(
+    return taken_over(
+        Damping,
+        motion,
         outcome=str(motion.outcome),
-        impacts=motion.impacts,
-        events=motion.events,
-        duration=motion.duration,
         stopped=motion.last_motion if motion.rested else None,
         ball_mass=system.ball_mass,
         release=release,
@@ -245,7 +244,6 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         peak_sdc_at_g=None if best is None else float(found.amplitude[best]) / gravity,
         cutoff_g=cutoff,
         cutoff_ratio=cutoff / point.load_g if cutoff is not None and point.load_g > 0 else None,
-        largest_rolling_demand=motion.largest_rolling_demand,
         amplitude_g=found.amplitude / gravity,
         sdc=found.sdc,
         peak_velocity=found.peak_velocity,
