@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.accuracy.theory_selection import DEAR
+from fem.rotor import in_rpm
 from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
@@ -590,7 +591,7 @@ def root_stress(results: Results) -> str | None:
     if stress is None or not 1e7 <= stress <= limits.STRONGEST:
         return None
     return (
-        f"At {whole(fastest * 30 / math.pi)} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
+        f"At {whole(in_rpm(fastest))} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
         " average over the section: compare it with the yield of the material."
     )
 
