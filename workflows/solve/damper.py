@@ -194,16 +194,13 @@ def particle_damper(
     if given is None or reduced is None:
         raise ValueError("the scene has no [damper]")
     try:
-        system = ParticleDamper(
+        system = taken_over(
+            ParticleDamper,
+            given,
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
-            cavity=given.cavity,
-            floor_radius=given.floor_radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
-            restitution=given.restitution,
-            damping_ratio=given.damping_ratio,
-            sticking_ratio=given.sticking_ratio,
             formulation=Formulation(given.formulation),
             **_terms(given, effects, point.omega),
         )
