@@ -16,6 +16,7 @@ from damper.model import Floats, Integers, energy, ensemble, stuck_frequency, ta
 from damper.motion import CLOSED_FORM, COUPLED, Prepared, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
 from damper.setup import at_once
+from damper.state import BOOKS, COUNTED, Counts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,14 +74,12 @@ _AT_ONCE = 64 * BLOCK
 
 
 @dataclass(frozen=True)
-class Batch:
-    """What n ring-downs left; every array has shape (n,).
+class Batch(Counts[Integers]):
+    """What n ring-downs left, with the counters of `damper.state.Counts`; every array has shape (n,).
 
     Attributes:
         outcome: why each ended.
         duration: simulated time [s].
-        impacts: number of wall hits.
-        events: number of events of any kind.
         initial, final: energy of structure and ball [J].
         structure, rolling, impact, slip: energy lost, by cause [J].
         work: energy put in by a harmonic force [J].
@@ -92,8 +91,6 @@ class Batch:
 
     outcome: npt.NDArray[np.object_]
     duration: Floats
-    impacts: Integers
-    events: Integers
     initial: Floats
     final: Floats
     structure: Floats
@@ -263,16 +260,16 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floa
     rested = np.isfinite(clocks["rest"]) & (clocks["trembles"] != 2)
     rested &= np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
     demand = prepared.axes["demand"].max(axis=1)
-    losses: dict[str, Any] = {name: books[name].copy() for name in ("structure", "rolling", "impact", "slip", "work")}
+    booked: dict[str, Any] = {name: books[name].copy() for name in BOOKS.names or ()}
+    counted: dict[str, Any] = {name: clocks[name].copy() for name in COUNTED}
     outcomes = [outcome_of(s == DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]
     return Batch(
         outcome=np.array(outcomes, dtype=object),
         duration=clocks["time"].copy(),
-        impacts=clocks["impacts"].copy(),
-        events=clocks["events"].copy(),
         initial=prepared.initial,
         final=final,
-        **losses,
+        **booked,
+        **counted,
         peak_sdc=cycles["peak_sdc"].copy(),
         peak_sdc_amplitude=np.where(cycles["peak_sdc_speed"] > 0, cycles["peak_sdc_speed"] * omega, np.nan),
         cutoff=np.where(rested, cycles["moving_speed"] * omega, np.nan),

@@ -261,6 +261,14 @@ def _fade(it: Record, drive: float) -> None:
 
 
 @kernel
+def count(kind: int, axis: Record, clock: Record) -> None:
+    """Count an event of an axis before the flight to it: the counters of `damper.state.Counts`."""
+    clock.events += 1
+    if kind == HIT:
+        clock.impacts += 1
+
+
+@kernel
 def settle_down(clock: Record) -> None:
     """End the run a little after the last event."""
     clock.rest = clock.time
@@ -306,7 +314,6 @@ def level_run(it: Record, tables: Tables, budget: int) -> int:
         if full(it, tables):
             return FULL
         clock.time = time
-        clock.events += 1
         _happen(i, it, tables)
         _level_rest(it)
 
@@ -324,6 +331,7 @@ def _happen(i: int, it: Record, tables: Tables) -> None:
     """The next event of axis i: fly to it, resolve it, start the flights that follow."""
     axis, other, laws, ball = it.axes[i], it.axes[1 - i], it.laws[i], it.ball
     kind = axis.kind
+    count(kind, axis, it.clock)
     _fly(i, axis.due, it)
     before = axis.w
     if kind == START and axis.spin != 0.0:
@@ -339,7 +347,6 @@ def _happen(i: int, it: Record, tables: Tables) -> None:
     elif kind == GRIP:
         roll_on(axis)
     elif kind == HIT:
-        it.clock.impacts += 1
         impulse = level_hit(axis, ball, it.books)
         if ball.friction > 0.0 and other.regime != STUCK:
             _fly(1 - i, it.clock.time - other.start, it)
@@ -466,7 +473,6 @@ def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
         if full(it, tables):
             return FULL
         clock.time = time
-        clock.events += 1
         happen(g, it, flow, tables)
         _rest(it, time)
 
@@ -487,6 +493,7 @@ def happen(g: int, it: Record, flow: Floats, tables: Tables) -> None:
     """The next event of a group: fly to it, resolve it, start the flights that follow, record it."""
     i, kind, time = it.motion.axis[g], it.motion.kind[g], it.clock.time
     axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
+    count(kind, axis, it.clock)
     fly(g, it.motion.at[g], it)
     if apart and kind == HIT and it.ball.friction > 0.0 and other.regime != STUCK:
         fly(1 - g, (time - it.motion.start[1 - g]) / it.system.span[1 - g], it)

@@ -137,7 +137,6 @@ def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     elif kind == GRIP:
         roll_on(axis)
     elif kind == HIT:
-        it.clock.impacts += 1
         impulse = hit(i, it)
         rubs = it.ball.friction > 0.0 and other.regime != STUCK
         if rubs:

@@ -17,7 +17,7 @@ import numpy as np
 from damper.equations import couples, structures_by
 from damper.model import Floats, Harmonic, Records, energy, half_gap, level, number, spin_mass, stuck_frequency
 from damper.setup import systems_of
-from damper.state import LEVEL, LINEAR, SHARED, STUCK, balls_of, laws_of
+from damper.state import LEVEL, LINEAR, SHARED, STUCK, Counts, balls_of, laws_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -174,15 +174,13 @@ class EnergyBooks:
 
 
 @dataclass(frozen=True)
-class RingDown:
-    """What a ring-down left.
+class RingDown(Counts[int]):
+    """What a ring-down left, with the counters of `damper.state.Counts`.
 
     Attributes:
         damper: the damper simulated.
         outcome: why it ended.
         duration: simulated time [s].
-        impacts: number of wall hits.
-        events: number of events of any kind.
         peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
             shape (n + 1,) [s]; none in a run that ends within the first half of one.
         peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
@@ -201,8 +199,6 @@ class RingDown:
     damper: ParticleDamper
     outcome: Outcome
     duration: float
-    impacts: int
-    events: int
     peak_times: Floats
     peak_velocities: Floats
     last_motion: float | None

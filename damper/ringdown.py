@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ from damper.motion import (
     outcome_of,
     prepare,
 )
-from damper.state import EVENT, Tables
+from damper.state import BOOKS, COUNTED, EVENT, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -231,12 +231,12 @@ def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: 
     clock, books, axes = (course.run[name] for name in ("clock", "books", "axes"))
     load = damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
+    counted: dict[str, Any] = {name: int(clock[name]) for name in COUNTED}
     return RingDown(
+        **counted,
         damper=damper,
         outcome=outcome,
         duration=float(clock["time"]),
-        impacts=int(clock["impacts"]),
-        events=int(clock["events"]),
         peak_times=tables.peaks[:, 0],
         peak_velocities=tables.peaks[:, 1],
         last_motion=float(clock["last_motion"]) if moved else None,
@@ -244,7 +244,7 @@ def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: 
         energy=EnergyBooks(
             initial=course.initial,
             final=course.energy(),
-            **{name: float(books[name]) for name in ("structure", "rolling", "impact", "slip", "work")},
+            **{name: float(books[name]) for name in BOOKS.names or ()},
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=tables.rows if len(tables.rows) else None,

@@ -7,7 +7,8 @@ tables that a run may fill.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -100,6 +101,25 @@ CYCLE = record(
 )
 """Velocity maxima, one per vibration cycle, and what is kept of the cycles where their table is not."""
 
+Count = TypeVar("Count")
+
+
+@dataclass(frozen=True)
+class Counts(Generic[Count]):
+    """What a run counts at its events (`damper.engine.count`): in its clock, of one ring-down, of each of many.
+
+    Attributes:
+        impacts: number of wall hits.
+        events: number of events of any kind.
+    """
+
+    impacts: Count
+    events: Count
+
+
+COUNTED = tuple(f.name for f in fields(Counts))
+"""Names of these counters."""
+
 CLOCK = record(
     ("time", "f8"),
     ("end", "f8"),
@@ -111,8 +131,7 @@ CLOCK = record(
     ("first_speed", "f8"),  # first velocity maximum
     ("last_rolling", "f8"),  # rolling loss booked at the last velocity maximum
     ("last_impacts", "i8"),  # and hits counted
-    ("impacts", "i8"),
-    ("events", "i8"),
+    *((name, "i8") for name in COUNTED),
     ("peaks", "i8"),
     ("rows", "i8"),
 )

@@ -267,7 +267,6 @@ def cycle(it: Record, flow: Floats, tables: Tables) -> bool:
         if clock.events >= stop:
             return False
         clock.time = time
-        clock.events += 1
         happen(g, it.run, flow, tables)
 
 

@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, isfinite, sin
-from typing import TYPE_CHECKING, Any
+from math import cos, isfinite, pi, sin
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
+
+    Speed = TypeVar("Speed", float, NDArray[np.float64])
+
+
+def in_rpm(omega: Speed) -> Speed:
+    """Revolutions per minute of a speed, or of an array of speeds, in rad/s."""
+    return omega * 30 / pi
+
+
+def from_rpm(speed: Speed) -> Speed:
+    """Rad/s of a speed, or of an array of speeds, in revolutions per minute."""
+    return speed * pi / 30
 
 
 @dataclass(frozen=True)

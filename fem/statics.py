@@ -17,6 +17,7 @@ import numpy as np
 
 from fem.linalg import SingularMatrix, factorise, lanczos, rounding
 from fem.operators.assembly import assemble
+from fem.rotor import in_rpm
 from fem.theory.fields import gram
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ class NoEquilibrium(ArithmeticError):
     """Newton's method found no static equilibrium at a speed omega (rad/s), even in small steps."""
 
     def __init__(self, omega: float) -> None:
-        super().__init__(f"no static equilibrium was found at {omega * 30 / np.pi:.6g} rpm")
+        super().__init__(f"no static equilibrium was found at {in_rpm(omega):.6g} rpm")
         self.omega = omega
 
 

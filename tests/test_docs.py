@@ -91,6 +91,23 @@ ANSWERS = {
         ("CONTRIBUTING.md", "workflows/effects/<key>.py"),
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
+    "Where is the law of hits, restitution?": [
+        ("damper/impacts.py", "def level_hit"),
+        ("damper/laws.py", "def check_hits"),
+        ("workflows/studies/work_precision/integration.py", "self.e"),
+    ],
+    "Where are hits and events counted?": [("damper/engine.py", "def count("), ("damper/state.py", "class Counts")],
+    "Which file do I change to add a material?": [("workflows/scene/materials.py", "\nKNOWN = ")],
+    "What is known of a plate theory?": [("fem/theory/registry.py", "\nTHEORIES = ")],
+    "Which engine orders does the Campbell chart have, and how does it look?": [
+        ("workflows/solve/engine_orders.py", "\nENGINE_ORDERS = "),
+        ("workflows/report/figures.py", "def campbell"),
+    ],
+    "What do I write for a new study?": [("CONTRIBUTING.md", "write_study")],
+    "Where do the cells of a mesh lie?": [
+        ("fem/meshes/mesh_sequence.py", "def graded"),
+        ("workflows/scene/plate_mesh.py", "def planform"),
+    ],
     "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
         ("workflows/solve/results.py", 'quantity("J", "lost to rolling'),

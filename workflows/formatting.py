@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from fem.rotor import in_rpm
+
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Superscripts, for `str.translate`."""
 
@@ -79,11 +81,11 @@ def curly(text: str) -> str:
 
 def revolutions(speeds: Sequence[float]) -> str:
     """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
-    rpm = [f"{speed * 30 / math.pi:.6g}" for speed in speeds]
-    if len(rpm) > _SPEEDS_LISTED:
-        low, high = (f"{end(speeds) * 30 / math.pi:.6g}" for end in (min, max))
-        return f"{len(rpm)} speeds from {low} to {high} rpm"
-    return f"{' and '.join(part for part in (', '.join(rpm[:-1]), rpm[-1]) if part)} rpm"
+    each = [f"{in_rpm(speed):.6g}" for speed in speeds]
+    if len(each) > _SPEEDS_LISTED:
+        low, high = (f"{in_rpm(end(speeds)):.6g}" for end in (min, max))
+        return f"{len(each)} speeds from {low} to {high} rpm"
+    return f"{' and '.join(part for part in (', '.join(each[:-1]), each[-1]) if part)} rpm"
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
+from fem.rotor import from_rpm, in_rpm
 from workflows.errors import BadInput, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
@@ -96,8 +96,8 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
     if rpm is not None:
         if isinstance(rpm, bool) or not isinstance(rpm, int | float):
             raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
-        omega = rpm * math.pi / 30
+        omega = from_rpm(rpm)
         if not 0 <= omega <= FASTEST:
-            most = FASTEST * 30 / math.pi
+            most = in_rpm(FASTEST)
             raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=typed(rpm))
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -16,7 +16,7 @@ from fem.accuracy.error_estimates import Estimates
 from fem.accuracy.tolerances import EXACT, FIRST, SURE
 from fem.accuracy.trial_meshes import Tried
 from fem.meshes.mesh_sequence import begun_with
-from fem.theory.registry import Kind, kind
+from fem.theory.registry import Kind, kind, theory_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,9 +44,6 @@ cheaper than one beyond; and the least ratio of their sizes."""
 
 PATIENCE = 4
 """Meshes tried before errors that hardly fall end the search: coarse ones may not show yet how they fall."""
-
-MOST_UNKNOWNS = {"mindlin": 100_000, "kirchhoff": 100_000, "solid": 60_000}
-"""Unknowns beyond which no finer mesh is tried, by theory: a factor then takes seconds and some gigabytes."""
 
 PAIR, LARGE = 1.5, 500
 """By how much a mesh that only tells the error of one from a file may exceed that; cells from which this is asked."""
@@ -97,8 +94,8 @@ def choose_mesh(
 
     build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and at
     the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of which
-    one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than
-    MOST_UNKNOWNS.
+    one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than those of the
+    theory (`fem.theory.registry`).
 
     Raises:
         Divergence, NoEquilibrium: when there is no mode at the lowest speed.
@@ -188,7 +185,7 @@ def _few_cells(planform: Planform) -> bool:
 
 
 def _most(theory: str) -> int:
-    return MOST_UNKNOWNS[theory.partition("/")[0]]
+    return theory_of(theory)[0].most_unknowns
 
 
 def first_pair(planform: Planform, count: int) -> tuple[int, int]:

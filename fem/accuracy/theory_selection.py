@@ -18,10 +18,10 @@ from fem.meshes.thickness import SLOPE, of, slope
 from fem.modes.real import Divergence, solve_real
 from fem.operators.assembly import assemble
 from fem.rotor import Effects, Rotor
-from fem.theory.clamp import STRETCHED, at_root, seeming
+from fem.theory.clamp import at_root, seeming
 from fem.theory.kirchhoff import is_rectangles
 from fem.theory.mindlin import SHEAR_CORRECTION
-from fem.theory.registry import Kind, kind
+from fem.theory.registry import Kind, clamp_lacks, kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,9 +42,6 @@ SHEAR, LAYERED = (0.01, 0.09), 0.005
 
 MARGIN = 1.25
 """By how much more shear and layers may take than they do to first order, at corners that point inwards most."""
-
-LEFT = {"kirchhoff": (1.2, 1.2 * STRETCHED), "mindlin": (1.2, 1.2 * STRETCHED), "mindlin/held": (0.22, 0.5)}
-"""Part of what the clamp does, in bending and in stretching, that a theory lacks at most."""
 
 STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
@@ -71,7 +68,7 @@ def doubt(operators: Operators, basis: Array) -> Array:
     gradient = _gradient(model, plate, basis)
     thin = kind(model.theory) is Kind.KIRCHHOFF
     unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
-    energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else "mindlin" if unmoved else model.theory])
+    energy = _clamp(model, plate, gradient, clamp_lacks(model.theory.partition("/")[0] if unmoved else model.theory))
     if thin:
         return 0.5 * energy + _thin(model, plate, gradient)
     wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
@@ -83,7 +80,7 @@ def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Arra
     """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
     model, plate = operators.model, operators.plate
     gradient = _gradient(model, plate, shapes)
-    energy = 0.5 * _clamp(model, plate, gradient, LEFT["kirchhoff"]) + _thin(model, plate, gradient)
+    energy = 0.5 * _clamp(model, plate, gradient, clamp_lacks("kirchhoff")) + _thin(model, plate, gradient)
     return np.asarray(np.diag(energy) / eigenvalues + sloping(operators))
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.linalg import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
+from fem.rotor import in_rpm
 from fem.statics import LOST, check_rest
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class Divergence(ArithmeticError):
 
     def __init__(self, omega: float, eigenvalue: float, count: int = 1) -> None:
         super().__init__(
-            f"the plate diverges at {omega * 30 / np.pi:.6g} rpm: {count} mode(s) without a frequency, "
+            f"the plate diverges at {in_rpm(omega):.6g} rpm: {count} mode(s) without a frequency, "
             f"eigenvalue {eigenvalue:.6g} rad²/s²"
         )
         self.omega = omega

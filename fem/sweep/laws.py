@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from fem.statics import linearise
 
 if TYPE_CHECKING:
@@ -118,6 +119,6 @@ def require(law: str, excess: Array, allowed: Array | float, omega: Array) -> No
             float(np.broadcast_to(np.atleast_2d(each), holds.shape)[row, mode]) for each in (excess, allowed)
         )
         raise LawViolation(
-            f"{law}, but mode {mode + 1} at {omega[row] * 30 / np.pi:.6g} rpm misses that by {found:.6g},"
+            f"{law}, but mode {mode + 1} at {in_rpm(omega[row]):.6g} rpm misses that by {found:.6g},"
             f" beyond the bound of {most:.6g}"
         )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from damper import Batch, Formulation, Mode, capacity, ringdown, ringdowns
+from damper.state import COUNTED
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper.scenes import paper_like
 
@@ -36,7 +37,9 @@ def test_batch_equals_single_runs_bit_for_bit(cycles: float | None) -> None:
         one = {name: v[k].item() if v.ndim == 1 else tuple(v[k].tolist()) for name, v in VARIED.items()}
         run = ringdown(dataclasses.replace(base, **one), tuple(RELEASE[k]), cycles)
         damping = capacity(run)
-        assert (batch.impacts[k], batch.events[k], batch.outcome[k]) == (run.impacts, run.events, run.outcome)
+        for counter in COUNTED:
+            assert getattr(batch, counter)[k] == getattr(run, counter), counter
+        assert batch.outcome[k] == run.outcome
         assert (batch.initial[k], batch.final[k]) == (run.energy.initial, run.energy.final)
         assert (batch.structure[k], batch.rolling[k], batch.impact[k]) == (
             run.energy.structure,

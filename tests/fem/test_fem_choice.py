@@ -1,5 +1,6 @@
 """The mesh chosen for a tolerance: that it keeps its promise, and costs little more than it must."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -19,8 +20,10 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.accuracy.mesh_selection import MOST_UNKNOWNS
+from fem.accuracy.theory_selection import theory_errors
 from fem.meshes.mesh_sequence import crowded
+from fem.theory import mindlin
+from fem.theory.registry import THEORIES
 
 COUNT = 6
 
@@ -105,8 +108,26 @@ def test_a_large_given_mesh_is_taken_as_it_is(monkeypatch):
     assert not choice.met
 
 
+def test_another_theory_needs_its_record_alone(monkeypatch):
+    """Mindlin's by another name: the same mesh, frequencies and errors of mesh and theory."""
+
+    def by_another_name(plate, rotary_inertia, element):
+        return replace(mindlin.discretise(plate, rotary_inertia), theory="another")
+
+    monkeypatch.setitem(THEORIES, "another", replace(THEORIES["mindlin"], discretise=by_another_name, elements=()))
+    planform, found = Rectangle(0.2, 0.08), []
+    for theory in ("mindlin", "another"):
+        choice = choose_mesh(planform, builder(planform, 0.01, theory), (0.0,), 2, 1e-2)
+        modes = solve_modes(choice.operators, 0.0, 2)
+        errors = theory_errors(choice.operators, modes.eigenvalues, modes.shapes)
+        found.append((choice.operators.model.theory, choice.size, choice.errors, modes.frequencies_hz, errors))
+    (_, size, *numbers), (name, other, *others) = found
+    assert (name, other) == ("another", size)
+    assert all(np.array_equal(one, two) for one, two in zip(numbers, others, strict=True))
+
+
 def test_the_finest_is_taken_where_none_will_do(monkeypatch):
-    monkeypatch.setitem(MOST_UNKNOWNS, "mindlin", 3000)
+    monkeypatch.setitem(THEORIES, "mindlin", replace(THEORIES["mindlin"], most_unknowns=3000))
     planform = Rectangle(0.2, 0.08)
     choice = choose_mesh(planform, builder(planform, 0.01), (0.0,), 2, 1e-7)
     assert not choice.met
@@ -141,7 +162,7 @@ def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met
     assert choice.errors.shape == (2, 2)
-    monkeypatch.setitem(MOST_UNKNOWNS, "mindlin", 1500)
+    monkeypatch.setitem(THEORIES, "mindlin", replace(THEORIES["mindlin"], most_unknowns=1500))
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-5)
     assert not choice.met
     assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()

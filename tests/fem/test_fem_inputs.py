@@ -1,7 +1,9 @@
 """What users type: refused early, with one clear line; and what `import fem` offers."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +28,7 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
+from fem.rotor import from_rpm, in_rpm
 from tests.limits import HANG
 
 
@@ -198,3 +201,16 @@ def test_import_is_light():
     code = "import sys; from fem import Effects, Material, Rotor; Rotor(); Effects(); Material(1.0, 0.3, 1.0)"
     code += "; assert not {'scipy', 'skfem', 'meshio', 'numpy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=HANG)
+
+
+def test_revolutions_per_minute():
+    """One turn a second is 60 of them, of numbers and of arrays."""
+    assert in_rpm(2 * np.pi) == pytest.approx(60.0, rel=1e-15)
+    assert from_rpm(np.array([60.0, 3000.0])) == pytest.approx(2 * np.pi * np.array([1.0, 50.0]), rel=1e-15)
+
+
+def test_revolutions_are_converted_in_one_place():
+    root = Path(fem.__file__).parents[1]
+    sources = [path for name in ("fem", "damper", "workflows") for path in (root / name).rglob("*.py")]
+    factor = re.compile(r"\b30(\.0)? / ((math|np)\.)?pi\b|\bpi / 30\b")
+    assert {path.name for path in sources if factor.search(path.read_text(encoding="utf-8"))} == {"rotor.py"}

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 from importlib import import_module
+from inspect import isfunction
 from pathlib import Path
 
 import pytest
 
+import spindamp
 from tests.workflows.conftest import python
+from workflows.cli.commands import COMMANDS
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("fem", "damper", "workflows")
@@ -65,6 +68,13 @@ def test_public_names_are_complete(package: str) -> None:
         assert getattr(module, name) is not None
     with pytest.raises(AttributeError):
         module.nonsense  # noqa: B018
+
+
+def test_what_a_command_does_python_can_call() -> None:
+    """All but what shows something and returns nothing."""
+    functions = {name for name, found in vars(spindamp).items() if isfunction(found) and found.__module__ == "spindamp"}
+    assert functions <= set(spindamp.__all__)
+    assert {command.__name__ for command in COMMANDS} - functions == {"view", "check"}
 
 
 def _loaded(statement: str) -> set[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -60,9 +61,10 @@ def _full() -> Any:
     parts = results.ErrorParts(*(0.0,) * 6)
     figures: dict[str, Any] = dict.fromkeys(("peak", "peak_amplitude", "cutoff"), 1.0)
     figures |= {"range": (1.0, 2.0), "half": (1.0, 2.0), "amplitude": one, "damping_ratio": one}
-    damping = results.Damping(
-        "", 1, 1, 1.0, None, 1.0, (1.0, 0.0), *(1.0,) * 6, one, one, one, results.Energy(*(1.0,) * 7), {1: 1.0}
-    )
+    ring: dict[str, Any] = dict.fromkeys((each.name for each in fields(results.Damping)), 1)
+    ring |= {"outcome": "", "stopped": None, "release": (1.0, 0.0), "history": None, "path": None}
+    ring |= {"amplitude_g": one, "sdc": one, "peak_velocity": one}
+    damping = results.Damping(**ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": {1: 1.0}})
     return results.SpeedPoint(
         omega=1.0,
         rpm=1.0,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -179,9 +180,10 @@ def test_unknowns_are_counted_before_there_are_any(model: str, kind: str) -> Non
 def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """A split mesh would have had more unknowns than any that the search may try, and gigabytes."""
     import fem
-    from fem.accuracy import mesh_selection as choice
+    from fem.theory.registry import THEORIES
 
-    monkeypatch.setattr(choice, "MOST_UNKNOWNS", {name: most // 10 for name, most in choice.MOST_UNKNOWNS.items()})
+    for name, theory in THEORIES.items():
+        monkeypatch.setitem(THEORIES, name, replace(theory, most_unknowns=theory.most_unknowns // 10))
     form = fem.Given(fem.rectangle(0.2, 0.08, 40, 16))
     tried = []
 

@@ -7,12 +7,13 @@ import math
 import re
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import jsonschema
 import pytest
 
 import workflows
+from fem.theory.registry import THEORIES
 from tests.workflows.conftest import Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
 from workflows.effects import selection
@@ -20,6 +21,7 @@ from workflows.io import provenance
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
+from workflows.scene.plate import Plate
 from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -105,6 +107,11 @@ def test_mass_alternatives(paper: Scene) -> None:
     scene = parse(changed(paper, damper__mass_ratio=None, damper__mass="1.9 g"))
     assert scene.damper is not None
     assert scene.damper.mass == pytest.approx(0.0019)
+
+
+def test_a_plate_may_have_every_theory_that_there_is() -> None:
+    known = get_args(Plate.model_fields["theory"].annotation)
+    assert sorted(known) == sorted(("auto", *THEORIES))
 
 
 def test_a_ball_may_fill_its_cavity(paper: Scene) -> None:

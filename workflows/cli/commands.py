@@ -1,7 +1,7 @@
 """The commands of `spindamp`: a function each that reads options, calls what Python can call too, and prints.
 
-A new command is such a function, listed in COMMANDS. What a command needs is imported inside it, so that light commands
-start fast.
+A new command is such a function under `@_commands.command()`. What a command needs is imported inside it, so that
+light commands start fast.
 """
 
 from __future__ import annotations
@@ -55,6 +55,8 @@ Uncertain = Annotated[
     ),
 ]
 
+_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+
 Result = TypeVar("Result")
 Reported = TypeVar("Reported", contravariant=True)
 
@@ -74,6 +76,7 @@ class StudyReport(Protocol[Reported]):
         """The machine-readable result."""
 
 
+@_commands.command()
 def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Plate at every speed, damper, results and report.
 
@@ -83,6 +86,7 @@ def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     _simulate(source, _folder(out, json, "spindamp", source), json)
 
 
+@_commands.command()
 def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """The plate only: frequencies over speed.
 
@@ -93,6 +97,7 @@ def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _simulate(pipeline.plate_only(_load(scene)), out, json)
 
 
+@_commands.command()
 def ringdown(
     scene: Scene = "paper",
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the scene's middle one.")] = None,
@@ -108,6 +113,7 @@ def ringdown(
     _simulate(pipeline.at_one_speed(_load(scene), rpm), out, json)
 
 
+@_commands.command()
 def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Forced response where engine orders cross modes, without and with the ball.
 
@@ -119,6 +125,7 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _of_a_scene(_load(scene), respond, report, out, json)
 
 
+@_commands.command()
 def reproduce(out: Out = None, json: Json = False) -> None:
     """Hold the paper's every claim against this code.
 
@@ -130,6 +137,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
     _study(reproduction.reproduce, report, out, json)
 
 
+@_commands.command()
 def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """What accuracy costs in time, as a table and as plots.
 
@@ -141,6 +149,7 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _of_a_scene(_load(scene), study, report, out, json)
 
 
+@_commands.command()
 def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """What each effect changes, and what it costs.
 
@@ -152,6 +161,7 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
     _of_a_scene(_load(scene), switching, effects_report, out, json)
 
 
+@_commands.command()
 def sweep(
     scene: Scene = "paper",
     vary: Vary = None,
@@ -191,6 +201,7 @@ def sweep(
     _show(report.dumps(data) if json else report.text(data), out, json)
 
 
+@_commands.command()
 def design(
     scene: Scene = "design",
     out: Out = None,
@@ -220,6 +231,7 @@ def design(
         raise NoAnswer(f"{source.name}: {report.in_short(best)}")
 
 
+@_commands.command()
 def view(
     what: Annotated[
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
@@ -263,6 +275,7 @@ def view(
     typer.echo(f"\nopen {path}")
 
 
+@_commands.command()
 def check(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene (TOML), or the name of a shipped one.")],
     json: Json = False,
@@ -285,11 +298,8 @@ def check(
     typer.echo(f"\n# {sizes}")
 
 
-COMMANDS: tuple[Callable[..., None], ...] = (
-    *(run, campbell, ringdown, response, reproduce, accuracy, effects),
-    *(sweep, design, view, check),
-)
-"""All commands, in the order of --help."""
+COMMANDS = tuple(each.callback for each in _commands.registered_commands if each.callback is not None)
+"""All commands, in the order of --help, which is that of this module."""
 
 
 def _load(scene: str) -> SceneFile:
@@ -431,10 +441,7 @@ def _spindamp(
         raise BadInput(f"missing command: expected one of {names}; spindamp --help says what they do")
 
 
-_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 _commands.callback(invoke_without_command=True)(_spindamp)
-for _command in COMMANDS:
-    _commands.command(_command.__name__)(_command)
 
 app = typer.main.get_command(_commands)
 """Built once: a Typer that is called reads the signatures of all commands anew."""

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem.rotor import in_rpm
 from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, everywhere
 from workflows.formatting import significant
 from workflows.scene.load import SceneFile
@@ -54,7 +55,7 @@ def _moves(scene: Scene, form: Planform | None, large_deflection: bool) -> Calle
     if found is None:
         return Called(False, "the plate diverges without it")
     largest, omega = found.largest
-    why = f"at {omega * 30 / math.pi:.0f} rpm it moves frequencies by up to {_percent(largest)} %"
+    why = f"at {in_rpm(omega):.0f} rpm it moves frequencies by up to {_percent(largest)} %"
     beside = f"{'more' if largest > asked else 'less'} than the {significant(100 * asked)} % asked for"
     return Called(largest > asked, f"{why}, {beside}", LeftOut(found.omega, found.shifts))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from fem.rotor import in_rpm
 from workflows.effects.definition import NO_DAMPER, PRINTED, Assumption, Called, Case, Definition, not_printed
 from workflows.effects.selection import SLOPE, STIFFENED, beam_like
 from workflows.formatting import significant, whole
@@ -28,7 +29,7 @@ def called_for(case: Case) -> Called:
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.structure is None else ""
-    at = f"{whole(omega * 30 / math.pi)} rpm" + (", reckoned as on a beam" if scene.structure is None else "")
+    at = f"{whole(in_rpm(omega))} rpm" + (", reckoned as on a beam" if scene.structure is None else "")
     said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
     if share > (scene.budget.rough_drive if scene.structure is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {said}")

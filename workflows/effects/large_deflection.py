@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows.effects.definition import (
     AT_REST,
     GIVEN,
@@ -145,7 +146,7 @@ def _percent(part: float) -> str:
 
 
 def _rpm(found: Bent) -> str:
-    return f"{found.omega * 30 / math.pi:.0f}"
+    return f"{in_rpm(found.omega):.0f}"
 
 
 EFFECT = Definition(

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.accuracy.theory_selection import DEAR
-from fem.theory.registry import kind
+from fem.rotor import in_rpm
+from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
@@ -590,7 +591,7 @@ def root_stress(results: Results) -> str | None:
     if stress is None or not 1e7 <= stress <= limits.STRONGEST:
         return None
     return (
-        f"At {whole(fastest * 30 / math.pi)} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
+        f"At {whole(in_rpm(fastest))} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
         " average over the section: compare it with the yield of the material."
     )
 
@@ -627,7 +628,7 @@ def frequency_error(results: Results) -> str | None:
     """How far the frequencies can be trusted, and by what they are off."""
     if results.diagram is None or results.theory is None:
         return None
-    own = _AGAINST_SOLID[results.theory.name]
+    own = THEORIES[results.theory.name].against_solid
     plate = results.scene.plate
     if plate is not None and plate.mesh is not None and results.theory.name == "solid":
         own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
@@ -685,14 +686,6 @@ def veering(results: Results) -> str | None:
         " their characters there, or cross at a sharper angle than the steps resolve. A curve of the Campbell diagram"
         " may go on as another mode."
     )
-
-
-_AGAINST_SOLID = {
-    "mindlin": "Theories are held against a solid; Mindlin's is clamped where a solid seems to be, a little outside its"
-    " root.",
-    "kirchhoff": "Theories are held against a solid; thin-plate theory leaves out shear, which matters most in twist.",
-    "solid": "The solid is the reference that other theories are held against.",
-}
 
 
 EXPLAINED = 1e-9

@@ -6,7 +6,6 @@ VTK runs in a process of its own, which may abort without a working OpenGL.
 from __future__ import annotations
 
 import io
-import math
 import os
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.rotor import from_rpm, in_rpm
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant, whole
@@ -248,9 +248,9 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:
-    omega = rpm * math.pi / 30
+    omega = from_rpm(rpm)
     if not 0 <= omega <= FASTEST:
-        most = whole(FASTEST * 30 / math.pi)
+        most = whole(in_rpm(FASTEST))
         raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=typed(rpm))
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))
 

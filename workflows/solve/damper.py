@@ -194,16 +194,13 @@ def particle_damper(
     if given is None or reduced is None:
         raise ValueError("the scene has no [damper]")
     try:
-        system = ParticleDamper(
+        system = taken_over(
+            ParticleDamper,
+            given,
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
             ball_radius=given.radius,
-            cavity=given.cavity,
-            floor_radius=given.floor_radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
-            restitution=given.restitution,
-            damping_ratio=given.damping_ratio,
-            sticking_ratio=given.sticking_ratio,
             formulation=Formulation(given.formulation),
             **_terms(given, effects, point.omega),
         )
@@ -232,11 +229,10 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     found, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
     cutoff = None if found.cutoff is None else found.cutoff / gravity
-    return Damping(
+    return taken_over(
+        Damping,
+        motion,
         outcome=str(motion.outcome),
-        impacts=motion.impacts,
-        events=motion.events,
-        duration=motion.duration,
         stopped=motion.last_motion if motion.rested else None,
         ball_mass=system.ball_mass,
         release=release,
@@ -245,7 +241,6 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         peak_sdc_at_g=None if best is None else float(found.amplitude[best]) / gravity,
         cutoff_g=cutoff,
         cutoff_ratio=cutoff / point.load_g if cutoff is not None and point.load_g > 0 else None,
-        largest_rolling_demand=motion.largest_rolling_demand,
         amplitude_g=found.amplitude / gravity,
         sdc=found.sdc,
         peak_velocity=found.peak_velocity,

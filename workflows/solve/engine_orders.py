@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from fem.rotor import from_rpm
 from workflows.errors import BadInput
 from workflows.formatting import whole
 from workflows.scene.scene import Scene
@@ -86,7 +87,7 @@ class Crossing:
     @property
     def omega(self) -> float:
         """Speed [rad/s]."""
-        return self.rpm * math.pi / 30
+        return from_rpm(self.rpm)
 
 
 def crossings(results: Results) -> list[Crossing]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem.rotor import in_rpm
 from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.errors import NoAnswer
@@ -66,7 +66,7 @@ def _overloaded(source: SceneFile) -> str:
         return ""
     return (
         f"the point mass of {significant(scene.point_mass)} kg ([plate] tip_mass, [damper] housing) pulls at"
-        f" {whole(fastest * 30 / math.pi)} rpm such that it would strain the root by {significant(100 * strain, 2)} %,"
+        f" {whole(in_rpm(fastest))} rpm such that it would strain the root by {significant(100 * strain, 2)} %,"
         " which no plate bears: expected a lighter mass or lower speeds"
     )
 

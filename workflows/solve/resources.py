@@ -31,14 +31,8 @@ _AUTO_CYCLES = 100
 _LINE = 2.5e3
 """Bytes of a mode at a speed; a speed itself counts as four."""
 
-_UNKNOWN = {"kirchhoff": 2.4e4, "mindlin": 1.4e4, "solid": 3.8e4, "solid/4": 5.2e4, "solid/6": 6.2e4}
-"""Bytes for each unknown of a plate: its matrices, their factor, and the vectors that six modes are sought in."""
-
 _FILLING = 100_000
 """Unknowns from which on the factor's share grows with their number."""
-
-_DEFLECTED = {"mindlin": 2.7, "kirchhoff": 1.5, "solid": 1.8}
-"""By how much that grows with large deflection, whose tangent is made anew from every cell."""
 
 _MODE = 250.0
 """Bytes for each unknown and each further mode."""
@@ -207,11 +201,16 @@ def of_lines(scene: Scene) -> float:
 
 
 def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool = False) -> float:
-    """Bytes that so many unknowns of a plate take in a theory, roughly, up to some 150 000 of them."""
-    name = model.partition("/")[0]
-    each = _UNKNOWN.get(model, _UNKNOWN.get(name, min(_UNKNOWN.values())))
+    """Bytes that so many unknowns of a plate take in a theory, or in the least ("auto"), up to some 150 000 of them."""
+    from fem.theory.registry import THEORIES
+
+    name, _, element = model.partition("/")
+    each, deflected = min(
+        (theory.memory.get(element, theory.memory[""]), theory.deflected)
+        for theory in ([THEORIES[name]] if name in THEORIES else THEORIES.values())
+    )
     each *= float(max(unknowns / _FILLING, 1.0) ** 0.3)
-    return float(unknowns) * (each * (_DEFLECTED[name] if large_deflection else 1.0) + _MODE * max(modes - 6, 0))
+    return float(unknowns) * (each * (deflected if large_deflection else 1.0) + _MODE * max(modes - 6, 0))
 
 
 def unknowns(model: str, mesh: Any) -> float:
@@ -229,13 +228,10 @@ def unknowns(model: str, mesh: Any) -> float:
 
 def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
     """Unknowns of each corner, edge and cell of a mesh in a theory."""
-    name, _, layers = model.partition("/")
-    if name == "kirchhoff":
-        return (6, 2, 2) if quads else (8, 3, 0)
-    if name == "solid":
-        column = 3 * (2 * int(layers or 2) + 1)
-        return column, column, column
-    return 5, 5, 5 if quads else 2
+    from fem.theory.registry import theory_of
+
+    theory, element = theory_of(model)
+    return theory.unknowns(element, quads)
 
 
 def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:

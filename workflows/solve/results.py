@@ -24,6 +24,7 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
+from fem.rotor import in_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
 from workflows.scene import plate_mesh
@@ -570,7 +571,7 @@ __all__ = [
     "VibrationReduction",
     "expect",
     "middle",
-    "rpm",
+    "rounded_rpm",
 ]
 
 _WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
@@ -754,9 +755,9 @@ class Results:
     timings: dict[str, float] = field(default_factory=dict)
 
 
-def rpm(omega: float) -> float:
+def rounded_rpm(omega: float) -> float:
     """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{omega * 30 / math.pi:.13g}")
+    return float(f"{in_rpm(omega):.13g}")
 
 
 def middle(points: tuple[SpeedPoint, ...]) -> int:
@@ -815,7 +816,7 @@ def points(
         found.append(
             SpeedPoint(
                 omega=omega,
-                rpm=rpm(omega),
+                rpm=rounded_rpm(omega),
                 radius=radius,
                 load_g=omega**2 * radius / rotor.gravity,
                 modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number]),
@@ -927,11 +928,11 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tup
 
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
-    lost = tuple(sorted(rpm(omega) for omega in asked if omega not in known))
+    lost = tuple(sorted(rounded_rpm(omega) for omega in asked if omega not in known))
     linear = not operators.effects.large_deflection
     veerings = []
     for veering in diagram.veerings:
-        low, high = (rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
+        low, high = (rounded_rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
         names = [families[veering.step][k] for k in veering.modes if k < count]
         veerings.append((low, high, tuple(names)))
     return Diagram(
@@ -940,7 +941,7 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tup
         bases=diagram.sizes,
         veerings=tuple(veering for veering in veerings if veering[2]),
         lost=lost,
-        critical=rpm(critical_speed(operators)) if lost and linear else None,
+        critical=rounded_rpm(critical_speed(operators)) if lost and linear else None,
     )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.formatting import whole
@@ -489,8 +490,8 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         alone += [] if here is None else [linear(here).without]
     if not alone:
         problem = (
-            f"none of these orders drives a mode at the damper's place between {whole(low * 30 / math.pi)} and"
-            f" {whole(high * 30 / math.pi)} rpm"
+            f"none of these orders drives a mode at the damper's place between {whole(in_rpm(low))} and"
+            f" {whole(in_rpm(high))} rpm"
         )
         raise BadInput(problem, file=source.name, key="[excitation] orders", value=list(excitation.orders))
     return LeastAmplitude(excitation, tuple(met), (low, high), max(alone))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json, finite, write_study
@@ -210,9 +211,9 @@ def best(space: Space, found: Found) -> str:
     return ", ".join(spaces.in_words(name, value) for name, value in space.values(found.shares).items())
 
 
-def rpm(omega: float) -> str:
+def _speed(omega: float) -> str:
     """A speed in revolutions."""
-    return f"{whole(float(np.round(omega * 30 / math.pi, 9)))} rpm"
+    return f"{whole(float(np.round(in_rpm(omega), 9)))} rpm"
 
 
 def amplitude_verdict(found: Found) -> str:
@@ -231,7 +232,7 @@ def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
     """What carries it."""
     scored, level = found.scored, _level(goal)
     lines = [
-        f"Under {level} it is greatest at order {scored.order} and {rpm(scored.speed)}: {_mm(scored.value)} mm;"
+        f"Under {level} it is greatest at order {scored.order} and {_speed(scored.speed)}: {_mm(scored.value)} mm;"
         f" without any ball, the greatest of the crossings is {_mm(scored.without)} mm."
     ]
     if scored.bound > 0:
@@ -250,7 +251,7 @@ def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
 def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> list[str]:
     """Why nothing helps, from the design that comes nearest."""
     scored, damper = found.scored, space.source.scene.damper
-    place = f"At order {scored.order} and {rpm(scored.speed)}, under {_level(goal)},"
+    place = f"At order {scored.order} and {_speed(scored.speed)}, under {_level(goal)},"
     if scored.grows < 1:
         able = significant(100 * (1 - scored.bound / scored.without), 2)
         left = significant(100 * scored.value / scored.without, 4)
@@ -302,7 +303,7 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
     scored = found.scored
     low, high = 1e3 * goal.low, 1e3 * goal.high
     lines = [
-        f"From {significant(low)} to {significant(high)} mm, its damping ratio is least at {rpm(scored.speed)}"
+        f"From {significant(low)} to {significant(high)} mm, its damping ratio is least at {_speed(scored.speed)}"
         f" and {significant(1e3 * scored.amplitude)} mm: {_percent(scored.value)} %. Below"
         f" {significant(1e3 * scored.cutoff)} mm the load holds its ball at rest.",
     ]
@@ -323,9 +324,9 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
     """Why nothing works, from the design that comes nearest."""
     scored, damper = found.scored, space.source.scene.damper
     if not math.isfinite(scored.cutoff):
-        return [f"At {rpm(scored.speed)} the tilt of the floor takes all of what would drive a ball."]
+        return [f"At {_speed(scored.speed)} the tilt of the floor takes all of what would drive a ball."]
     lines = [
-        f"At {rpm(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
+        f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
     ]
     if damper is not None and damper.rolling_friction > 0 and scored.cutoff > goal.low:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
@@ -75,7 +76,7 @@ def _rows(through: Through, columns: Sequence[str]) -> Iterator[dict[str, str]]:
     values = [through.shaped(getattr(states, name)) for name in _OF_STATES]
     for n, k, j in np.ndindex(regimes.shape):
         numbers = [without[n, k], linear[n, k], *(value[n, k, j] for value in values), through.short[n, k, j]]
-        first = [f"{through.omega[n] * 30 / np.pi:.10g}", f"{through.forces[k]:.10g}"]
+        first = [f"{in_rpm(through.omega[n]):.10g}", f"{through.forces[k]:.10g}"]
         row = [*first, str(states.starts[j]), str(regimes[n, k, j])]
         row += ["" if np.isnan(number) else f"{number:.10g}" for number in numbers]
         yield dict(zip(columns, row, strict=True))
@@ -95,7 +96,7 @@ def dataset(found: Response) -> xr.Dataset:
         mode=("crossing", [through.crossing.branch + 1 for through in passed]),
         force=("force", list(found.excitation.levels), heights),
         start=("start", [str(start) for start in passed[0].states.starts]),
-        rpm=(dims[:2], np.array([t.omega for t in passed]) * 30 / np.pi, {"units": "rpm"}),
+        rpm=(dims[:2], in_rpm(np.array([t.omega for t in passed])), {"units": "rpm"}),
     )
     for name, (unit, said) in _OF_STATES.items():
         values = np.array([through.shaped(getattr(through.states, name)) for through in passed], dtype=float)
@@ -150,7 +151,7 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
     with plots.style():
         figure, (axes,) = plots.canvas(3.3)
-        rpm = through.omega * 30 / np.pi
+        rpm = in_rpm(through.omega)
         states = through.states
         least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
         without = np.abs(through.shaped(states.without))
@@ -172,7 +173,7 @@ def ratios(found: Response, through: Through, name: str) -> str:
 
     with plots.style():
         figure, (axes,) = plots.canvas(2.6)
-        rpm = through.omega * 30 / np.pi
+        rpm = in_rpm(through.omega)
         mean = through.shaped(through.states.mean).max(axis=2)
         ratio = mean / np.abs(through.shaped(through.states.without))
         levels = len(through.forces)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.rotor import in_rpm
 from workflows.errors import during, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
@@ -32,7 +33,7 @@ from workflows.solve.excitation import (
     root_stress,
     with_forced_effects,
 )
-from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction, rpm
+from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction, rounded_rpm
 from workflows.solve.structure import StructureSolver
 
 if TYPE_CHECKING:
@@ -163,7 +164,7 @@ def _row(found: Response, through: Through, force: int) -> Row:
     return Row(
         through=through,
         force=through.forces[force],
-        rpm=float(through.omega[speed]) * 30 / np.pi,
+        rpm=in_rpm(float(through.omega[speed])),
         frequency=through.crossing.order * float(through.omega[speed]) / (2 * np.pi),
         without=without,
         **{name: at(name) for name in ("least", "mean", "rms", "greatest", "error")},
@@ -397,4 +398,6 @@ def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float
     run = ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
     times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
     history = sample(run, times)
-    return Path(rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position))
+    return Path(
+        rounded_rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position)
+    )

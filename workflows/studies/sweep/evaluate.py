@@ -23,7 +23,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.model_choice import translated_errors
-from workflows.solve.results import OwnFigures, Results, SpeedPoint, Surface, taken_over
+from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface, taken_over
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
@@ -161,6 +161,9 @@ class Quantity:
 _OF_A_RUN = tuple(each for each in serialise.quantities(SpeedPoint) if each.headline)
 """Columns that a run's data set has too, by the same names."""
 
+_OF_A_RING_DOWN = tuple(each.name for each in serialise.quantities(Damping) if each.headline)
+"""Those of them that a batch of ring-downs fills in, by the names of its fields."""
+
 QUANTITIES = (
     *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind == "integer" else "f8") for each in _OF_A_RUN),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
@@ -289,9 +292,8 @@ def _ring_down(rows: Rows, placed: list[DamperCase]) -> None:
         gravity, load = np.array([each.scene.rotor.gravity for each in group]), rows["load_g"][mine]
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(load > 0, batch.cutoff / gravity / load, np.nan)
-        for name in ("peak_sdc", "impacts", "events"):
-            rows[name][mine] = getattr(batch, name)
-        rows["cutoff_ratio"][mine] = ratio
+        for name in _OF_A_RING_DOWN:
+            rows[name][mine] = ratio if name == "cutoff_ratio" else getattr(batch, name)
 
 
 def _together(each: DamperCase) -> Any:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 _SHOWN = {
     "m": (1e3, "mm"),
     "kg": (1e3, "g"),
-    "rad/s": (30 / math.pi, "rpm"),
+    "rad/s": (in_rpm(1.0), "rpm"),
     "rad": (180 / math.pi, "deg"),
     "1": (1.0, ""),
 }

@@ -291,9 +291,9 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     for name, (along, values) in plan.coordinates().items():
         found[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            from workflows.solve.results import rpm
+            from workflows.solve.results import rounded_rpm
 
-            found["rpm"] = (along, np.array([rpm(float(value)) for value in values]), {"units": "rpm"})
+            found["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
     return found
 
 

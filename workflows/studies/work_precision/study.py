@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows import pipeline
 from workflows.errors import NoAnswer
 from workflows.formatting import fixed, significant, whole
@@ -343,7 +344,7 @@ def plate_studies(problem: Problem, step: Step) -> tuple[list[ConvergenceStudy],
                 solid.append(replace(row, error=error, uncertainty=known["solid"][1]))
             else:
                 solid.append(row)
-    where = f"{problem.count} frequencies at {whole(problem.omega * 30 / np.pi)} rpm"
+    where = f"{problem.count} frequencies at {whole(in_rpm(problem.omega))} rpm"
     trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
     ours = ConvergenceStudy(
         "plate",
@@ -473,7 +474,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     )
     study = ConvergenceStudy(
         "speeds",
-        f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(top * 30 / np.pi)} rpm",
+        f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(in_rpm(top))} rpm",
         f"modes solved for at {tried.size} of the speeds on the same mesh, good to rounding",
         (*rows, alone),
     )
