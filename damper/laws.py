@@ -381,7 +381,7 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
 
     Args:
         damper: what was swept.
-        energies: see `damper.working.Descent`; the last is `NOT_REACHED` for a cycle that was not reached.
+        energies: see `damper.amplitude_sweep.Descent`; the last is `NOT_REACHED` for a cycle that was not reached.
         excursion: see `Extremes`.
 
     Raises:

@@ -11,140 +11,19 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper import engine, laws, self_check
+from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.compiled import kernel
 from damper.damping_curve import BINNED, Working, figures, nothing, spread
-from damper.engine import DONE
-from damper.events import schedule
-from damper.flight import begin
 from damper.model import inertia_ratio, whole
 from damper.motion import CLOSED_FORM, flights, kinds, prepare
-from damper.state import STUCK, nothing_kept
-from damper.steady_motion import lost, stored
+from damper.state import nothing_kept
 
 if TYPE_CHECKING:
-    from damper.model import Floats, ParticleDamper, Record, Records
-    from damper.state import Tables
-
-
-class Descent(NamedTuple):
-    """How ring-downs are led down, and what they show.
-
-    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
-    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
-    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
-    it, and those losses by the books. A row stays as it is from where it falls below `least` or the budget of events is
-    spent.
-    """
-
-    budget: int
-    factor: float
-    least: float
-    energies: Floats
-
-
-@kernel
-def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: Descent) -> None:
-    """Lead down ring-downs in closed form."""
-    for k in range(block[0], block[1]):
-        it, energies = runs[k], descent.energies[k]
-        for n in range(len(energies)):
-            it.clock.end = (n + 1) * it.cycle.period
-            if n == 0:
-                engine.level_release(it, tables)
-            else:
-                _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
-            _open(it.books)
-            before, swing = _stored_level(it), _of_the_structure(it)
-            if swing < descent.least or engine.level_run(it, tables, descent.budget - it.clock.events) != DONE:
-                break
-            energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
-            energies[n, 2], energies[n, 3] = before, lost(it.books)
-
-
-@kernel
-def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, descent: Descent) -> None:
-    """Lead down ring-downs in linear flights."""
-    for k in range(block[0], block[1]):
-        it, flow, energies = runs[k], flows[runs[k].system.flow], descent.energies[k]
-        for n in range(len(energies)):
-            it.clock.end = (n + 1) * it.cycle.period
-            if n == 0:
-                engine.release(it, flow, tables)
-            else:
-                _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
-            _open(it.books)
-            before, swing = stored(it), _of_the_modes(it)
-            if swing < descent.least or engine.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
-                break
-            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
-            energies[n, 2], energies[n, 3] = before, lost(it.books)
-
-
-@kernel
-def _open(books: Record) -> None:
-    """Begin the books anew: what is lost at small amplitudes would drown in what was lost at large ones."""
-    books.structure = books.rolling = books.impact = books.slip = 0.0
-
-
-@kernel
-def _scale_level(scale: float, it: Record) -> None:
-    """Change the structure's motion, and leave the ball's in its cavity."""
-    for i in range(2):
-        it.axes[i].u *= scale
-        it.axes[i].v *= scale
-        begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
-        schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
-
-
-@kernel
-def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
-    """The same in linear flights."""
-    for m in range(it.system.coordinates):
-        if m != it.system.place[0] and m != it.system.place[1]:
-            it.motion.z[m] *= scale
-            it.motion.rate[m] *= scale
-    for g in range(it.system.groups):
-        engine.restart(g, it.clock.time, it, flow)
-
-
-@kernel
-def _stored_level(it: Record) -> float:
-    """Energy of structure and ball [J]."""
-    ball, twice = it.ball, 0.0
-    for i in range(2):
-        axis, speed = it.axes[i], it.axes[i].v + it.axes[i].w
-        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + ball.host_mass * axis.v * axis.v
-        twice += ball.mass * speed * speed + ball.spin_mass * axis.spin * axis.spin
-    return 0.5 * twice
-
-
-@kernel
-def _of_the_structure(it: Record) -> float:
-    """Energy of the structure, the ball counted as stuck to it [J]."""
-    twice = 0.0
-    for i in range(2):
-        axis = it.axes[i]
-        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + (it.ball.host_mass + it.ball.mass) * axis.v * axis.v
-    return 0.5 * twice
-
-
-@kernel
-def _of_the_modes(it: Record) -> float:
-    """The same in linear flights."""
-    system, motion, twice = it.system, it.motion, 0.0
-    for m in range(system.coordinates):
-        for n in range(system.coordinates):
-            if m != system.place[0] and m != system.place[1] and n != system.place[0] and n != system.place[1]:
-                twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
-                twice += motion.z[m] * system.spring[m, n] * motion.z[n]
-    return 0.5 * twice
-
+    from damper.model import Floats, ParticleDamper
 
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
@@ -282,6 +161,8 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     logarithms of the amplitude before a cycle and of what its losses would leave of that, and two by which the sweeps
     fall into halves.
     """
+    from damper import amplitude_sweep
+
     each = np.arange(sweeps)
     start = np.zeros((sweeps, 5, 2))
     start[:, 0, 0] = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
@@ -293,15 +174,15 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     energy = np.full((sweeps, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     least = 0.5 * damper.stiffness[0] * low**2
-    descent = Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
+    descent = amplitude_sweep.Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
     closed = kinds(damper, damper.parameters)[0] == CLOSED_FORM
     f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
-            run_level(block, p.runs, tables, descent)
+            amplitude_sweep.run_level(block, p.runs, tables, descent)
         else:
-            run_linear(block, f.runs, f.systems.flows, tables, descent)
+            amplitude_sweep.run_linear(block, f.runs, f.systems.flows, tables, descent)
 
     in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
     if f is not None:

@@ -37,7 +37,7 @@ def sweeps(name: str, samples: int) -> dict[str, float]:
 
 
 def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[tuple[float, float]]:
-    """Amplitude and decrement of each cycle of a sweep down, as `damper.working` describes it."""
+    """Amplitude and decrement of each cycle of a sweep down, as `damper.amplitude_sweep` describes it."""
     damper = sweep.damper
     settling, least = SETTLING, 0.5 * damper.stiffness[0] * sweep.low**2
     cycles = settling + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))

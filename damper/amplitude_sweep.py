@@ -1,0 +1,132 @@
+"""Kernels of sweeps through the amplitudes: ring-downs led down cycle by cycle."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from damper import engine
+from damper.compiled import kernel
+from damper.engine import DONE
+from damper.events import schedule
+from damper.flight import begin
+from damper.state import STUCK
+from damper.steady_motion import lost, stored
+
+if TYPE_CHECKING:
+    from damper.model import Floats, Record, Records
+    from damper.state import Tables
+
+
+class Descent(NamedTuple):
+    """How ring-downs are led down, and what they show.
+
+    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
+    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
+    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
+    it, and those losses by the books. A row stays as it is from where it falls below `least` or the budget of events is
+    spent.
+    """
+
+    budget: int
+    factor: float
+    least: float
+    energies: Floats
+
+
+@kernel
+def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: Descent) -> None:
+    """Lead down ring-downs in closed form."""
+    for k in range(block[0], block[1]):
+        it, energies = runs[k], descent.energies[k]
+        for n in range(len(energies)):
+            it.clock.end = (n + 1) * it.cycle.period
+            if n == 0:
+                engine.level_release(it, tables)
+            else:
+                _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
+            _open(it.books)
+            before, swing = _stored_level(it), _of_the_structure(it)
+            if swing < descent.least or engine.level_run(it, tables, descent.budget - it.clock.events) != DONE:
+                break
+            energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
+            energies[n, 2], energies[n, 3] = before, lost(it.books)
+
+
+@kernel
+def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, descent: Descent) -> None:
+    """Lead down ring-downs in linear flights."""
+    for k in range(block[0], block[1]):
+        it, flow, energies = runs[k], flows[runs[k].system.flow], descent.energies[k]
+        for n in range(len(energies)):
+            it.clock.end = (n + 1) * it.cycle.period
+            if n == 0:
+                engine.release(it, flow, tables)
+            else:
+                _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
+            _open(it.books)
+            before, swing = stored(it), _of_the_modes(it)
+            if swing < descent.least or engine.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
+                break
+            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
+            energies[n, 2], energies[n, 3] = before, lost(it.books)
+
+
+@kernel
+def _open(books: Record) -> None:
+    """Begin the books anew: what is lost at small amplitudes would drown in what was lost at large ones."""
+    books.structure = books.rolling = books.impact = books.slip = 0.0
+
+
+@kernel
+def _scale_level(scale: float, it: Record) -> None:
+    """Change the structure's motion, and leave the ball's in its cavity."""
+    for i in range(2):
+        it.axes[i].u *= scale
+        it.axes[i].v *= scale
+        begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
+        schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
+
+
+@kernel
+def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
+    """The same in linear flights."""
+    for m in range(it.system.coordinates):
+        if m != it.system.place[0] and m != it.system.place[1]:
+            it.motion.z[m] *= scale
+            it.motion.rate[m] *= scale
+    for g in range(it.system.groups):
+        engine.restart(g, it.clock.time, it, flow)
+
+
+@kernel
+def _stored_level(it: Record) -> float:
+    """Energy of structure and ball [J]."""
+    ball, twice = it.ball, 0.0
+    for i in range(2):
+        axis, speed = it.axes[i], it.axes[i].v + it.axes[i].w
+        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + ball.host_mass * axis.v * axis.v
+        twice += ball.mass * speed * speed + ball.spin_mass * axis.spin * axis.spin
+    return 0.5 * twice
+
+
+@kernel
+def _of_the_structure(it: Record) -> float:
+    """Energy of the structure, the ball counted as stuck to it [J]."""
+    twice = 0.0
+    for i in range(2):
+        axis = it.axes[i]
+        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + (it.ball.host_mass + it.ball.mass) * axis.v * axis.v
+    return 0.5 * twice
+
+
+@kernel
+def _of_the_modes(it: Record) -> float:
+    """The same in linear flights."""
+    system, motion, twice = it.system, it.motion, 0.0
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
+            if m != system.place[0] and m != system.place[1] and n != system.place[0] and n != system.place[1]:
+                twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
+                twice += motion.z[m] * system.spring[m, n] * motion.z[n]
+    return 0.5 * twice
