@@ -167,7 +167,7 @@ def sweep(
     """Vary keys of a scene, such as damper.mass_ratio=0.001:0.01:10, over a grid or a sample.
 
     Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
-    --json and no --out nothing is written.
+    --json and no --out nothing is written. Where no point has an answer, the exit status is 3.
     """
     from workflows.studies.sweep import executor, report, sensitivity, store, study
 
@@ -189,6 +189,8 @@ def sweep(
             with stages("report"):
                 report.write(data, out)
     _show(report.dumps(data) if json else report.text(data), out, json)
+    if problem := report.no_answer(data):
+        raise NoAnswer(f"{asked.source.name}: {problem}")
 
 
 def design(
