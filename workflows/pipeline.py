@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from workflows.errors import BadInput, read_from
-from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
-from workflows.scene.scene import FASTEST, typed
+from workflows.scene.scene import omega_of
 from workflows.solve import damper, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle
@@ -95,8 +93,5 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
     if rpm is not None:
         if isinstance(rpm, bool) or not isinstance(rpm, int | float):
             raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
-        omega = rpm * math.pi / 30
-        if not 0 <= omega <= FASTEST:
-            most = FASTEST * 30 / math.pi
-            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=typed(rpm))
+        omega = omega_of(rpm)
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -6,7 +6,6 @@ VTK runs in a process of its own, which may abort without a working OpenGL.
 from __future__ import annotations
 
 import io
-import math
 import os
 import subprocess
 import sys
@@ -28,7 +27,7 @@ from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
 from workflows.scene import load, plate_mesh
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import FASTEST, Scene, typed
+from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
 from workflows.solve.results import Floats, Mode, SpeedPoint, Surface, bare
 
@@ -248,11 +247,7 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:
-    omega = rpm * math.pi / 30
-    if not 0 <= omega <= FASTEST:
-        most = whole(FASTEST * 30 / math.pi)
-        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=typed(rpm))
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
 
 
 def of(target: str, rpm: float | None = None) -> Sight:

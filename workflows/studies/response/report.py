@@ -83,8 +83,6 @@ def dataset(found: Response) -> xr.Dataset:
 
     dims = ("crossing", "speed", "force", "start")
     passed, data = found.passed, xr.Dataset(attrs=files.about(found.results))
-    if not passed:
-        return data
     heights = {"units": found.excitation.unit.replace("²", "2"), "long_name": f"height of the {found.excitation.kind}"}
     data = data.assign_coords(
         order=("crossing", [through.crossing.order for through in passed]),
@@ -256,8 +254,6 @@ def _verdict(found: Response) -> str:
     """Whether the ball helps anywhere where the plate endures it, and up to which force it does."""
     helped = [row for row in rows(found) if row.ratio <= HELPS and not is_beyond(found, row)]
     orders = _listed(sorted({through.crossing.order for through in found.passed}))
-    if not found.passed:
-        return "No crossing is driven at the damper's place."
     if not helped:
         bearable = "" if found.strain_per_amplitude is None else " at any amplitude and speed that its root endures"
         return f"No: at order{orders} the ball does not help{bearable}."

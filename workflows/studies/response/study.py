@@ -333,7 +333,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     blade. Each damper has the modes that yield most along its axes, and the one that is crossed.
 
     Raises:
-        BadInput: no damper, no excitation, no range of speeds, no order that crosses a mode within it; see also
+        BadInput: no damper, no excitation, no range of speeds, no order that drives a mode within it; see also
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
@@ -355,6 +355,8 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             idle.append((crossing, found))
         else:
             passed.append(found)
+    if not passed:
+        raise engine_orders.undriven(points, excitation.orders, source.name)
     results = replace(
         state.results(stages=stages),
         scene=source.scene,
