@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,8 +77,11 @@ def _read(path: Path) -> Any:
 
     said = io.StringIO()
     try:
+        _check_named_files(path)
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(path)
+    except MeshError:
+        raise
     except SystemExit:
         raise MeshError("not a mesh file that meshio can read") from None
     except meshio.ReadError as error:
@@ -86,6 +90,26 @@ def _read(path: Path) -> Any:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
+
+
+def _check_named_files(path: Path) -> None:
+    """See that what a mesh file names are files: a pipe or a device could be read for ever.
+
+    XDMF names binary files by their path, HDF5 files by that from its own folder; TetGen's two files lie side by side.
+    """
+    named: list[Path] = []
+    if path.suffix.lower() in (".xdmf", ".xmf"):
+        for item in ElementTree.parse(path).iter("DataItem"):
+            text = (item.text or "").strip()
+            if item.get("Format") == "Binary":
+                named.append(Path(text))
+            elif item.get("Format") == "HDF":
+                named.append(path.resolve().parent / text.partition(":")[0])
+    elif path.suffix.lower() in (".node", ".ele"):
+        named = [path.with_suffix(suffix) for suffix in (".node", ".ele")]
+    for other in named:
+        if not other.is_file():
+            raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
 
 
 def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:

@@ -404,7 +404,7 @@ def _kept(folder: Path) -> dict[str, Any]:
 
     with (folder / DATA).open("rb"), h5py.File(folder / DATA, "r") as file:  # h5netcdf writes to stderr where it fails
         group = file.get(_KEPT)
-        version = 2 if group is None else int(group.attrs["format"])
+        version = 2 if group is None else int(np.ravel(group.attrs["format"])[0])
         if group is None or version != _FORMAT:
             raise _unreadable(folder, f"has version {version} of what a run keeps: expected {_FORMAT}; run it again")
 
