@@ -247,6 +247,11 @@ def view(
             raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
         if not target.parent.is_dir():
             raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))
+    if page := viewer.page_of_study(what):
+        if json or out is not None:
+            raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
+        typer.echo(f"open {page}")
+        return
     data = viewer.of(what, rpm)
     first, number = viewer.chosen(data, rpm, mode)
     if json:

@@ -250,6 +250,21 @@ def _at(source: SceneFile, rpm: float) -> SceneFile:
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
 
 
+_STUDIES = ("accuracy.json", "design.json", "effects.json", "reproduce.json", "response.json", "sweep.json")
+"""A file that only the folder of a study has."""
+
+
+def page_of_study(target: str) -> Path | None:
+    """The report of a folder that a study, not a run, has written; None where it is none."""
+    folder = Path(target)
+    try:
+        whose = any((folder / name).is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
+    except (OSError, ValueError):
+        return None
+    page = folder / "report.html"
+    return page if whose and page.is_file() else None
+
+
 def of(target: str, rpm: float | None = None) -> Sight:
     """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
 
