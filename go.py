@@ -45,7 +45,10 @@ def main(arguments):
         return fail(f"the installation ended with status {error.returncode}; remove .venv to begin afresh")
     try:
         if command == "docs":
-            return call(PYTHON, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "docs", "docs/_build", *rest)
+            status = call(PYTHON, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "docs", "docs/_build", *rest)
+            if status == 0:
+                print(f"open {ROOT / 'docs' / '_build' / 'index.html'}")
+            return status
         return test(rest) if command == "test" else call(SPINDAMP, command, *rest)
     except KeyboardInterrupt:
         return 130

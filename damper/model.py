@@ -139,6 +139,12 @@ def validate(rows: Parameters) -> None:
     _require(
         steep <= 1.0, "floor_tilt", rows["floor_tilt"], "at most 1 / ball_radius, beyond which floors are no floors"
     )
+    turn = np.stack([np.sin(rows["stagger"]), np.cos(rows["stagger"])], axis=-1) * rows["rotation"][:, None]
+    slope = rows["centrifugal_acceleration"][:, None] * rows["floor_tilt"]
+    pull = rows["ball_mass"][:, None] * np.minimum(np.abs(slope), np.abs(slope - turn**2))  # central in the plane
+    stable = pull <= rows["stiffness"] * (1 + 1e-9)  # a hinged blade far lighter than its ball is at the limit
+    bound = "at most stiffness / (ball_mass * centrifugal_acceleration), beyond which the ball's pull bends it for good"
+    _require(stable, "floor_tilt", rows["floor_tilt"], bound)
     fits = rows["floor_radius"] > rows["ball_radius"][:, None]
     _require(fits, "floor_radius", np.minimum(rows["floor_radius"], 1e300), "more than the ball's radius")
     for name in ("friction", "floor_friction"):

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fem.rotor import from_rpm, in_rpm
 from workflows.errors import BadInput, read_from
-from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
-from workflows.scene.scene import FASTEST, typed
+from workflows.scene.scene import omega_of
 from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle
@@ -96,8 +94,5 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
     if rpm is not None:
         if isinstance(rpm, bool) or not isinstance(rpm, int | float):
             raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
-        omega = from_rpm(rpm)
-        if not 0 <= omega <= FASTEST:
-            most = in_rpm(FASTEST)
-            raise BadInput(f"expected a rotation speed between 0 and {whole(most)} rpm", key="--rpm", value=typed(rpm))
+        omega = omega_of(rpm)
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,8 +77,12 @@ def _read(path: Path) -> Any:
 
     said = io.StringIO()
     try:
+        _check_kind(path)
+        _check_named_files(path)
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(path)
+    except MeshError:
+        raise
     except SystemExit:
         raise MeshError("not a mesh file that meshio can read") from None
     except meshio.ReadError as error:
@@ -88,6 +93,39 @@ def _read(path: Path) -> Any:
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
+_GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES"}
+_BULK = b"BEGIN BULK"
+
+
+def _check_kind(path: Path) -> None:
+    """Refuse geometry without a mesh, and a part of a Nastran file that meshio would search to its end."""
+    kind = _GEOMETRY.get(path.suffix.lower())
+    if kind is not None:
+        raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
+    if path.suffix.lower() in (".bdf", ".nas", ".fem") and _BULK not in path.read_bytes().upper():
+        raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
+
+
+def _check_named_files(path: Path) -> None:
+    """See that what a mesh file names are files: a pipe or a device could be read for ever.
+
+    XDMF names binary files by their path, HDF5 files by that from its own folder; TetGen's two files lie side by side.
+    """
+    named: list[Path] = []
+    if path.suffix.lower() in (".xdmf", ".xmf"):
+        for item in ElementTree.parse(path).iter("DataItem"):
+            text = (item.text or "").strip()
+            if item.get("Format") == "Binary":
+                named.append(Path(text))
+            elif item.get("Format") == "HDF":
+                named.append(path.resolve().parent / text.partition(":")[0])
+    elif path.suffix.lower() in (".node", ".ele"):
+        named = [path.with_suffix(suffix) for suffix in (".node", ".ele")]
+    for other in named:
+        if not other.is_file():
+            raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
+
+
 def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     """The mesh, and which of the file's points it has."""
     from skfem import MeshQuad, MeshTri
@@ -95,7 +133,10 @@ def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     kinds = {block.type for block in raw.cells}
     others = ", ".join(sorted(kinds - set(TRIANGLES + QUADS + IGNORED)))
     if others:
-        raise MeshError(f"a plate needs a mesh of its mid-surface, but the file holds {others}")
+        raise MeshError(
+            f"a plate needs a mesh of its mid-surface, but the file holds {others}: mesh the surface half-way through"
+            " the thickness with triangles or quadrilaterals"
+        )
     triangles = _cells(raw, TRIANGLES, 3)
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
@@ -121,7 +162,8 @@ def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
 def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
     if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
         raise MeshError(
-            f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}"
+            f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}:"
+            " a twisted or cambered blade needs a flat one, or a finite-element program for solids"
         )
     return points[:, :2]
 
@@ -132,16 +174,10 @@ def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
 
 
 def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells counter-clockwise; a mesh seen from below is turned over, a mixed one is an error.
-
-    Where each triangle's vertices are in ascending order the writer has sorted them (scikit-fem does), and
-    their sense says nothing; `check_mesh` still sees cells that overlap.
-    """
+    """Cells counter-clockwise: those that are clockwise are turned; `check_mesh` still sees cells that overlap."""
     x, y = points[cells].transpose(2, 0, 1)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    senseless = cells.shape[1] == 3 and bool((np.diff(cells, axis=1) > 0).all())
-    usual = 1.0 if np.count_nonzero(area > 0.0) >= np.count_nonzero(area < 0.0) else -1.0
-    bad = area == 0.0 if senseless else usual * area <= 0.0
+    bad = area == 0.0
     if bad.any():
         first = int(np.flatnonzero(bad)[0])
         raise MeshError(

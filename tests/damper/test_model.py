@@ -208,3 +208,14 @@ def test_what_cannot_be_sampled() -> None:
     with pytest.raises(ValueError, match="times must have shape"):
         sample(run, np.zeros((2, 2)))
     assert sample(run, []).time.shape == (0,)
+
+
+def test_a_tilt_by_which_the_load_outweighs_the_spring_is_refused() -> None:
+    """The ball's pull m a tilt on the structure, per displacement, against the spring's own: equal is the limit."""
+    limit = BASE.stiffness[0] / (BASE.ball_mass * BASE.centrifugal_acceleration)
+    small = dataclasses.replace(BASE, ball_radius=0.5 / limit, cavity=(2 / limit, 2 / limit))
+    for tilt in ((0.99 * limit, 0.0), (0.0, -0.99 * limit)):
+        dataclasses.replace(small, floor_tilt=tilt)
+    for tilt in ((1.01 * limit, 0.0), (-1.01 * limit, 0.0)):
+        with pytest.raises(ValueError, match="floor_tilt must be at most stiffness"):
+            dataclasses.replace(small, floor_tilt=tilt)

@@ -275,13 +275,13 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 
 
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
-    """Slippery walls; little load, or a vibration of 1 GHz, where no floor keeps the ball rolling."""
+    """Slippery walls; little load, or a vibration of 1 MHz, where no floor keeps the ball rolling."""
     rests = "Of modest use, if the ball rolls without slip, which at the amplitude of its best takes a friction of "
     slides = "No verdict: the ball would slide, since rolling requires a friction of "
     for speeds, frequency, friction, says in (
         ("3500", "269.5 Hz", "0.1", rests),
         ("100", "269.5 Hz", "0.3", slides),
-        ("3500", "1 GHz", "0.3", slides),
+        ("3500", "1 MHz", "0.3", slides),
     ):
         scene = changed(base(speeds, release="0.001 0", friction=friction), structure__frequency=frequency)
         verdict = answer(workflows.run(scene)).verdict

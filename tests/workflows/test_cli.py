@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
@@ -196,3 +197,14 @@ def _all_shown(terminal: int) -> str:
         while part := os.read(terminal, 4096):
             shown += part
     return shown.decode()
+
+
+def test_check_takes_what_it_prints(spindamp: Command, tmp_path: Path, structure: Scene) -> None:
+    """A frequency along each axis comes back as a pair; the scene printed again is the same."""
+    scene = changed(structure, structure__frequency=["269.5 Hz", "1400 Hz"])
+    first = spindamp("check", write(scene, tmp_path / "scene.toml").name)
+    (tmp_path / "printed.toml").write_text(first.out, encoding="utf-8")
+    again = spindamp("check", "printed.toml")
+    assert (first.status, again.status) == (0, 0), again.err
+    assert "frequency = [269.5, 1400.0]" in first.out
+    assert tomllib.loads(again.out) == tomllib.loads(first.out)

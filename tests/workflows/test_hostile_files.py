@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Command, Scene, on_mesh, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, on_mesh, python, refused, write
 from workflows.scene.load import SHIPPED, load
 
 ROOT = Path(__file__).parents[2]
@@ -198,6 +198,21 @@ def test_junk_under_any_name(name: str, spindamp: Command, tmp_path: Path, paper
     scene = on_mesh(paper, name)
     write(scene, tmp_path / "bad.toml")
     refused(spindamp("check", "bad.toml"), f"bad.toml: [plate] mesh = '{name}': ")
+
+
+@pytest.mark.parametrize("kind", ["Binary", "HDF"])
+@pytest.mark.parametrize("what", ["a pipe", "a folder", "an endless device"])
+def test_an_xdmf_file_that_names_no_file(what: str, kind: str, tmp_path: Path, paper: Scene) -> None:
+    """Each in a process of its own, which reading a pipe would never let end."""
+    named = "it.bin:/x" if kind == "HDF" else "it.bin"
+    items = f'<DataItem DataType="Float" Dimensions="4 3" Precision="8" Format="{kind}">{named}</DataItem>'
+    grid = f'<Grid><Geometry GeometryType="XYZ">{items}</Geometry></Grid>'
+    (tmp_path / "it.xdmf").write_text(f'<Xdmf Version="3.0"><Domain>{grid}</Domain></Xdmf>')
+    write(on_mesh(paper, "it.xdmf"), tmp_path / "bad.toml")
+    with _no_file(what, tmp_path / "it.bin"):
+        done = python("-m", "workflows.cli", "check", "bad.toml", cwd=tmp_path)
+    outcome = Outcome(done.returncode, done.stdout, done.stderr)
+    refused(outcome, "bad.toml: [plate] mesh = 'it.xdmf': ", "it names 'it.bin', which is not a file")
 
 
 def test_entities_that_grow_without_end(spindamp: Command, tmp_path: Path, paper: Scene) -> None:

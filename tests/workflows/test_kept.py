@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 
 import spindamp
 import workflows
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import Scene, changed, python
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -58,6 +59,7 @@ def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> No
         ("results.json", None),
         ("results.json", b""),
         ("results.json", b"[]"),
+        ("results.json", b"[" * 100_000),
         ("results.json", b'{"schema_version": 1}'),
         ("results.json", b'{"schema_version": 99}'),
         ("results.nc", None),
@@ -76,6 +78,28 @@ def test_what_is_no_run_says_so(finished: Path, name: str, content: bytes | None
         spindamp.load_results(tmp_path)
     with pytest.raises(TypeError):
         spindamp.load_results(3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["results.json", "results.nc"])
+def test_a_pipe_is_not_waited_for(name: str, finished: Path, tmp_path: Path) -> None:
+    for each in ("results.json", "results.nc"):
+        shutil.copy(finished / each, tmp_path / each)
+    (tmp_path / name).unlink()
+    os.mkfifo(tmp_path / name)
+    done = python("-c", f"import spindamp; spindamp.load_results({str(tmp_path)!r})")
+    assert f"expected a file {name}, found a pipe: run it again" in done.stderr.splitlines()[-1]
+
+
+def test_rubbish_within_hdf5_is_one_line(finished: Path, tmp_path: Path) -> None:
+    """A byte in a thousand turned over, so that what lists the groups is wrong, or what they hold."""
+    shutil.copy(finished / "results.json", tmp_path)
+    content = bytearray((finished / "results.nc").read_bytes())
+    for place in range(200, len(content), 997):
+        content[place] ^= 0xFF
+    (tmp_path / "results.nc").write_bytes(content)
+    done = python("-m", "workflows.cli", "view", tmp_path, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(done.stderr.splitlines()) == 1, done.stderr
 
 
 def test_an_older_folder_is_refused_by_its_version(finished: Path, tmp_path: Path) -> None:

@@ -98,6 +98,7 @@ BENT: dict[str, dict[str, str]] = {
         "not a number inside": "[nan]",
         "twice the same": "[1, 1.0]",
         "beyond every plate": '["1e7 rpm"]',
+        "as good as rest": '["0 rpm", "1e-6 rpm"]',
         "true inside": "[true]",
         "a ladder without count": "{ start = 0, stop = 1 }",
         "a ladder with more": "{ start = 0, stop = 1, count = 2, step = 1 }",
@@ -156,7 +157,7 @@ BENT: dict[str, dict[str, str]] = {
     "release.cycles": NO_NUMBER | NEGATIVE | ZERO | {"too many": "1e10", "another case": '"Auto"'},
     "accuracy.frequency": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
     "accuracy.damping": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
-    "structure.frequency": NO_QUANTITY | NEGATIVE | ZERO,
+    "structure.frequency": NO_QUANTITY | NEGATIVE | ZERO | {"of light": '"1 GHz"', "a cycle a year": '"3e-8 Hz"'},
     "structure.mass": NO_QUANTITY | NEGATIVE | ZERO,
 }
 

@@ -17,7 +17,7 @@ from tests.workflows.browser import findings, needs_chromium
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import remarks
-from workflows.scene.load import opened
+from workflows.scene.load import SHIPPED, opened
 from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders
 from workflows.solve.results import Mode, SpeedPoint
@@ -191,6 +191,20 @@ def test_no_crossing():
         assert str(caught.value).endswith(
             "[excitation] orders = [1]: no order crosses a mode between 3000 and 5000 rpm;"
             " order 1 would meet the first mode near 12060 rpm"
+        )
+
+
+def test_orders_that_drive_no_mode():
+    """A twist about the middle of the tip, where the damper is, meets order 50 alone: both commands refuse alike."""
+    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene["rotor"]["speeds"], scene["excitation"]["orders"] = ["3900 rpm", "4000 rpm"], [50]
+    source = study.shaken(opened(scene))
+    for asked in (spindamp.response, partial(objectives.amplitude_objective, stages=Stages())):
+        with pytest.raises(BadInput) as caught:
+            asked(source)
+        assert str(caught.value).endswith(
+            "[excitation] orders = [50]: none of these orders drives a mode at the damper's place between 3900 and"
+            " 4000 rpm"
         )
 
 

@@ -224,3 +224,27 @@ def test_malformed_scene(
     request: pytest.FixtureRequest,
 ) -> None:
     wrong(changed(request.getfixturevalue(scene), **changes), key, message)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"rotor__blades": 12}, "[rotor] blades = 12: unknown key: one blade is computed"),
+        (
+            {"damper__balls_per_cavity": 3},
+            "[damper] balls_per_cavity = 3: unknown key: each ball has a cavity of its own",
+        ),
+        ({"material": {"name": "titanium"}}, "did you mean 'Ti-6Al-4V'?"),
+        ({"plate__thickness": 10}, "a number without a unit is in m, was '10 mm' meant?"),
+    ],
+)
+def test_what_people_write_leads_to_what_there_is(
+    changes: dict[str, Any], message: str, paper: Scene, tmp_path: Path, spindamp: Command
+) -> None:
+    outcome = spindamp("check", write(changed(paper, **changes), tmp_path / "scene.toml").name)
+    refused(outcome, "scene.toml: ", message)
+
+
+def test_a_mesh_in_place_of_a_scene(tmp_path: Path, spindamp: Command) -> None:
+    (tmp_path / "it.msh").write_text("$MeshFormat", encoding="utf-8")
+    refused(spindamp("run", "it.msh"), "it.msh: a mesh, not a scene", 'name it in a scene as [plate] mesh = "it.msh"')

@@ -270,3 +270,32 @@ def test_from_the_command_line(spindamp, tmp_path):
     wrong = spindamp("sweep", "structure", "--vary", "damper.frictoin=1,2")
     assert wrong.status == 2
     assert "did you mean 'damper.friction'?" in wrong.err
+
+
+@pytest.mark.usefixtures("no_workers")
+def test_a_sweep_in_which_no_point_has_an_answer(spindamp, tmp_path):
+    """Five cavities of metres, 0.2 m from the axis: one cause, however many numbers it comes with."""
+    varied = ("sweep", "structure", "--vary", "damper.clearance=1 m:4 m:5")
+    ended = spindamp(*varied, "--out", "out")
+    assert ended.status == 3
+    cause = "5 × [damper] cavity: the cavity is larger than its distance from the axis, 0.2 m"
+    assert ended.err.splitlines()[-1] == f"spindamp: structure.toml: no point has an answer: {cause}"
+    assert ended.out.count("larger than its distance") == 1
+    assert (tmp_path / "out" / "report.html").is_file()
+    told = json.loads(spindamp(*varied, "--out", "out", "--json").out)
+    assert told["reasons"] == [{"reason": cause.removeprefix("5 × "), "points": 5}]
+
+
+@pytest.mark.parametrize(
+    "varied",
+    ["damper.clearance=1:4:5", "damper.cavity[0]=log:3:6:4", "damper.radius=1,2", {"damper.radius": [1.0, 2.0]}],
+)
+def test_lengths_without_a_unit_that_are_nearer_in_millimetres_are_questioned(varied):
+    given = [varied] if isinstance(varied, str) else varied
+    with pytest.raises(BadInput, match=r"a length without a unit is in m, and the scene has .* mm' meant"):
+        study.asked("structure", given)
+
+
+@pytest.mark.parametrize("varied", ["damper.clearance=1 m:4 m:5", "damper.clearance=0.0001:1:5", "damper.mass=1:4:5"])
+def test_lengths_that_may_be_meant_are_taken(varied):
+    assert study.asked("structure", [varied]).plan.axes[0].values

@@ -285,3 +285,12 @@ def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
         path = tmp_path / f"{number}.html"
         viewer.write(sight, path)
         assert findings(path) == []
+
+
+@pytest.mark.parametrize("study", ["sweep", "response", "design", "accuracy", "effects", "reproduce"])
+def test_the_folder_of_a_study_leads_to_its_page(study: str, tmp_path: Path, spindamp: Command) -> None:
+    (tmp_path / "out").mkdir()
+    for name in (f"{study}.json", "report.html"):
+        (tmp_path / "out" / name).write_text("{}", encoding="utf-8")
+    shown = spindamp("view", "out")
+    assert (shown.status, shown.out) == (0, f"open {Path('out') / 'report.html'}\n"), shown

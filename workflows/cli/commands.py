@@ -177,7 +177,7 @@ def sweep(
     """Vary keys of a scene, such as damper.mass_ratio=0.001:0.01:10, over a grid or a sample.
 
     Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
-    --json and no --out nothing is written.
+    --json and no --out nothing is written. Where no point has an answer, the exit status is 3.
     """
     from workflows.studies.sweep import executor, report, sensitivity, store, study
 
@@ -199,6 +199,8 @@ def sweep(
             with stages("report"):
                 report.write(data, out)
     _show(report.dumps(data) if json else report.text(data), out, json)
+    if problem := report.no_answer(data):
+        raise NoAnswer(f"{asked.source.name}: {problem}")
 
 
 @_commands.command()
@@ -257,6 +259,11 @@ def view(
             raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
         if not target.parent.is_dir():
             raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))
+    if page := viewer.page_of_study(what):
+        if json or out is not None:
+            raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
+        typer.echo(f"open {page}")
+        return
     data = viewer.of(what, rpm)
     first, number = viewer.chosen(data, rpm, mode)
     if json:

@@ -52,14 +52,10 @@ def called_for(case: Case) -> Called:
 
 
 def refused(scene: Scene) -> Refusal | None:
-    """A structure's own modes where none are known, and a pair of frequencies where they are to be one."""
+    """A structure's own modes where none are known."""
     key, asked = "[effects] structural_modes", scene.effects.structural_modes
     if (found := not_printed("structural_modes")(scene)) is not None:
         return found
-    pair = () if scene.structure is None else scene.structure.frequency
-    if asked is False and len(set(pair)) > 1:
-        problem = "belongs to a plate; a pair as [structure] frequency says that the axes differ: leave one of them out"
-        return Refusal(problem, key, False)
     if asked is True and scene.plate is None:
         return Refusal("the scene has no plate whose modes these could be", key, True)
     return None

@@ -23,7 +23,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from workflows.errors import BadInput
 from workflows.io import provenance
-from workflows.scene.load import parse
+from workflows.scene.load import parse, unfit
 from workflows.scene.scene import Scene
 from workflows.solve.results import Results, SpeedPoint, VibrationReduction, expect
 from workflows.versions import versions
@@ -378,6 +378,10 @@ def read(folder: str | os.PathLike[str]) -> Results:
         raise TypeError(f"load_results takes the name of a folder that a run has written, got {type(folder).__name__}")
     path, name = Path(folder), NAME
     try:
+        for name in (NAME, DATA):
+            if problem := unfit(path / name):
+                raise _unreadable(path, f"expected a file {name}, found {problem}: run it again")
+        name = NAME
         published = json.loads((path / NAME).read_text(encoding="utf-8"))
         if (version := published["schema_version"]) != SCHEMA_VERSION:
             raise _unreadable(path, f"has version {version} of {NAME}: expected {SCHEMA_VERSION}; run it again")
@@ -387,9 +391,11 @@ def read(folder: str | os.PathLike[str]) -> Results:
     except (FileNotFoundError, NotADirectoryError):
         problem = f"holds no run: expected a folder with {NAME} and {DATA}, as `spindamp run --out` writes"
         raise _unreadable(path, problem) from None
-    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
+    except BadInput:
+        raise
+    except Exception as error:  # what JSON, HDF5 and pydantic stumble over in a file with a few wrong bytes
         reason = getattr(error, "strerror", None) or type(error).__name__
-        raise _unreadable(path, f"{name} is damaged, or not from spindamp: {reason}") from error
+        raise _unreadable(path, f"{name} is damaged, or not from spindamp ({reason}): run it again") from error
     return found
 
 
@@ -399,15 +405,15 @@ def _kept(folder: Path) -> dict[str, Any]:
     Raises:
         BadInput: the folder is an older one.
     """
-    import h5netcdf
+    import h5py
 
-    with (folder / DATA).open("rb"), h5netcdf.File(folder / DATA, "r") as file:
-        group = file.groups.get(_KEPT)
-        version = 2 if group is None else int(group.attrs["format"])
+    with (folder / DATA).open("rb"), h5py.File(folder / DATA, "r") as file:  # h5netcdf writes to stderr where it fails
+        group = file.get(_KEPT)
+        version = 2 if group is None else int(np.ravel(group.attrs["format"])[0])
         if group is None or version != _FORMAT:
             raise _unreadable(folder, f"has version {version} of what a run keeps: expected {_FORMAT}; run it again")
 
-        arrays = group["arrays"][...].tobytes() if "arrays" in group.variables else b""
+        arrays = group["arrays"][...].tobytes() if "arrays" in group else b""
 
         def placed(value: dict[str, Any]) -> Any:
             if value.keys() != {"begin", "dtype", "shape"}:

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.rotor import from_rpm, in_rpm
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant, whole
@@ -28,7 +27,7 @@ from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
 from workflows.scene import load, plate_mesh
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import FASTEST, Scene, typed
+from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
 from workflows.solve.results import Floats, Mode, SpeedPoint, Surface, bare
 
@@ -248,11 +247,22 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:
-    omega = from_rpm(rpm)
-    if not 0 <= omega <= FASTEST:
-        most = whole(in_rpm(FASTEST))
-        raise BadInput(f"expected a rotation speed between 0 and {most} rpm", key="--rpm", value=typed(rpm))
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
+
+
+_STUDIES = ("accuracy.json", "design.json", "effects.json", "reproduce.json", "response.json", "sweep.json")
+"""A file that only the folder of a study has."""
+
+
+def page_of_study(target: str) -> Path | None:
+    """The report of a folder that a study, not a run, has written; None where it is none."""
+    folder = Path(target)
+    try:
+        whose = any((folder / name).is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
+    except (OSError, ValueError):
+        return None
+    page = folder / "report.html"
+    return page if whose and page.is_file() else None
 
 
 def of(target: str, rpm: float | None = None) -> Sight:

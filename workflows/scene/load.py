@@ -66,6 +66,9 @@ class SceneFile:
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
 DEFAULT = "paper"
+_MESHES = {".msh", ".vtu", ".vtk", ".inp", ".bdf", ".nas", ".fem", ".xdmf", ".stl", ".step", ".stp", ".iges", ".igs"}
+"""How names of meshes end, and of geometry that is taken for one."""
+
 _LARGEST = 1_000_000
 """Bytes; no scene written by hand comes near."""
 
@@ -114,6 +117,9 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     if not os.fspath(where).strip():
         raise BadInput(f"expected the path of a scene, or the name of a shipped one: {', '.join(shipped())}")
     path = Path(where)
+    if path.suffix.lower() in _MESHES and path.is_file():
+        problem = f'a mesh, not a scene: name it in a scene as [plate] mesh = "{path.name}"'
+        raise BadInput(f"{problem}, or look at it with `spindamp view {where}`", file=str(where))
     if str(where) in shipped() and not path.is_file():
         path, name = SHIPPED / f"{where}.toml", f"{where}.toml"
     else:
@@ -258,6 +264,14 @@ stiffness by (16/15)(d/h)²."""
 
 _ALSO_CALLED = {"pre_twist": "pretwist", "twist": "pretwist", "twist_angle": "pretwist", "curvature": "camber"}
 
+_INSTEAD = {
+    "blades": "one blade is computed, whatever the number of its fellows: leave this out",
+    "balls_per_cavity": "each ball has a cavity of its own: give their number by count",
+    "balls": "give the number of balls, each in a cavity of its own, by count",
+    "cavities": "each ball has a cavity of its own: give their number by count",
+}
+"""Keys that a scene does not have, and what does it instead."""
+
 _DIAMETERS = ("diameter", "ball_diameter")
 
 
@@ -343,6 +357,8 @@ def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
     if loc[0] in ("plate", "rotor") and (shape := _ALSO_CALLED.get(loc[-1], loc[-1])) in _NOT_FLAT:
         return f": {_NOT_FLAT[shape]}"
+    if loc[-1] in _INSTEAD:
+        return f": {_INSTEAD[loc[-1]]}"
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"

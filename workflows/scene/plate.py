@@ -195,7 +195,8 @@ def disproportion(least: float, greatest: float, length: float, width: float) ->
     if extent > _SLENDEREST * min(length, width):
         return "width", f"expected a width within a factor of {_SLENDEREST:g} of the length, {length:g} m"
     if greatest >= length:
-        return "thickness", f"expected less than the length, {length:g} m"
+        meant = f": a number without a unit is in m, was '{greatest:g} mm' meant?" if greatest >= 1 else ""
+        return "thickness", f"expected less than the length, {length:g} m{meant}"
     if greatest > width * (1 + ROUNDING):
         return "thickness", f"expected at most the width, {width:g} m: z, through the thickness, is the thin side"
     if least < extent / _THINNEST:

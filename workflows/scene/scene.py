@@ -10,7 +10,9 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from fem.accuracy.tolerances import Budget
-from workflows.errors import did_you_mean
+from fem.rotor import from_rpm, in_rpm
+from workflows.errors import BadInput, did_you_mean
+from workflows.formatting import significant, whole
 from workflows.scene import materials, quantities
 from workflows.scene.damper import HEAVIEST, Damper, Release, misfit, through_the_thickness
 from workflows.scene.materials import LIGHTEST
@@ -47,6 +49,24 @@ FASTEST = 1e5
 """Largest rotation speed taken [rad/s]: above it no plate holds, and rounding would answer for physics."""
 
 
+SLOWEST = 1e-4
+"""Least rotation speed above rest that is taken [rad/s]: a turn in most of a day is rest."""
+
+
+def omega_of(rpm: float) -> float:
+    """The speed [rad/s] of the option --rpm.
+
+    Raises:
+        BadInput: nothing turns so fast, or so slowly.
+    """
+    omega = from_rpm(rpm)
+    if not (omega == 0 or SLOWEST <= omega <= FASTEST):
+        low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
+        problem = f"expected a rotation speed between 0 and {high} rpm, and no less than {low} rpm unless at rest"
+        raise BadInput(problem, key="--rpm", value=typed(rpm))
+    return omega
+
+
 def typed(rpm: float) -> float:
     """A speed as somebody types it: 4500, where the command line has made 4500.0 of it."""
     return int(rpm) if float(rpm).is_integer() else rpm
@@ -63,6 +83,9 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
         raise wrong("a rotation speed must not be negative")
     if any(speed > FASTEST for speed in speeds):
         raise wrong(f"expected speeds up to {FASTEST:g} rad/s, about a million rpm")
+    if slow := [speed for speed in speeds if 0 < speed < SLOWEST]:
+        least = f"{SLOWEST:g} rad/s, about a thousandth of a turn a minute"
+        raise wrong(f"expected 0, or speeds from {least} on: {slow[0]:g} rad/s is as good as rest")
     if len(speeds) > MOST_SPEEDS:
         raise wrong(f"expected at most {MOST_SPEEDS} speeds")
     if len(set(speeds)) < len(speeds):
@@ -119,6 +142,10 @@ FINEST = 1e-10
 """Least relative error of a frequency that double precision gives: its 1e-16 times a stiffness matrix's condition."""
 
 
+_LOWEST, _HIGHEST = 1e-3, 1e6
+"""Frequencies [Hz]: a cycle takes a quarter of an hour, and a wave of steel is 5 mm long."""
+
+
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
 
@@ -126,6 +153,15 @@ class Structure(Table):
         description="ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"
     )
     mass: Annotated[Mass, Positive] = Field(description="M2: effective mass at the damper, without the ball")
+
+    @model_validator(mode="after")
+    def _sense(self) -> Self:
+        """A frequency at which something as large as a cavity with a ball in it can vibrate."""
+        if not all(_LOWEST <= each <= _HIGHEST for each in self.frequency):
+            problem = f"expected from {_LOWEST:g} Hz to {_HIGHEST:.0f} Hz, as structures that hold a ball vibrate"
+            raise fault("frequency", problem)
+        return self
+
     floor_tilt: Slopes = Field(
         (0.0, 0.0),
         description="slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along"

@@ -125,6 +125,13 @@ def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str) -> Bad
     return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
 
 
+def undriven(points: Sequence[SpeedPoint], orders: Sequence[int], file: str) -> BadInput:
+    """That no order drives a mode at the damper's place between the lowest and the highest of these points."""
+    low, high = min(point.rpm for point in points), max(point.rpm for point in points)
+    problem = f"none of these orders drives a mode at the damper's place between {whole(low)} and {whole(high)} rpm"
+    return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
+
+
 def beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
     """The speed [rev/min] at which an order would meet the first mode beyond these points; None where it never would.
 

@@ -14,10 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
-from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import FLAT, Excitation, Scene
@@ -489,11 +487,7 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        problem = (
-            f"none of these orders drives a mode at the damper's place between {whole(in_rpm(low))} and"
-            f" {whole(in_rpm(high))} rpm"
-        )
-        raise BadInput(problem, file=source.name, key="[excitation] orders", value=list(excitation.orders))
+        raise engine_orders.undriven(points, excitation.orders, source.name)
     return LeastAmplitude(excitation, tuple(met), (low, high), max(alone))
 
 

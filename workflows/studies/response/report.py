@@ -88,8 +88,6 @@ def dataset(found: Response) -> xr.Dataset:
 
     dims = ("crossing", "speed", "force", "start")
     passed, data = found.passed, xr.Dataset(attrs=files.about(found.results))
-    if not passed:
-        return data
     heights = {"units": found.excitation.unit.replace("²", "2"), "long_name": f"height of the {found.excitation.kind}"}
     data = data.assign_coords(
         order=("crossing", [through.crossing.order for through in passed]),

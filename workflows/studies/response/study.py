@@ -234,7 +234,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     blade. Each damper has the modes that yield most along its axes, and the one that is crossed.
 
     Raises:
-        BadInput: no damper, no excitation, no range of speeds, no order that crosses a mode within it; see also
+        BadInput: no damper, no excitation, no range of speeds, no order that drives a mode within it; see also
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
@@ -261,6 +261,8 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             idle.append((crossing, found))
         else:
             passed.append(found)
+    if not passed:
+        raise engine_orders.undriven(results.speeds, asked.orders, source.name)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
     return Response(results, followed, tuple(passed), tuple(idle), asked.levels)
 

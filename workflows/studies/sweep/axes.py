@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -270,13 +271,14 @@ class Spread:
 class Axis:
     """A key and its values in SI, ascending as they were given; `spread` where it is a range, and the `text` of it.
 
-    A range without a count, which a sample takes, has no values.
+    A range without a count, which a sample takes, has no values. `bare`: its numbers have no unit.
     """
 
     key: Key
     values: tuple[Value, ...]
     spread: Spread | None = None
     text: str = field(default="", compare=False)
+    bare: bool = field(default=False, compare=False)
 
     @property
     def name(self) -> str:
@@ -308,6 +310,41 @@ def read(given: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[A
     return tuple(axes)
 
 
+_MILLIMETRES = 30.0
+"""Ratio to the scene's own length from which on a number without a unit is nearer to it in mm than in m."""
+
+
+def check_units(axes: Iterable[Axis], scene: Scene) -> None:
+    """See that lengths without a unit, which are in m, are not those of millimetres.
+
+    Raises:
+        BadInput: they are all more than 30 times the scene's own; with a unit they are taken as they are.
+    """
+    data = plain(scene)
+    for axis in axes:
+        own = _own_length(axis.key, data)
+        numbers = axis.values or ((axis.spread.low,) if axis.spread is not None else ())
+        given = [float(value) for value in numbers if not isinstance(value, str)]
+        if axis.bare and own is not None and given and min(given) > _MILLIMETRES * own:
+            problem = (
+                f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here: was '{min(given):g} mm'"
+                f" meant? Give the unit, mm or m"
+            )
+            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.text or given)
+
+
+def _own_length(key: Key, data: Data) -> float | None:
+    """The length [m], above 0, that a scene has at a key."""
+    place: Any = data
+    for name in (*key.table, "cavity" if key.field == "clearance" else key.field):
+        place = place.get(name) if isinstance(place, Mapping) else None
+    if isinstance(place, list | tuple):
+        place = place[key.element or 0]
+    if key.field == "clearance":
+        place -= 2 * data["damper"]["radius"]
+    return float(place) if key.unit == "m" and isinstance(place, int | float) and place > 0 else None
+
+
 def _split(text: str) -> tuple[str, str]:
     name, equals, values = text.partition("=")
     if not equals or not values.strip():
@@ -330,8 +367,9 @@ def _axis(key: Key, values: object, gravity: float) -> Axis:
     if not isinstance(values, str):
         listed = values.tolist() if isinstance(values, np.ndarray) else values
         items = list(listed) if isinstance(listed, Iterable) and not isinstance(listed, Mapping) else [listed]
-        return _listed(key, items, gravity)
-    return replace(_ranged(key, values, gravity), text=values.strip())
+        return replace(_listed(key, items, gravity), bare=not any(isinstance(item, str) for item in items))
+    numbers = re.split("[:,]", values.strip().removeprefix("log:").removeprefix("normal:"))
+    return replace(_ranged(key, values, gravity), text=values.strip(), bare=all(map(_bare, numbers)))
 
 
 def _ranged(key: Key, values: str, gravity: float) -> Axis:

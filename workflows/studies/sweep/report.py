@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -420,7 +421,7 @@ _HEADLINE = sensitivity.QUANTITIES.index(HEADLINE)
 def document(data: xr.Dataset) -> dict[str, Any]:
     """The machine-readable result: ``sweep.json``, and what ``--json`` prints."""
     flat = np.asarray(data[HEADLINE].values, dtype=float).ravel()
-    reasons = Counter(str(text) for text in data["reason"].values.ravel() if text)
+    reasons = causes(data)
     found: dict[str, Any] = {
         "schema_version": 1,
         "title": data.attrs["title"],
@@ -437,6 +438,33 @@ def document(data: xr.Dataset) -> dict[str, Any]:
     if "ST" in data:
         found["uncertain"] = sensitivity.document(data)
     return found
+
+
+_NUMBER = r"[-+]?\d[\d.]*(e[-+]?\d+)?"
+
+
+def causes(data: xr.Dataset) -> Counter[str]:
+    """How many points each cause leaves without an answer; reasons that differ in their numbers alone are one cause.
+
+    Such a cause stands without the value of its key; where other numbers differ as well, with those of its first point.
+    """
+    texts = Counter(str(text) for text in data["reason"].values.ravel() if text)
+    alike: dict[str, list[str]] = {}
+    for text in texts:
+        alike.setdefault(re.sub(_NUMBER, "#", text), []).append(text)
+    found: Counter[str] = Counter()
+    for each in alike.values():
+        name = each[0] if len(each) == 1 else re.sub(r"^(\[\w+\] [\w.]+) = .*?: ", r"\1: ", each[0])
+        found[name] += sum(texts[text] for text in each)
+    return found
+
+
+def no_answer(data: xr.Dataset) -> str:
+    """That no point has an answer, and every cause; empty where a point has one."""
+    found = causes(data)
+    if sum(found.values()) < data["reason"].size:
+        return ""
+    return "no point has an answer: " + "; ".join(f"{count} × {cause}" for cause, count in found.most_common())
 
 
 def at(data: xr.Dataset, number: int) -> dict[str, Any]:

@@ -194,7 +194,8 @@ def _check_same(target: Path, path: Path, said: dict[str, str]) -> None:
     try:
         before = json.loads(known.read_text(encoding="utf-8"))["attributes"]
     except (OSError, ValueError, LookupError) as error:
-        raise BadInput(f"its {DATA} cannot be read: {error}", key="--out", value=str(path)) from error
+        problem = f"its {DATA}/{_METADATA} is damaged ({error}): expected another folder, or this one removed"
+        raise BadInput(problem, key="--out", value=str(path)) from error
     if before.get("study") != said["study"]:
         names = [name for name in said if name != "study" and said[name] != before.get(name)]
         what = " and ".join(_CALLED.get(name, name) for name in names) or "key"

@@ -120,6 +120,7 @@ def asked(
             "nothing is varied: expected KEY=START:STOP:COUNT, such as damper.friction=0.1:0.5:9", key="--vary"
         )
     plan.base(source, [axis.key for axis in given])
+    axes.check_units(given, source.scene)
     speeds = source.scene.rotor.speeds
     if count is None:
         return Study(source, plan.grid(given, speeds), quick, executor.digest())
@@ -132,6 +133,7 @@ def _uncertain(
     """The study from which percentiles and Sobol' indices are taken."""
     given = sensitivity.axes(vary, source.scene)
     plan.base(source, [axis.key for axis in given])
+    axes.check_units(given, source.scene)
     points = sensitivity.plan(given, source.scene.rotor.speeds, sensitivity.BASE if count is None else count, seed)
     return Study(source, points, quick, executor.digest())
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.rotor import in_rpm
 from workflows import pipeline
-from workflows.errors import NoAnswer
+from workflows.errors import NoAnswer, read_from
 from workflows.formatting import fixed, significant, whole
 from workflows.progress import Stages, Step
 from workflows.scene import plate_mesh
@@ -510,8 +510,10 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
             points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
             point = points[middle(points)]
-            system = level(damper.particle_damper(source.scene, decided.effects, point))
-            balls, exact = damper_study(system, coupling.released_at(source.scene, point), point, step)
+            with read_from(source.name):
+                system = level(damper.particle_damper(source.scene, decided.effects, point))
+                release = coupling.released_at(source.scene, point)
+            balls, exact = damper_study(system, release, point, step)
         studies += [] if balls is None else [balls]
         chosen["damper"] = exact
     with stages("pipeline", len(ASKED) + 1) as step:
