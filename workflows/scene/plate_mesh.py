@@ -148,6 +148,7 @@ def coarse(form: Planform, cells: int) -> Any:
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
     from fem import Rectangle
+    from fem.meshes.planform import clamped_length
 
     if isinstance(form, Rectangle):
         along, across = form.cells(size)
@@ -156,7 +157,7 @@ def in_words(source: SceneFile, form: Planform, size: int) -> str:
     kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
     name = source.scene.plate.mesh if source.scene.plate else source.mesh
     parts = "" if size == 1 else f", each edge split in {size}"
-    return f"{mesh.t.shape[1]} {kind} from {name}{parts}"
+    return f"{mesh.t.shape[1]} {kind} from {name}{parts}, root of {1e3 * clamped_length(mesh):.6g} mm"
 
 
 def given_place(scene: Scene) -> tuple[float, float] | None:
