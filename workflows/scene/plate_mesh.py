@@ -203,7 +203,7 @@ def tip(points: np.ndarray) -> tuple[float, float]:
 def _outermost(points: np.ndarray) -> np.ndarray:
     """Which of a plate's points (2, n) lie on its tip, (n,)."""
     x = points[0]
-    return np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))
+    return np.asarray(np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x)))
 
 
 def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:
