@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 LAYER = 10.0**-0.5
 """Width of the layer along free edges in thicknesses."""
 
+CLEAR = 2.0
+"""Thicknesses from a point mass within which it shears the plate as a point does."""
+
 SHEAR, LAYERED = (0.01, 0.09), 0.005
 """Part of the shear energy, without nu and by it, that Mindlin's theory has wrong, about nu / 6; and of the layers."""
 
@@ -140,10 +143,27 @@ def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     lengths, tangent = _along(model, facets)
     (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPES])
     x, y = tangent[:, :, None]
-    twist = 0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y
+    twist = (0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y)[_clear(model, plate, facets)]
     nu, h = plate.material.poissons_ratio, _heights(model, plate).mean(axis=1)[model.mesh.f2t[0, facets]]
     rigidity = plate.material.youngs_modulus * h**3 / 12.0 / (1.0 - nu**2)
     return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * lengths, twist))
+
+
+def _clear(model: Discretisation, plate: Plate, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Which of some facets stands for each: for those next to a point mass the nearest that is clear of it.
+
+    There shear bends w by the logarithm of the distance, and the twist of w has no limit; that of the sections has.
+    """
+    numbers = np.arange(facets.size)
+    if plate.tip_mass == 0.0 or plate.tip_at is None:
+        return numbers
+    middle = model.mesh.p[:, model.mesh.facets[:, facets]].mean(axis=1)
+    away = np.linalg.norm(middle - np.array(plate.tip_at)[:, None], axis=0)
+    clear = numbers[away >= CLEAR * plate.thickness_at(plate.tip_at)]
+    if clear.size in (0, facets.size):
+        return numbers
+    apart = np.linalg.norm(middle[:, :, None] - middle[:, None, clear], axis=0)
+    return np.where(np.isin(numbers, clear), numbers, clear[apart.argmin(axis=1)])
 
 
 def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
