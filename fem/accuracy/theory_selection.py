@@ -49,18 +49,18 @@ MARGIN = 1.25
 LEFT = {"kirchhoff": (1.2, 1.2 * STRETCHED), "mindlin": (1.2, 1.2 * STRETCHED), "mindlin/held": (0.22, 0.5)}
 """Part of what the clamp does, in bending and in stretching, that a theory lacks at most."""
 
+STOUT_ROOT, ALL = 0.2, 1.2
+"""Thickness of the root over the smaller side beyond which nothing may be left of what the clamp does in stretching."""
+
 STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
 
 
 def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
     """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
-    slopes = sloping(operators)
-    if np.iscomplexobj(shapes):
-        parts = np.hstack([np.real(shapes), np.imag(shapes)])
-        both = np.diag(doubt(operators, parts))
-        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues + slopes)
-    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues + slopes)
+    parts = np.hstack([np.real(shapes), np.imag(shapes)]) if np.iscomplexobj(shapes) else np.real(shapes)
+    stiff, heavy = (np.diag(rule(operators, parts)).reshape(-1, eigenvalues.size) for rule in (doubt, thick))
+    return np.asarray(stiff.sum(axis=0) / eigenvalues + heavy.sum(axis=0) + sloping(operators))
 
 
 def doubt(operators: Operators, basis: Array) -> Array:
@@ -74,7 +74,10 @@ def doubt(operators: Operators, basis: Array) -> Array:
     gradient = _gradient(model, plate, basis)
     thin = kind(model.theory) is Kind.KIRCHHOFF
     unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
-    energy = _clamp(model, plate, gradient, LEFT["kirchhoff" if thin else "mindlin" if unmoved else model.theory])
+    left = LEFT["kirchhoff" if thin else "mindlin" if unmoved else model.theory]
+    if at_root(plate) > STOUT_ROOT * min(plate.sides):
+        left = left[0], max(left[1], ALL)
+    energy = _clamp(model, plate, gradient, left)
     if thin:
         return 0.5 * energy + _thin(model, plate, gradient)
     wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
@@ -82,12 +85,29 @@ def doubt(operators: Operators, basis: Array) -> Array:
     return 0.5 * energy
 
 
+def thick(operators: Operators, basis: Array) -> Array:
+    """Matrix E (r, r): a mode of mass-normalised shape basis @ y (n, r) is lowered by y' E y, relatively.
+
+    By the motion through the thickness, which contracts by nu / (1 - nu) of what is stretched in the plane: no plate
+    theory here gives it mass (Love, A Treatise on the Mathematical Theory of Elasticity, art. 278, for rods).
+    """
+    model, plate = operators.model, operators.plate
+    if kind(model.theory) is Kind.SOLID:
+        return np.zeros((basis.shape[1],) * 2)
+    nu, h = plate.material.poissons_ratio, _heights(model, plate)
+    xx, _, _, yy = _gradient(model, plate, basis)[STRETCH]
+    area = model.gradient.dx / (1.0 if isinstance(plate.thickness, float | int) else h)
+    weights = plate.material.density * area * h**3 / 12.0 * (nu / (1.0 - nu)) ** 2
+    return np.asarray(0.5 * np.einsum("cpk,cp,cpm->km", xx + yy, weights, xx + yy, optimize=True))
+
+
 def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
     """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
     model, plate = operators.model, operators.plate
     gradient = _gradient(model, plate, shapes)
     energy = 0.5 * _clamp(model, plate, gradient, LEFT["kirchhoff"]) + _thin(model, plate, gradient)
-    return np.asarray(np.diag(energy) / eigenvalues + sloping(operators))
+    heavy = np.diag(thick(operators, shapes))
+    return np.asarray(np.diag(energy) / eigenvalues + heavy + sloping(operators))
 
 
 def sloping(operators: Operators) -> float:
@@ -296,9 +316,11 @@ def over_speeds(operators: Operators, diagram: Campbell) -> Array:
         if np.iscomplexobj(part.basis):  # of one speed by itself
             found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
             continue
-        energy = doubt(operators, part.basis)
-        doubted = np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real
-        found.append(doubted / squares + sloping(operators))
+        stiff, heavy = (
+            np.einsum("kri,rs,ksi->ki", vectors.conj(), rule(operators, part.basis), vectors, optimize=True).real
+            for rule in (doubt, thick)
+        )
+        found.append(stiff / squares + heavy + sloping(operators))
     return np.vstack(found) + strained
 
 

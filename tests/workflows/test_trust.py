@@ -116,3 +116,23 @@ def test_a_swept_plate_is_within_its_estimate(theory: str, accuracy: float, tria
     for mode, frequency in zip(found.speeds[0].modes, SKEWED, strict=True):
         assert mode.error_estimate is not None
         assert abs(mode.frequency_hz / frequency - 1) < mode.error_estimate + 2e-4  # of CalculiX
+
+
+STOUT = {5: 13903.35}
+"""CalculiX, 32 x 32 x 4 bricks (C3D20R), in Hz, and 0.02 % less than 16 x 16 x 2: an axial mode of a square of steel of
+0.1 m, 0.03 m thick, with nu = 0.45."""
+
+
+def test_a_stout_plate_that_stretches_moves_through_its_thickness() -> None:
+    """No plate theory gives that motion mass: 1.2 % in an axial mode where 0.65 % was said."""
+    scene = {
+        "plate": {"length": 0.1, "width": 0.1, "thickness": 0.03, "theory": "mindlin"},
+        "material": {"youngs_modulus": 2e11, "poissons_ratio": 0.45, "density": 7850},
+        "rotor": {"speeds": ["0 rpm"]},
+        "accuracy": {"frequency": 1e-2},
+    }
+    modes = workflows.run(scene).speeds[0].modes
+    for number, frequency in STOUT.items():
+        true, stated = abs(modes[number].frequency_hz / frequency - 1), modes[number].error_estimate
+        assert stated is not None
+        assert true < stated < 2 * true
