@@ -20,6 +20,7 @@ from workflows.report import remarks
 from workflows.scene.load import SHIPPED, opened
 from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders
+from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.design import objectives
 from workflows.studies.response import report, study
@@ -198,7 +199,7 @@ def test_orders_that_drive_no_mode():
     """A twist about the middle of the tip, where the damper is, meets order 50 alone: both commands refuse alike."""
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["rotor"]["speeds"], scene["excitation"]["orders"] = ["3900 rpm", "4000 rpm"], [50]
-    source = study.shaken(opened(scene))
+    source = with_forced_effects(opened(scene))
     for asked in (spindamp.response, partial(objectives.amplitude_objective, stages=Stages())):
         with pytest.raises(BadInput) as caught:
             asked(source)

@@ -174,7 +174,7 @@ class Answer:
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
     alone, orders = _alone(results), of_orders(results)
-    if not results.reductions:
+    if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*alone.sentences, *orders))
     return Answer(orders[0].removesuffix("."), (*orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
 
@@ -354,7 +354,7 @@ _NO_ESTIMATE: dict[str, str] = {
 def of_orders(results: Results) -> list[str]:
     """A sentence or more for each order of [excitation] and mode that it meets, where the ball does most first."""
     excitation = results.scene.excitation
-    if excitation is None:
+    if excitation is None or results.scene.damper is None or not results.speeds:
         return []
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
     overload = (
