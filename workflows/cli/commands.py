@@ -234,6 +234,21 @@ def design(
 
 
 @_commands.command()
+def compare(
+    runs: Annotated[list[str], typer.Argument(metavar="DIR|SCENE...", help="Two or more: folders of runs, or scenes.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Put runs side by side: where their scenes differ, verdicts, figures, one chart.
+
+    Without --out nothing is written.
+    """
+    from workflows.studies.comparison import report, study
+
+    _study(lambda stages: study.compare(runs, stages), report, out, json)
+
+
+@_commands.command()
 def view(
     what: Annotated[
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
