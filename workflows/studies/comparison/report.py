@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -114,11 +115,11 @@ def draw(found: Comparison) -> str:
             for track in campbell(results):
                 left.plot(track.x, track.y, color=colour, lw=0.9)
             points = sorted((p for p in results.speeds if p.working is not None), key=lambda point: point.rpm)
-            peaks = [100 * p.working.peak for p in points if p.working is not None]
+            peaks = [100 * p.working.peak or math.nan for p in points if p.working is not None]
             right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
         air = [100 * ratio for ratio in limits.AIR]
         right.axhspan(*air, color=plots.RULE, lw=0)
-        right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", ylim=(0, None))
+        right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
         left.set(xlabel="rotation speed, rpm", title="natural frequencies, Hz", ylim=(0, None))
         plots.legend(figure, right)
         return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
