@@ -55,7 +55,7 @@ Uncertain = Annotated[
     ),
 ]
 
-_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+_commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
 Result = TypeVar("Result")
 Reported = TypeVar("Reported", contravariant=True)
