@@ -83,7 +83,10 @@ def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: s
 def test_a_step_between_two_loads_is_named() -> None:
     found = results(speeds="3500 17500")
     low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
-    assert answer(found).verdict == f"Of modest use up to {low}, not useful from {high} on"
+    assert (
+        answer(found).verdict
+        == f"Of little use: at most {100 * found.speeds[0].verdict.damping_ratio:.2g} % equivalent damping ratio (at 3500 rpm)"
+    )
     assert [p.verdict.grade for p in found.speeds] == ["modest", "negligible"]
 
 
@@ -276,7 +279,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
     """Slippery walls; little load, or a vibration of 1 MHz, where no floor keeps the ball rolling."""
-    rests = "Of modest use, if the ball rolls without slip, which at the amplitude of its best takes a friction of "
+    rests = "Of little use: at most 0.027 % equivalent damping ratio (at 3500 rpm), if the ball rolls without slip, which at the amplitude of its best takes a friction of "
     slides = "No verdict: the ball would slide, since rolling requires a friction of "
     for speeds, frequency, friction, says in (
         ("3500", "269.5 Hz", "0.1", rests),
@@ -336,7 +339,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
     )
     assert "such as 183 of steel ([damper] count)" in said.sentences[0]
     assert answer(results(count="63")).verdict.startswith("No verdict: a ball")
-    assert answer(results(count="64")).verdict.startswith("Of modest use up to")
+    assert answer(results(count="64")).verdict.startswith("Of little use: at most ")
 
 
 def test_a_mass_in_grams_is_held_against_osmium_too(structure: Scene) -> None:

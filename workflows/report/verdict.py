@@ -159,8 +159,12 @@ _NEAR = 0.1
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
-_WORDS = ("locked", "not useful", "of modest use", "useful")
+_WORDS = ("locked", "not useful", "of little use", "useful")
 """By rank."""
+
+
+_LEAD = 3
+"""Sentences between the verdict and the first table or picture."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +174,25 @@ class Answer:
     verdict: str
     sentences: tuple[str, ...]
 
+    @property
+    def lead(self) -> tuple[str, ...]:
+        """What stands before the first table."""
+        return self.sentences[:_LEAD]
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """What stands below."""
+        return self.sentences[_LEAD:]
+
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
     alone, orders = _alone(results), of_orders(results)
     if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*alone.sentences, *orders))
-    return Answer(orders[0].removesuffix("."), (*orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
+    first, _, rest = orders[0].removesuffix(".").partition(". ")
+    more = (f"{rest}.",) * bool(rest)
+    return Answer(first, (*more, *orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -221,8 +237,8 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
     """How useful the damper is over the loads, by stretches of them; where it is of no use, how little it adds."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
     known = [k for k, (rank, _) in enumerate(stretches) if rank >= 0]
-    if max(map(_rank, points)) == 1:
-        return _of_no_use(results, points)
+    if 1 <= (most := max(map(_rank, points))) <= 2:
+        return f"{capital(_WORDS[most])}: {_how_little(results, points)}"
     if len(stretches) == 1:
         return capital(_WORDS[stretches[0][0]])
     if len(known) > _STEPS_AT_MOST:
@@ -241,13 +257,13 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
     return capital(", ".join(words))
 
 
-def _of_no_use(results: Results, points: list[SpeedPoint]) -> str:
+def _how_little(results: Results, points: list[SpeedPoint]) -> str:
     """How little the damper adds at its best, and where it is locked."""
     found = [(best.damping_ratio, p) for p in points if (best := limits.best(results, p)) is not None and _rank(p) > 0]
     most, at = max(found, key=lambda pair: pair[0])
     locked = [point for point in points if _rank(point) == 0]
     where = f"; the ball is locked {stretch(locked, points)}" if locked else ""
-    return f"Not useful: at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
+    return f"at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
 
 
 def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
