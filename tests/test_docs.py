@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from workflows.cli.main import main
-from workflows.report import viewer
+from workflows.report import mode_viewer
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -32,7 +32,7 @@ def test_an_example_runs(path, tmp_path, monkeypatch):
 def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     text = (DOCS / "tour.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(viewer, "there_is", lambda: False)
+    monkeypatch.setattr(mode_viewer, "screen_exists", lambda: False)
     (scene,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")

@@ -1,15 +1,23 @@
-"""`results.plot`: axes and plotters that hold what the results hold."""
+"""`results.plot`: axes and views of modes that hold what the results hold, and that a notebook shows."""
 
 from __future__ import annotations
 
+from base64 import b64encode
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
+from matplotlib.text import Text
+from PIL import Image
 
 import workflows
 from workflows.io import files
-from workflows.report import plots
+from workflows.report import mode_viewer, plots
+
+DRAWN = mode_viewer.COMMAND
+"""The program that draws by VTK, for which other tests have a ready picture."""
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +55,34 @@ def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
+def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name: str) -> None:
+    """Which goes by pyplot's current figure, and is no new one where axes are named."""
+    before = pyplot.get_fignums()
+    axes = getattr(results.plot, name)()
+    assert pyplot.gcf() is axes.figure
+    assert len(pyplot.get_fignums()) == len(before) + 1
+    labels = {text.get_text() for text in axes.figure.findobj(Text)}
+    pyplot.close(axes.figure)
+    figure, (left, right) = pyplot.subplots(1, 2)
+    left.plot([1, 2], [3, 4])
+    assert getattr(results.plot, name)(ax=right) is right
+    assert right.get_xlabel() == axes.get_xlabel()
+    assert len(right.lines) + len(right.patches) == len(axes.lines) + len(axes.patches) > 0
+    assert {text.get_text() for text in right.findobj(Text)} >= {label for label in labels if label.isalpha()}
+    assert len(left.lines) == 1
+    assert left.get_legend() is None
+    assert figure.legends == []
+    pyplot.close(figure)
+    assert pyplot.get_fignums() == before
+
+
+@pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
 def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str) -> None:
     from matplotlib.colors import to_hex
 
     places = {plots.INK, plots.MUTED, plots.RULE, plots.PAPER, *plots.shades(len(results.speeds))}
     figure = getattr(results.plot, name)().figure
+    pyplot.close(figure)
     for artist in figure.findobj():
         for part in ("color", "edgecolor", "facecolor"):
             found = getattr(artist, f"get_{part}", lambda: None)()
@@ -63,7 +94,7 @@ def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str)
 
 
 def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
-    plotter = results.plot.mode(2, rpm=0)
+    plotter = results.plot.mode(2, rpm=0).plotter()
     try:
         plate = next(mesh for mesh in plotter.meshes if mesh.n_cells == len(results.surface.cells[1]))
         moved = np.asarray(plate.points) - results.surface.points
@@ -71,6 +102,34 @@ def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
         assert np.abs(moved / np.abs(moved).max() - shape / np.abs(shape).max()).max() < 1e-4
     finally:
         plotter.close()
+
+
+def test_a_notebook_shows_a_mode_as_a_picture(
+    results: workflows.Results, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Drawn by VTK where no screen is, and of the mode that was asked for."""
+    monkeypatch.setattr(mode_viewer, "COMMAND", DRAWN)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    pictures = [results.plot.mode(number, rpm=0) for number in (1, 2)]
+    first, second = (Image.open(BytesIO(view._repr_png_())).convert("RGBA") for view in pictures)
+    assert first.size != second.size or first.tobytes() != second.tobytes()
+    page = pictures[1]._repr_html_()
+    assert b64encode(pictures[1]._repr_png_()).decode() in page
+    assert f"mode 2, {results.speeds[0].modes[1].family}, {results.speeds[0].modes[1].frequency_hz:.2f} Hz" in page
+    assert "Drawn without VTK" not in page
+    path = pictures[1].screenshot(tmp_path / "mode.png")
+    assert path.read_bytes() == pictures[1]._repr_png_()
+    with pytest.raises(workflows.BadInput, match="no screen to open a window on: expected screenshot"):
+        pictures[1].show()
+
+
+def test_a_mode_drawn_without_vtk_says_so(results: workflows.Results, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", "raise SystemExit(3)"])
+    view = results.plot.mode(1, rpm=0)
+    assert Image.open(BytesIO(view._repr_png_())).size[0] > 300
+    assert "Drawn without VTK, which found no working OpenGL here (exit status 3)." in view._repr_html_()
 
 
 def test_what_is_not_there_is_said(results: workflows.Results) -> None:

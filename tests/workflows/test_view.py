@@ -29,7 +29,7 @@ SIDE = 0.1
 
 @pytest.fixture(autouse=True)
 def _no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(viewer, "there_is", lambda: False)
+    monkeypatch.setattr(mode_viewer, "screen_exists", lambda: False)
 
 
 @pytest.fixture
@@ -244,7 +244,7 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
 def test_where_the_window_fails_there_is_the_page(
     monkeypatch: pytest.MonkeyPatch, spindamp: Command, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(viewer, "there_is", lambda: True)
+    monkeypatch.setattr(mode_viewer, "screen_exists", lambda: True)
     monkeypatch.setattr(viewer, "COMMAND", ["-c", "import os; os.abort()"])
     outcome = spindamp("view", MESHES / "plate_coarse.msh")
     assert outcome.status == 0

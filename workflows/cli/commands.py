@@ -264,7 +264,7 @@ def view(
 
     In a window where there is a screen, else as a page, whose name is printed.
     """
-    from workflows.report import viewer
+    from workflows.report import mode_viewer, viewer
     from workflows.report.page import writable
     from workflows.scene.load import slug
 
@@ -288,7 +288,7 @@ def view(
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
-    if out is None and viewer.there_is() and viewer.shown(data, first, number, data.title):
+    if out is None and mode_viewer.screen_exists() and viewer.shown(data, first, number, data.title):
         return
     if remark := viewer.thinned(viewer.view(data, first, number)):
         typer.echo(remark)

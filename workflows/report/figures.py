@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import html
+from base64 import b64encode
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +19,8 @@ from workflows.io import files
 from workflows.io.files import Curve
 from workflows.io.serialise import quantities
 from workflows.report import plots
-from workflows.report.mode_viewer import Indices
-from workflows.report.plots import Value
+from workflows.report.mode_viewer import Artist, Indices, Picture, screen_exists
+from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
@@ -174,12 +179,12 @@ def _shares(results: Results, figure: Figure) -> Iterator[Value]:
                 begun += share
 
 
-def campbell(results: Results) -> Figure | None:
+def campbell(results: Results, target: Target = PAGE) -> Figure | None:
     """Frequencies over speed with the engine orders that excite them; None for a plate at rest."""
     tracks, fastest = files.campbell(results), max(point.rpm for point in results.speeds)
     if not tracks or fastest == 0:
         return None
-    figure, (axes,) = plots.canvas(3.5)
+    figure, (axes,) = plots.canvas(3.5, target=target)
     highest = 1.06 * max(float(track.y.max()) for track in tracks)
     axes.set(xlim=(0, fastest), ylim=(0, highest), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
     _engine_orders(axes, orders(results.scene), fastest, highest)
@@ -194,12 +199,12 @@ def campbell(results: Results) -> Figure | None:
     return figure
 
 
-def velocity(results: Results) -> Figure | None:
+def velocity(results: Results, target: Target = PAGE) -> Figure | None:
     """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2), or None."""
     point = next((p for p in results.speeds if files.velocity(p)), None)
     if point is None or point.damping is None:
         return None
-    figure, (axes,) = plots.canvas(2.5)
+    figure, (axes,) = plots.canvas(2.5, target=target)
     axes.axhline(0, color=plots.MUTED, lw=0.5)
     tracks = files.velocity(point)
     for track, colour in zip(tracks, plots.CATEGORIES, strict=False):
@@ -358,13 +363,13 @@ def _spread(values: list[float], gap: float) -> list[float]:
     return [placed[index] for index in range(len(values))]
 
 
-def damping_ratio(results: Results) -> Figure | None:
+def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
     lines = files.damping_ratio(results)
     ranges = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
     if not lines:
         return None
-    figure, (axes,) = plots.canvas(3.1)
+    figure, (axes,) = plots.canvas(3.1, target=target)
     for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
@@ -378,7 +383,7 @@ def damping_ratio(results: Results) -> Figure | None:
     axes.set_xlim(_from_to(lines, ranges))
     axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     _beside(axes, limits.endured(results))
-    plots.legend(figure, axes, title="load")
+    plots.legend(figure, axes, target, title="load")
     return figure
 
 
@@ -546,23 +551,23 @@ def _hits(path: BallPath) -> tuple[Indices, Indices]:
     return at[first], axis[first]
 
 
-def mesh(results: Results) -> Figure | None:
+def mesh(results: Results, target: Target = PAGE) -> Figure | None:
     """The plate from above, in its own axes; None without a plate."""
     surface, scene = results.surface, results.scene
     if surface is None:
         return None
     mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
-    return mesh_of(surface, mark, held(scene))
+    return mesh_of(surface, mark, held(scene), target)
 
 
-def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str) -> Figure:
+def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, target: Target = PAGE) -> Figure:
     """A plate from above with its damper (x, y) [m], if any; `root` says what its root is."""
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
     length, width = np.ptp(points, axis=0)
     inside = plots.WIDTH - _LABELS
     height = float(np.clip(inside * width / length, _LOWEST, _HIGHEST))
-    figure, (axes,) = plots.canvas(height + _LABELS)
+    figure, (axes,) = plots.canvas(height + _LABELS, target=target)
     if cells_are_drawn(surface):
         _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), plots.MUTED, 0.35)
     _draw(axes, points, surface.outline, plots.INK, 0.9)
@@ -574,7 +579,7 @@ def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str) -> Fi
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
     axes.grid(visible=False)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    plots.legend(figure, axes, target, loc="outside upper left", ncols=2)
     return figure
 
 
@@ -644,35 +649,102 @@ def _square_above(side: float, panels: int) -> tuple[Figure, list[Axes]]:
 
 
 @dataclass(frozen=True, eq=False)
+class ModeView:
+    """A mode in three dimensions, the plate at rest in outline; the last line of a notebook's cell shows its picture.
+
+    Attributes:
+        surface: the plate and its shapes.
+        row: of the shapes, the speed.
+        number: of the mode, from 1.
+        title: mode, family, frequency and speed.
+    """
+
+    surface: Surface
+    row: int
+    number: int
+    title: str
+
+    def show(self) -> None:
+        """Open a window, in which the mouse turns the plate, until it is closed.
+
+        Raises:
+            BadInput: this machine has no screen.
+        """
+        if not screen_exists():
+            raise BadInput("no screen to open a window on: expected screenshot(path)", key="show")
+        self.plotter().show()
+
+    def screenshot(self, path: str | PathLike[str]) -> Path:
+        """Write the picture as PNG; it needs no screen."""
+        written = Path(path)
+        written.write_bytes(self._picture.png)
+        return written
+
+    def plotter(self) -> Any:
+        """A `pyvista.Plotter` with the plate, for pictures of your own."""
+        import pyvista as pv
+
+        points, cells = self.surface.points, self.surface.cells[1]
+        moved, swing = _swinging(points, self.surface.shapes[self.row, self.number - 1])
+        plotter = pv.Plotter()
+        plate = pv.PolyData(moved, np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel())
+        plate["swing, of the largest"] = swing
+        plotter.add_mesh(plate, cmap="plasma", show_edges=True, clim=(0.0, 1.0))
+        for edges, colour, width in ((self.surface.outline, "grey", 2), (self.surface.root, plots.CATEGORIES[0], 6)):
+            lines = np.column_stack([np.full(len(edges), 2), edges]).ravel()
+            plotter.add_mesh(pv.PolyData(points, lines=lines), color=colour, line_width=width)
+        plotter.add_text(self.title, font_size=10)
+        return plotter
+
+    @cached_property
+    def _picture(self) -> Picture:
+        """Drawn in a process of its own, whose OpenGL may fail."""
+        with Artist() as artist:
+            artist.draw(self.surface, self.surface.at[self.row], self.number)
+            picture = artist.picture()
+        assert picture is not None
+        return picture
+
+    def __repr__(self) -> str:
+        return f"<ModeView: {self.title}>"
+
+    def _repr_png_(self) -> bytes:
+        return self._picture.png
+
+    def _repr_html_(self) -> str:
+        words = html.escape(f"{self.title}. {self._picture.remark}".strip())
+        coded = b64encode(self._picture.png).decode()
+        picture = f'<img alt="{words}" style="max-width:40em" src="data:image/png;base64,{coded}">'
+        return f"<figure>{picture}<figcaption>{words}</figcaption></figure>"
+
+
+@dataclass(frozen=True, eq=False)
 class Plots:
     """What can be drawn of results; `axes.figure.savefig("campbell.pdf")` writes a picture.
 
-    Each raises BadInput where the run has not what it shows.
+    Each draws into the axes `ax`, or into a new current figure of pyplot: a notebook shows it, and so does
+    `matplotlib.pyplot.show()`. Each raises BadInput where the run has nothing of the kind.
     """
 
     results: Results
 
-    def campbell(self) -> Axes:
+    def campbell(self, ax: Axes | None = None) -> Axes:
         """Natural frequencies [Hz] over the rotation speed [rpm], with engine orders and their crossings."""
-        with plots.style():
-            return self._axes(campbell(self.results), "a plate that turns")
+        return self._drawn(campbell, ax, "a plate that turns")
 
-    def damping(self) -> Axes:
+    def damping(self, ax: Axes | None = None) -> Axes:
         """Damping ratio by the ball [%] over the amplitude at the cavity [mm], a curve for each load."""
-        with plots.style():
-            return self._axes(damping_ratio(self.results), "a damper whose ball can move")
+        return self._drawn(damping_ratio, ax, "a damper whose ball can move")
 
-    def ringdown(self) -> Axes:
+    def ringdown(self, ax: Axes | None = None) -> Axes:
         """Velocity of the structure [m/s] over time [ms] after the release, at the run's middle speed."""
-        with plots.style():
-            return self._axes(velocity(self.results), "a ring-down")
+        return self._drawn(velocity, ax, "a ring-down")
 
-    def mesh(self) -> Axes:
+    def mesh(self, ax: Axes | None = None) -> Axes:
         """The plate from above: cells, root, place of the damper."""
-        with plots.style():
-            return self._axes(mesh(self.results), "a plate")
+        return self._drawn(mesh, ax, "a plate")
 
-    def mode(self, number: int = 1, rpm: float | None = None) -> Any:
+    def mode(self, number: int = 1, rpm: float | None = None) -> ModeView:
         """A mode in three dimensions, the plate at rest in outline.
 
         Args:
@@ -680,30 +752,19 @@ class Plots:
             rpm: rotation speed, one of those kept; the middle one by default.
 
         Returns:
-            A `pyvista.Plotter`: `.show()` shows it, `.screenshot(path)` writes it where nothing has been shown yet.
+            A picture in a notebook; `.show()` opens a window, `.screenshot(path)` writes the picture, and `.plotter()`
+            is a `pyvista.Plotter`.
         """
-        import pyvista as pv
-
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
         row = self._row(surface.at, rpm)
         if not 1 <= number <= surface.shapes.shape[1]:
             raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
-        points, cells, shape = surface.points, surface.cells[1], surface.shapes[row, number - 1]
-        moved, swing = _swinging(points, shape)
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
-        plotter = pv.Plotter()
-        plate = pv.PolyData(moved, np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel())
-        plate["swing, of the largest"] = swing
-        plotter.add_mesh(plate, cmap="plasma", show_edges=True, clim=(0.0, 1.0))
-        for edges, colour, width in ((surface.outline, "grey", 2), (surface.root, plots.CATEGORIES[0], 6)):
-            lines = np.column_stack([np.full(len(edges), 2), edges]).ravel()
-            plotter.add_mesh(pv.PolyData(points, lines=lines), color=colour, line_width=width)
-        said = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
-        plotter.add_text(said, font_size=10)
-        return plotter
+        title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
+        return ModeView(surface, row, number, title)
 
     def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
         """Which of the speeds kept is meant."""
@@ -715,11 +776,18 @@ class Plots:
             raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
         return row
 
-    def _axes(self, figure: Figure | None, needed: str) -> Axes:
-        if figure is None:
-            raise _without(needed)
-        plots.plain(figure)
-        return plots.coloured(figure, len(self.results.speeds)).axes[0]
+    def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
+        """The axes that a figure is drawn into."""
+        with plots.style():
+            figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
+            if figure is None:
+                raise _without(needed)
+            if ax is None:
+                figure.set_facecolor(plots.PAPER)
+            axes = ax or figure.axes[0]
+            plots.plain([axes])
+            plots.coloured(ax or figure, len(self.results.speeds))
+            return axes
 
 
 def _without(needed: str) -> BadInput:

@@ -10,6 +10,7 @@ import base64
 import contextlib
 import io
 import json
+import os
 import subprocess
 import sys
 from collections import defaultdict
@@ -371,6 +372,13 @@ def vectors(found: Packed) -> list[dict[str, Any]]:
     ]
 
 
+def screen_exists() -> bool:
+    """Whether this machine, as far as it tells, has a screen to open a window on."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 @dataclass(frozen=True)
 class Picture:
     """A PNG picture, and a remark where it is not the usual one."""
@@ -417,10 +425,10 @@ class Artist:
                     with contextlib.suppress(OSError):  # what it had not read yet
                         stream.close()
 
-    def draw(self, surface: Surface, speed: int) -> None:
-        """Hand over the first mode at the speed nearest to number `speed` of the run."""
+    def draw(self, surface: Surface, speed: int, mode: int = 1) -> None:
+        """Hand over a mode, numbered from 1, at the speed nearest to number `speed` of the run."""
         row = int(np.argmin(np.abs(np.asarray(surface.at) - speed)))
-        shape = surface.shapes[row, 0]
+        shape = surface.shapes[row, mode - 1]
         largest = float(np.linalg.norm(shape, axis=1).max()) or 1.0
         sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
         length = float(np.ptp(surface.points[:, 0]))

@@ -1,7 +1,8 @@
 """The plot helper of all pages: one style, one size that scales, and SVG in the colours and type of its page.
 
 A figure is drawn once. Its text is legible on a phone, where the page scales it by about 1, and on a wide screen, where
-the style sheet limits its width. matplotlib is used without pyplot, and imported only when something is drawn.
+the style sheet limits its width. Pages are drawn without pyplot, and matplotlib is imported only when something is
+drawn.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,14 +131,34 @@ def style() -> Iterator[None]:
         yield
 
 
-def canvas(height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
-    """A figure with panels one below the other, each `height` inches high.
+class Target(NamedTuple):
+    """Where a figure is drawn: on a figure for a page, on a new current figure of pyplot, or into axes that exist."""
+
+    pyplot: bool = False
+    ax: Axes | None = None
+
+
+PAGE = Target()
+"""A figure for a page."""
+
+
+def canvas(height: float, panels: int = 1, target: Target = PAGE) -> tuple[Figure, list[Axes]]:
+    """A figure with panels one below the other, each `height` inches high; or the axes of the target, for one panel.
 
     Margins are measured once all is drawn, so that whatever labels come out have room.
     """
-    from matplotlib.figure import Figure
+    if target.ax is not None:
+        whole: Any = target.ax.get_figure(root=True)
+        return whole, [target.ax]
+    size = (WIDTH, panels * height)
+    if target.pyplot:
+        from matplotlib import pyplot
 
-    figure = Figure(figsize=(WIDTH, panels * height))
+        figure = pyplot.figure(figsize=size)
+    else:
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=size)
     figure.set_layout_engine("constrained", hspace=0.08)
     axes = [figure.add_subplot(panels, 1, i + 1) for i in range(panels)]
     for each in axes:
@@ -145,19 +166,23 @@ def canvas(height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
     return figure, axes
 
 
-def legend(figure: Figure, axes: Axes, **how: Any) -> None:
-    """A legend of the curves of `axes` below the figure; of many it names some."""
+def legend(figure: Figure, axes: Axes, target: Target = PAGE, **how: Any) -> None:
+    """A legend of the curves of `axes` below the figure, or inside axes that existed; of many it names some."""
     curves = axes.get_legend_handles_labels()
     if (count := len(curves[0])) > _NAMED_AT_MOST:
         named = [round(k * (count - 1) / (_NAMED_OF_MANY - 1)) for k in range(_NAMED_OF_MANY)]
         curves = [curves[0][k] for k in named], [curves[1][k] for k in named]
         how["title"] = f"{how.get('title', 'curves')}, {_NAMED_OF_MANY} of {count}"
-    figure.legend(*curves, loc="outside lower left", ncols=how.pop("ncols", 3), alignment="left", **how)
+    if target.ax is not None:
+        axes.legend(*curves, title=how.get("title"))
+        return
+    loc, ncols = how.pop("loc", "outside lower left"), how.pop("ncols", 3)
+    figure.legend(*curves, loc=loc, ncols=ncols, alignment="left", **how)
 
 
-def plain(figure: Figure) -> None:
+def plain(drawn: Iterable[Axes]) -> None:
     """Plain numbers on logarithmic axes, where matplotlib would have powers of ten."""
-    for axes in figure.axes:
+    for axes in drawn:
         for axis in (axes.xaxis, axes.yaxis):
             if axis.get_scale() == "log" and axis.isDefault_majfmt:
                 axis.set_major_formatter("{x:g}")
@@ -178,7 +203,7 @@ def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-    plain(figure)
+    plain(figure.axes)
     out = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(out, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -203,21 +228,19 @@ def standalone(drawn: str, count: int = 1) -> str:
     return drawn[: start - 1] + ' xmlns="http://www.w3.org/2000/svg">' + ground + drawn[start:] + "\n"
 
 
-def coloured(figure: Figure, count: int) -> Figure:
-    """The figure with the colours of a light page in the place of placeholders, `count` of them shades."""
+def coloured(drawn: Figure | Axes, count: int) -> None:
+    """Replace placeholders in a figure, or in axes, by the colours of a light page, `count` of them shades."""
     from matplotlib.colors import to_hex, to_rgba
 
     known = {place: _LIGHT[_VARIABLES[place]] for place in (INK, MUTED, RULE, PAPER)}
     known |= dict(zip(shades(count), _plasma(0.05, 0.76, count), strict=False))
-    for artist in figure.findobj():
+    for artist in drawn.findobj():
         for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
             found: Any = getattr(artist, f"get_{part}", lambda: None)()
             with suppress(ValueError, TypeError):
                 to = known.get(to_hex(found))
                 if to is not None and to_rgba(found)[3] > 0:
                     getattr(artist, f"set_{part}")(to)
-    figure.set_facecolor(_LIGHT["--paper"])
-    return figure
 
 
 def of_family(name: str) -> tuple[str, str]:

@@ -6,7 +6,6 @@ VTK runs in a process of its own, which may abort without a working OpenGL.
 from __future__ import annotations
 
 import io
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -299,13 +298,6 @@ COMMAND = ["-P", str(Path(__file__).with_name("window.py"))]
 
 _SCALE = 0.14
 """Largest displacement drawn, in lengths of the plate."""
-
-
-def there_is() -> bool:
-    """Whether this machine, as far as it tells, has a screen to open a window on."""
-    if sys.platform in ("win32", "darwin"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
