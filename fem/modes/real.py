@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
+from fem.linalg import CONVERGED, Factor, NotConverged, SingularMatrix, factorise, lanczos, rounding
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest
 from fem.theory.forms import elastic_energies
@@ -30,6 +30,10 @@ FELT = 1e-5
 
 MOVED = 0.02
 """Relative change of a frequency by that up to which it is believed: its own error is about the square."""
+
+SOFTENED = 1e-2
+"""Share of the elastic stiffness that spin softening leaves, below which a frequency is a difference of two that are
+known: near the critical speed its uncertainty is theirs, which the bounds contain, and not that of a thin plate."""
 
 DIGITS = 1e28
 """Ratio of squared rates, above the square of what double precision holds, at which a mode is none."""
@@ -124,6 +128,8 @@ def solve_real(
     if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
         values, vectors = _undrowned(stiffness, operators.mass, values, tolerance)
     known = _known(values)
+    if not known.any():
+        raise NotConverged
     values, vectors = values[known], vectors[:, known]
     order = np.argsort(values)
     uncertain = rounding(stiffness, vectors, values)
@@ -147,6 +153,8 @@ def _from_strains(operators: Operators, omega: float, values: Array, vectors: Ar
         Unresolved: the plate is too thin for its theory in double precision.
     """
     energies = elastic_energies(operators.model, vectors)
+    if omega != 0.0 and (values < SOFTENED * np.diag(energies)).any():
+        return values, vectors
     if omega != 0.0 and not (operators.geometric is None and operators.softening is None):
         energies += omega**2 * (vectors.T @ (operators.spinning @ vectors))
     corrected, mixed = np.linalg.eigh(0.5 * (energies + energies.T))

@@ -20,6 +20,7 @@ from fem import (
 )
 from fem.linalg import rounding
 from tests.soak.dice import Dice, power, sometimes
+from workflows.scene.scene import SLOWEST
 
 Scene = dict[str, Any]
 
@@ -63,7 +64,7 @@ def scene(dice: Dice) -> Scene:
             "density": density,
         },
         "rotor": {
-            "speeds": [float(speed)],
+            "speeds": [float(speed) if speed >= SLOWEST else 0.0],
             "hub_radius": hub,
             "stagger": float(stagger),
             "modes": COUNT,

@@ -207,11 +207,8 @@ def test_no_ladder_where_the_ball_takes_nothing(structure: Scene, tmp_path: Path
     assert not (tmp_path / "out").exists()
 
 
-def test_what_is_wrong_at_the_cavity_names_the_scene(
-    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_wrong_at_the_cavity_names_the_scene(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """One mode of a wide plate does not move its cavity across, as the release does."""
-    monkeypatch.setattr(studies, "_plate", lambda *_: ([], {}))
     wide = changed(paper, plate__width="18 cm", rotor__modes=1, rotor__speeds=["3500 rpm"], effects=None)
     outcome = spindamp("accuracy", write(wide, tmp_path / "scene.toml").name)
     refused(outcome, "scene.toml: [rotor] modes = 1: none of these modes moves the cavity across")

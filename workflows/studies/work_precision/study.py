@@ -502,18 +502,14 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     studies: list[ConvergenceStudy] = []
     chosen: dict[str, Choice] = {}
     decided = choose_model(source, Stages(visible=False))
+    ball = None if source.scene.damper is None else _ball(source, decided)  # refused before the plate takes its time
     if decided.form is not None:
         plates, picked = _plate(source, decided, stages)
         studies += plates
         chosen |= picked
-    if source.scene.damper is not None:
+    if ball is not None:
         with stages("damper", len(STEPS) + sum(map(len, METHODS.values())) + 2) as step:
-            points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
-            point = points[middle(points)]
-            with read_from(source.name):
-                system = level(damper.particle_damper(source.scene, decided.effects, point))
-                release = coupling.released_at(source.scene, point)
-            balls, exact = damper_study(system, release, point, step)
+            balls, exact = damper_study(*ball, step)
         studies += [] if balls is None else [balls]
         chosen["damper"] = exact
     with stages("pipeline", len(ASKED) + 1) as step:
@@ -522,6 +518,15 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
         raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
     asked = source.scene.accuracy.model_dump()
     return WorkPrecision(source.scene.title, asked, (*studies, *whole), chosen | picked)
+
+
+def _ball(source: SceneFile, decided: ModelChoice) -> tuple[ParticleDamper, tuple[float, float], SpeedPoint]:
+    """The damper at the middle speed, on a level floor, its release, and the structure there."""
+    points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
+    point = points[middle(points)]
+    with read_from(source.name):
+        system = level(damper.particle_damper(source.scene, decided.effects, point))
+        return system, coupling.released_at(source.scene, point), point
 
 
 def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
