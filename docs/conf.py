@@ -19,6 +19,7 @@ extensions = [
 exclude_patterns = ["_build", "examples/*", "**/sg_execution_times.rst", "sg_execution_times.rst"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+highlight_language = "text"  # of blocks that name none
 suppress_warnings = ["config.cache"]
 
 html_theme = "pydata_sphinx_theme"
