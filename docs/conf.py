@@ -19,6 +19,7 @@ extensions = [
 exclude_patterns = ["_build", "examples/*", "**/sg_execution_times.rst", "sg_execution_times.rst"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+highlight_language = "text"  # of blocks that name none
 suppress_warnings = ["config.cache"]
 
 html_theme = "pydata_sphinx_theme"
@@ -29,7 +30,7 @@ html_theme_options = {
     "secondary_sidebar_items": ["page-toc"],
     "navbar_end": ["theme-switcher"],
 }
-html_sidebars = {name: [] for name in ("index", "tour", "physics", "scene", "validation", "architecture", "api")}
+html_sidebars = {name: [] for name in ("index", "tour", "cluster", "physics", "scene", "validation", "architecture", "api")}
 html_sourcelink_suffix = ""
 html_show_sourcelink = False
 
@@ -63,5 +64,6 @@ def _plain(app, what, name, thing, options, lines):
 
 def _inside(app, name, source):
     """Links out of docs/, which are of use where the files are read as they lie."""
-    text = source[0].replace("../CONTRIBUTING.md", "contributing.md")
-    source[0] = re.sub(r"\[([^\]]+)\]\(\.\./[^)]*\)", r"\1", text)
+    out = re.escape("../" * (name.count("/") + 1))
+    text = source[0].replace("](../CONTRIBUTING.md", "](contributing.md")
+    source[0] = re.sub(rf"\[([^\]]+)\]\({out}[^)]*\)", r"\1", text)

@@ -38,8 +38,14 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")
     lines = [line for block in re.findall(r"```\n(spindamp .*?)```", text, flags=re.S) for line in block.splitlines()]
     assert len(lines) >= 4
+    printed = {}
     for line in lines:
         assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
+        printed[line] = capsys.readouterr().out
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"```toml\n{scene}```" in readme
+    (shown,) = re.findall(r"```\n(My blade: .*?)```", readme, flags=re.S)
+    assert without_chaos(shown) == without_chaos(printed["spindamp run mine.toml"])
     (tmp_path / "mine.toml").write_text(scene.replace("length", "lenght"), encoding="utf-8")
     assert main(["check", "mine.toml"]) == 2
     assert "did you mean 'length'?" in capsys.readouterr().err
@@ -65,9 +71,16 @@ def test_the_reference_of_scenes_names_every_key():
     assert all(len(re.findall(r"(?<!\\)\|", row)) == 5 for row in rows), "no cell breaks its table"
 
 
+def without_chaos(text):
+    """What a run prints up to its table, without its last columns: a ball that bounces is chaotic."""
+    head, rows = text.split("\n\n  rpm", 1)
+    return " ".join(head.split()), [re.split(r"\s{2,}", row)[:3] for row in rows.split("\n*")[0].splitlines()]
+
+
 def test_links_inside_the_documentation_resolve():
-    for page in DOCS.glob("*.md"):
-        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+    for page in [*DOCS.glob("*.md"), *DOCS.glob("guide/*.md"), ROOT / "README.md"]:
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text) + re.findall(r'src="([^"]+)"', text):
             name = target.replace("questions/index", "examples/README.txt").replace("questions/", "examples/")
             found = [page.parent / name, page.parent / f"{name}.md", page.parent / f"{name}.py"]
             assert any(path.exists() for path in found), (page.name, target)

@@ -49,8 +49,8 @@ def test_every_material_has_a_source_and_sense() -> None:
     assert KNOWN["Inconel 718"].density == pytest.approx(0.297 * 0.45359237 / 0.0254**3, rel=1e-3)
 
 
-def test_the_readme_lists_the_same() -> None:
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+def test_the_guide_lists_the_same() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "guide" / "scenes.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.count("|") == 6]
     listed = {row[0].removesuffix(", for balls"): row[1:] for row in rows if row[3].isdigit()}
     assert list(listed) == list(KNOWN)

@@ -6,6 +6,8 @@ import json
 import os
 import re
 import shutil
+import tomllib
+from base64 import b64decode
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -13,19 +15,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import spindamp
 import workflows
+from tests.limits import HANG
 from tests.workflows.browser import Reader
 from tests.workflows.conftest import Outcome, Scene, changed, on_mesh, write
 from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.report import page
 from workflows.solve.results import Results
+from workflows.studies.sweep import executor
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 ROOT = Path(__file__).parents[2]
+GUIDE = ROOT / "docs" / "guide"
 
 
 @pytest.fixture(scope="module")
@@ -236,15 +242,60 @@ def test_nothing_is_drawn_where_there_is_no_plate(damper: Results, monkeypatch: 
         assert nobody is None
 
 
-def test_the_snippets_of_the_readme(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each runs as it stands, in an empty folder."""
-    found = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(found) >= 2
-    for number, text in enumerate(found):
-        monkeypatch.chdir(tmp_path)
-        exec(compile(text, f"README.md, snippet {number + 1}", "exec"), {"__name__": "__main__"})
-    assert any("spindamp.save(" in text for text in found)
-    assert any("spindamp.report(" in text for text in found)
+def _blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def _executed(cells: list[str], folder: Path) -> list[Any]:
+    """Cells as a notebook in a folder, after its kernel has run them."""
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    nbclient.NotebookClient(notebook, timeout=HANG, resources={"metadata": {"path": str(folder)}}).execute()
+    return [cell.outputs for cell in notebook.cells]
+
+
+@pytest.mark.filterwarnings("default")  # of the notebook's client: those of the cells are on their stderr
+def test_the_cells_of_the_guide_run_in_a_notebook_and_show_their_pictures(tmp_path: Path) -> None:
+    """The page on Python, in an empty folder, on a machine without a screen; each cell that draws shows one picture."""
+    cells = _blocks(GUIDE / "python.md", "python")
+    outputs = _executed(cells, tmp_path)
+    for cell, shown in zip(cells, outputs, strict=True):
+        assert not [each for each in shown if each.get("name") == "stderr"], cell
+        pictures = [each.data["image/png"] for each in shown if "image/png" in each.get("data", {})]
+        assert len(pictures) == (1 if "results.plot." in cell else 0), cell
+        assert all(b64decode(picture).startswith(b"\x89PNG") and len(picture) > 5000 for picture in pictures), cell
+    table = next(each.data["text/html"] for each in outputs[0] if "text/html" in each.get("data", {}))
+    assert Reader(table).tags.count("tr") == 8
+    assert {"out", "report.html", "campbell.pdf"} <= {path.name for path in tmp_path.iterdir()}
+    assert sum("results.plot." in cell for cell in cells) >= 3
+
+
+@pytest.mark.parametrize("page", [*sorted(GUIDE.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
+def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each runs as it stands, beside the scene of its page."""
+    for scene in _blocks(page, "toml")[:1]:
+        (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(executor, "local", lambda *_: executor.given(ThreadPoolExecutor(1), 1))
+    for number, text in enumerate(_blocks(page, "python") if page.name != "python.md" else []):
+        exec(compile(text, f"{page.name}, snippet {number + 1}", "exec"), {"__name__": "__main__"})
+    pyplot.close("all")
+
+
+def test_the_tables_of_the_guide_are_accepted() -> None:
+    """A scene alone, and the tables that other pages add to it or put in the place of a key."""
+    scene, thickness, root = (tomllib.loads(block) for block in _blocks(GUIDE / "scenes.md", "toml"))
+    (excitation,) = (tomllib.loads(block) for block in _blocks(GUIDE / "response.md", "toml"))
+    (design,) = (tomllib.loads(block) for block in _blocks(GUIDE / "design.md", "toml"))
+    assert workflows.parse(scene).damper is not None
+    damped = scene | excitation | {"damper": scene["damper"] | excitation["damper"]}
+    assert workflows.parse(damped).excitation is not None
+    assert workflows.parse(scene | design).design is not None
+    for table in (thickness, root):
+        given = workflows.parse(scene | {"plate": scene["plate"] | table["plate"]})
+        assert given.plate is not None
+        assert (given.plate.root is None) == ("root" not in table["plate"])
 
 
 def test_a_report_replaces_plain_files_alone(damper: Results, tmp_path: Path) -> None:

@@ -23,35 +23,37 @@ if TYPE_CHECKING:
 
 Scene = Annotated[
     str,
-    typer.Argument(metavar="[SCENE]", help="A scene (TOML), or the name of a shipped one.", show_default=True),
+    typer.Argument(metavar="[SCENE]", help="Scene file (TOML), or the name of a shipped scene.", show_default=True),
 ]
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for the results; replaced whole or not at all.")
 ]
 Processes = Annotated[
-    int | None, typer.Option("--workers", metavar="N", help="Processes of this machine; without it, one for each core.")
+    int | None,
+    typer.Option("--workers", metavar="N", help="Worker processes on this machine; default: one for each core."),
 ]
 Dask = Annotated[
-    str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler, whose workers compute instead.")
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler, whose workers compute.")
 ]
-Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Of what is drawn at random.")]
+Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random numbers.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the machine-readable result and nothing else.")]
 Vary = Annotated[
     list[str] | None,
     typer.Option(
         "--vary",
         metavar="KEY=VALUES",
-        help="START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; as often as keys are varied.",
+        help="START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; repeat the option for each key.",
     ),
 ]
 Count = Annotated[
-    int | None, typer.Option("--sample", metavar="N", help="So many points spread over all ranges, not a grid.")
+    int | None, typer.Option("--sample", metavar="N", help="Spread N points over all ranges instead of a grid.")
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="Figures to about a percent, in a fifth of the time.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Accurate to about 1 %, in a fifth of the time.")]
 Uncertain = Annotated[
     bool,
     typer.Option(
-        "--uncertain", help="Take ranges (or normal:MEAN:DEVIATION) as distributions: percentiles and Sobol' indices."
+        "--uncertain",
+        help="Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices.",
     ),
 ]
 
@@ -78,9 +80,9 @@ class StudyReport(Protocol[Reported]):
 
 @_commands.command()
 def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Plate at every speed, damper, results and report.
+    """Solve plate and damper at every speed; write a report.
 
-    Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
+    Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
     source = _load(scene)
     _simulate(source, _folder(out, json, "spindamp", source), json)
@@ -88,9 +90,9 @@ def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
 
 @_commands.command()
 def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """The plate only: frequencies over speed.
+    """Solve the plate alone: frequencies over speed.
 
-    Without --out nothing is written.
+    Without --out, no files are written.
     """
     from workflows import pipeline
 
@@ -104,9 +106,9 @@ def ringdown(
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """The damper only, at one speed.
+    """Simulate the damper alone, at one speed.
 
-    Without --out nothing is written.
+    Without --out, no files are written.
     """
     from workflows import pipeline
 
@@ -115,9 +117,10 @@ def ringdown(
 
 @_commands.command()
 def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Forced response where engine orders cross modes, without and with the ball.
+    """Compute the forced response where engine orders cross modes.
 
-    Takes the forces from the scene's table [excitation]. Without --out nothing is written.
+    The response is computed without and with the ball, under the forces of the table [excitation].
+    Without --out, no files are written.
     """
     from workflows.studies.response import report
     from workflows.studies.response.study import respond
@@ -127,9 +130,9 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
 
 @_commands.command()
 def reproduce(out: Out = None, json: Json = False) -> None:
-    """Hold the paper's every claim against this code.
+    """Compare every claim of the paper with this code.
 
-    Without --out nothing is written.
+    Without --out, no files are written.
     """
     from workflows.studies import reproduction
     from workflows.studies.reproduction import report
@@ -139,9 +142,11 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
 @_commands.command()
 def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """What accuracy costs in time, as a table and as plots.
+    """Measure the cost of accuracy in time.
 
-    Without --out nothing is written.
+    The result is a table with plots of error over time.
+
+    Without --out, no files are written.
     """
     from workflows.studies.work_precision import report
     from workflows.studies.work_precision.study import study
@@ -151,9 +156,9 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
 
 @_commands.command()
 def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """What each effect changes, and what it costs.
+    """Measure what each effect changes, and its cost in time.
 
-    Without --out nothing is written.
+    Without --out, no files are written.
     """
     from workflows.studies.work_precision import effects_report
     from workflows.studies.work_precision.effects import switching
@@ -174,10 +179,12 @@ def sweep(
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
-    """Vary keys of a scene, such as damper.mass_ratio=0.001:0.01:10, over a grid or a sample.
+    """Vary keys of a scene over a grid or a sample.
 
-    Ended in any way and started again, it goes on. Without --out the folder is named after the scene's title; with
-    --json and no --out nothing is written. Where no point has an answer, the exit status is 3.
+    Example: --vary damper.mass_ratio=0.001:0.01:10. An interrupted sweep resumes with the same command. If no point
+    has an answer, the exit status is 3.
+
+    Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
     from workflows.studies.sweep import executor, report, sensitivity, store, study
 
@@ -212,11 +219,12 @@ def design(
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
-    """Find the damper that damps best within what the table [design] of a scene allows.
+    """Find the best damper within the limits of a scene.
 
-    Where none works, the results say why, and the exit status is 3.
+    The table [design] of the scene holds the limits. If no design works, the results state why, and the exit status
+    is 3.
 
-    Without --out the folder is named after the scene's title; with --json and no --out nothing is written.
+    Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
     from workflows.studies.design import report, study
     from workflows.studies.sweep.executor import workers_of
@@ -254,15 +262,15 @@ def view(
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
     ] = "paper",
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
-    mode: Annotated[int, typer.Option("--mode", help="Number of the mode that is shown first.")] = 1,
+    mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write a page instead of opening a window.")
     ] = None,
     json: Json = False,
 ) -> None:
-    """Look at mesh, clamped root, damper's place and modes in motion.
+    """Show mesh, clamped root, place of the damper and modes.
 
-    In a window where there is a screen, else as a page, whose name is printed.
+    A window opens where there is a screen; otherwise a page is written, and its name is printed.
     """
     from workflows.report import mode_viewer, viewer
     from workflows.report.page import writable
@@ -299,10 +307,13 @@ def view(
 
 @_commands.command()
 def check(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A scene (TOML), or the name of a shipped one.")],
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or the name of a shipped scene.")],
     json: Json = False,
 ) -> None:
-    """Validate a scene; print it resolved, with the effects it calls for and why, and the sizes of a run."""
+    """Validate a scene and print all its values.
+
+    The output includes the effects that the scene calls for, the reason for each, and the size of a run.
+    """
     from workflows.io import provenance
     from workflows.solve import resources
     from workflows.solve.model_choice import choose_model, model
@@ -453,7 +464,7 @@ def _spindamp(
             "--self-check",
             callback=_self_check,
             is_eager=True,
-            help="Compare reference plates and motions with independent results, and print the versions.",
+            help="Compare reference plates and motions with independent results; print the versions.",
         ),
     ] = False,
 ) -> None:

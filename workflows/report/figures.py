@@ -406,12 +406,12 @@ def _beside(axes: Axes, limit: float | None) -> None:
         end = share - 0.01 if share > _MIDDLE else end
     axes.annotate(
         "air alone, turbine blades",
-        (end, low),
-        (0, -3),
+        (end, high),
+        (0, 3),
         xycoords=("axes fraction", "data"),
         textcoords="offset points",
         ha="right",
-        va="top",
+        va="bottom",
         color=plots.MUTED,
     )
 

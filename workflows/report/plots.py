@@ -127,8 +127,15 @@ def style() -> Iterator[None]:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it remarks on a home that cannot be written
     import matplotlib as mpl
 
-    with mpl.rc_context(_STYLE):
-        yield
+    interactive = mpl.is_interactive()
+    try:
+        with mpl.rc_context(_STYLE):
+            try:
+                yield
+            finally:
+                interactive = mpl.is_interactive()  # pyplot's backend of a notebook, loaded inside, switches it on
+    finally:
+        mpl.interactive(interactive)
 
 
 class Target(NamedTuple):
