@@ -15,6 +15,7 @@
     spindamp.effects("paper")                    # what each effect changes, and costs
     spindamp.reproduce()                         # the paper, claim by claim
     spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
+    spindamp.compare("out", "paper")             # runs side by side
     spindamp.design()                            # the best damper within what a scene's [design] allows
 
 Each does what the command of its name does, writes nothing that it is not told to, and returns what it found, or raises
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     import xarray
 
     from workflows.solve.results import Results
+    from workflows.studies.comparison.study import Comparison
     from workflows.studies.design.report import Designed
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response.study import Response
@@ -54,6 +56,7 @@ __all__ = [
     "SpindampError",
     "accuracy",
     "campbell",
+    "compare",
     "dataset",
     "design",
     "effects",
@@ -209,6 +212,18 @@ def design(
     from workflows.studies.sweep.executor import workers_of
 
     return study.design(scene, seed=seed, pool=workers_of(workers, dask, executor))
+
+
+@lawful()
+def compare(*runs: SceneLike | Results) -> Comparison:
+    """Runs side by side: folders that :func:`save` has written, scenes, which are run, or results.
+
+    Raises:
+        BadInput: fewer than two, or one that is none of these; else as :func:`run`.
+    """
+    from workflows.studies.comparison import study
+
+    return study.compare(runs)
 
 
 def dataset(results: Results) -> xarray.Dataset:

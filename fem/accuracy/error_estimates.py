@@ -121,7 +121,8 @@ class Estimates:
             cornered = layer_and_rest((first, second), tuple(size**-self._singular for size in sizes), sizes, most)
         if missed[1] > MISSED:
             self.slow = False  # for a reason that the estimate knows
-            return np.maximum(layer_and_rest((first, second), missed, sizes, most), cornered)
+            layered = layer_and_rest((first, second), missed, sizes, most)
+            return layered + cornered if np.isfinite(self.meshes.planform.corner) else np.maximum(layered, cornered)
         each = _falling(first, second, sizes, most)
         together = float(_falling(first.max(), second.max(), sizes, most))
         self.slow = bool((each < SLOW)[second >= LARGE * second.max()].any())
@@ -129,9 +130,13 @@ class Estimates:
         return np.maximum(fallen, cornered)
 
     def _fallen(self, apart: Array, order: float | Array, coarse: int, fine: int) -> Array:
-        """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves."""
+        """Errors on the finer of two meshes that fall at an order, no less than the layer along the edges leaves.
+
+        At a singular corner what has fallen is the corner's, and the layer's comes on top.
+        """
         layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), self.meshes.layers(fine)[: len(apart)])
-        return np.asarray(np.maximum(apart / ((fine / coarse) ** order - 1.0), layer))
+        fallen = np.asarray(apart / ((fine / coarse) ** order - 1.0))
+        return fallen + layer if np.isfinite(self.meshes.planform.corner) else np.maximum(fallen, layer)
 
     def _before(self, coarse: int) -> int | None:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
@@ -143,8 +148,10 @@ class Estimates:
 
     @property
     def _usual(self) -> float:
-        """The order that two meshes alone are taken to follow."""
+        """The order that two meshes alone are taken to follow; the least where a corner is singular."""
         least, most = self._orders
+        if np.isfinite(self.meshes.planform.corner):
+            return least
         return min(least + USUAL * (most - least), self._singular)
 
     @property

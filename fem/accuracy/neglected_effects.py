@@ -8,6 +8,9 @@ more than modes may be apart: the shift is the largest that their distance, as u
 
 Large deflection (`bent`): the static state at the highest speed, and by how much it shifts the frequencies; a coarse
 mesh is enough for the difference.
+
+Modes of rates that may coincide may be mixed in any way on the plate itself: an effect moves each of them by no more
+than the norm of what it does to all of them together (Weyl), whatever their mixture on the coarse mesh.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from fem.modes.real import Modes
     from fem.operators.assembly import Operators
     from fem.plate import Plate
     from fem.rotor import Effects, Rotor
@@ -133,6 +137,8 @@ def _lagrange(known: Array, asked: Array) -> Array:
 def _shifts(squares: Array, force: Array) -> Array:
     """Sums (k, m) over its partners of the largest shift of each mode of squared rates (k, m).
 
+    Modes that may coincide have one another's shifts by others besides.
+
     force: (Omega g)², (k, m, m).
     """
     own, partner = np.broadcast_arrays(squares[:, :, None], squares[:, None, :])
@@ -146,7 +152,10 @@ def _shifts(squares: Array, force: Array) -> Array:
     moved = np.maximum(
         np.abs(np.sqrt(np.maximum(moved, 0.0)) - 1.0), np.where(near == 1.0, np.sqrt(middle + split) - 1.0, 0.0)
     )
-    return np.asarray(np.where(force > 0.0, moved, 0.0).sum(axis=2))
+    moved = np.where(force > 0.0, moved, 0.0)
+    alike = near == 1.0
+    by_others = np.where(alike, 0.0, moved).sum(axis=2)
+    return np.asarray(np.where(alike, moved + by_others[:, None, :], 0.0).sum(axis=2))
 
 
 STATE_ENOUGH = 1e-8
@@ -161,7 +170,8 @@ class Bent:
         rotation: the largest of a point of the plate, in rad.
         strain: the largest principal one of the mid-surface.
         shifts: (count,) relative differences between frequencies about the state and those with the stiffening of the
-            flat plate, infinite where only one of the two has modes.
+            flat plate, for the rates of the flat plate that move them most within `UNCERTAIN`; infinite where only one
+            of the two has modes.
     """
 
     omega: float
@@ -179,7 +189,8 @@ def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...]
     """Find what the static state does to the count lowest modes at the highest of some speeds (rad/s).
 
     Where the plate diverges there, at a lower one; None where it does at all that are tried. In Mindlin's theory and
-    without Coriolis forces. The shift is a difference on one mesh, for which a coarse one will do.
+    without Coriolis forces. The shift is a difference on one mesh, for which one will do on which rates are good to
+    `UNCERTAIN`.
 
     Raises:
         ValueError: as `solve_modes` does and for effects without stress stiffening.
@@ -197,30 +208,54 @@ def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...]
 
 
 def _at(flat: Operators, large: Operators, omega: float, count: int) -> Bent | None:
-    before, (state, after) = _flat(flat, omega, count), _about(large, omega, count)
+    wanted = min(count + BEYOND, flat.mass.shape[0])
+    before, (state, after) = _flat(flat, omega, wanted), _about(large, omega, wanted)
     if before is None and after is None:
         return None
     if before is None or after is None:
         return Bent(omega, *_size(large, state), np.full(count, np.inf))
-    return Bent(omega, *_size(large, state), np.abs(np.sqrt(after / before) - 1.0))
+    return Bent(omega, *_size(large, state), _apart(before, after, large.mass)[:count])
 
 
-def _flat(operators: Operators, omega: float, count: int) -> Array | None:
+def _apart(before: Modes, after: Modes, mass: csc_array) -> Array:
+    """Largest shifts (count,) from modes to others, as far apart as those before may be.
+
+    The others' squared rates are a matrix between the modes before, to which these are nearest (des Cloizeaux).
+    """
+    squares = before.eigenvalues
+    left, _, right = np.linalg.svd(before.shapes.T @ (mass @ after.shapes))
+    mixed = left @ right
+    change = (mixed * after.eigenvalues) @ mixed.T - np.diag(squares)
+    found = np.abs(np.sqrt(after.eigenvalues / squares) - 1.0)
+    for k, own in enumerate(squares):
+        gaps = np.abs(squares - own)
+        least = np.maximum(gaps - 2.0 * UNCERTAIN * own, 0.0)
+        alike = least == 0.0
+        together = np.linalg.norm(change[np.ix_(alike, alike)], 2) if alike.sum() > 1 else 0.0
+        nearer = np.where(alike, 0.0, _repelled(least, change[k]) - _repelled(gaps, change[k])).sum()
+        found[k] = max(found[k], 0.5 * together / own) + 0.5 * nearer / own
+    return np.asarray(found)
+
+
+def _repelled(gaps: Array, coupling: Array) -> Array:
+    """By how much two values with a gap (n,) part when they are coupled (n,)."""
+    return np.asarray(np.hypot(0.5 * gaps, coupling) - 0.5 * gaps)
+
+
+def _flat(operators: Operators, omega: float, count: int) -> Modes | None:
     try:
-        return solve_modes(operators, omega, count).eigenvalues
+        return solve_modes(operators, omega, count)
     except Divergence:
         return None
 
 
-def _about(operators: Operators, omega: float, count: int) -> tuple[Array | None, Array | None]:
+def _about(operators: Operators, omega: float, count: int) -> tuple[Array | None, Modes | None]:
     try:
         state = settle(operators, omega, converged=STATE_ENOUGH)[0]
     except NoEquilibrium:
         return None, None
     try:
-        return state, solve_real(
-            operators, omega, tangent(operators, omega, state), count, tolerance=STATE_ENOUGH
-        ).eigenvalues
+        return state, solve_real(operators, omega, tangent(operators, omega, state), count, tolerance=STATE_ENOUGH)
     except Divergence:
         return state, None
 

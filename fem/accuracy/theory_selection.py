@@ -37,11 +37,17 @@ if TYPE_CHECKING:
 LAYER = 10.0**-0.5
 """Width of the layer along free edges in thicknesses."""
 
+CLEAR = 2.0
+"""Thicknesses from a point mass within which it shears the plate as a point does."""
+
 SHEAR, LAYERED = (0.01, 0.09), 0.005
 """Part of the shear energy, without nu and by it, that Mindlin's theory has wrong, about nu / 6; and of the layers."""
 
 MARGIN = 1.25
 """By how much more shear and layers may take than they do to first order, at corners that point inwards most."""
+
+STOUT_ROOT, ALL = 0.2, 1.2
+"""Thickness of the root over the smaller side beyond which nothing may be left of what the clamp does in stretching."""
 
 STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
@@ -49,12 +55,9 @@ STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 
 def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
     """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
-    slopes = sloping(operators)
-    if np.iscomplexobj(shapes):
-        parts = np.hstack([np.real(shapes), np.imag(shapes)])
-        both = np.diag(doubt(operators, parts))
-        return np.asarray((both[: eigenvalues.size] + both[eigenvalues.size :]) / eigenvalues + slopes)
-    return np.asarray(np.diag(doubt(operators, np.real(shapes))) / eigenvalues + slopes)
+    parts = np.hstack([np.real(shapes), np.imag(shapes)]) if np.iscomplexobj(shapes) else np.real(shapes)
+    stiff, heavy = (np.diag(rule(operators, parts)).reshape(-1, eigenvalues.size) for rule in (doubt, thick))
+    return np.asarray(stiff.sum(axis=0) / eigenvalues + heavy.sum(axis=0) + sloping(operators))
 
 
 def doubt(operators: Operators, basis: Array) -> Array:
@@ -68,7 +71,10 @@ def doubt(operators: Operators, basis: Array) -> Array:
     gradient = _gradient(model, plate, basis)
     thin = kind(model.theory) is Kind.KIRCHHOFF
     unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
-    energy = _clamp(model, plate, gradient, clamp_lacks(model.theory.partition("/")[0] if unmoved else model.theory))
+    left = clamp_lacks(model.theory.partition("/")[0] if unmoved else model.theory)
+    if at_root(plate) > STOUT_ROOT * min(plate.sides):
+        left = left[0], max(left[1], ALL)
+    energy = _clamp(model, plate, gradient, left)
     if thin:
         return 0.5 * energy + _thin(model, plate, gradient)
     wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
@@ -76,12 +82,29 @@ def doubt(operators: Operators, basis: Array) -> Array:
     return 0.5 * energy
 
 
+def thick(operators: Operators, basis: Array) -> Array:
+    """Matrix E (r, r): a mode of mass-normalised shape basis @ y (n, r) is lowered by y' E y, relatively.
+
+    By the motion through the thickness, which contracts by nu / (1 - nu) of what is stretched in the plane: no plate
+    theory here gives it mass (Love, A Treatise on the Mathematical Theory of Elasticity, art. 278, for rods).
+    """
+    model, plate = operators.model, operators.plate
+    if kind(model.theory) is Kind.SOLID:
+        return np.zeros((basis.shape[1],) * 2)
+    nu, h = plate.material.poissons_ratio, _heights(model, plate)
+    xx, _, _, yy = _gradient(model, plate, basis)[STRETCH]
+    area = model.gradient.dx / (1.0 if isinstance(plate.thickness, float | int) else h)
+    weights = plate.material.density * area * h**3 / 12.0 * (nu / (1.0 - nu)) ** 2
+    return np.asarray(0.5 * np.einsum("cpk,cp,cpm->km", xx + yy, weights, xx + yy, optimize=True))
+
+
 def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
     """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
     model, plate = operators.model, operators.plate
     gradient = _gradient(model, plate, shapes)
     energy = 0.5 * _clamp(model, plate, gradient, clamp_lacks("kirchhoff")) + _thin(model, plate, gradient)
-    return np.asarray(np.diag(energy) / eigenvalues + sloping(operators))
+    heavy = np.diag(thick(operators, shapes))
+    return np.asarray(np.diag(energy) / eigenvalues + heavy + sloping(operators))
 
 
 def sloping(operators: Operators) -> float:
@@ -137,10 +160,27 @@ def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     lengths, tangent = _along(model, facets)
     (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPES])
     x, y = tangent[:, :, None]
-    twist = 0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y
+    twist = (0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y)[_clear(model, plate, facets)]
     nu, h = plate.material.poissons_ratio, _heights(model, plate).mean(axis=1)[model.mesh.f2t[0, facets]]
     rigidity = plate.material.youngs_modulus * h**3 / 12.0 / (1.0 - nu**2)
     return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * lengths, twist))
+
+
+def _clear(model: Discretisation, plate: Plate, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Which of some facets stands for each: for those next to a point mass the nearest that is clear of it.
+
+    There shear bends w by the logarithm of the distance, and the twist of w has no limit; that of the sections has.
+    """
+    numbers = np.arange(facets.size)
+    if plate.tip_mass == 0.0 or plate.tip_at is None:
+        return numbers
+    middle = model.mesh.p[:, model.mesh.facets[:, facets]].mean(axis=1)
+    away = np.linalg.norm(middle - np.array(plate.tip_at)[:, None], axis=0)
+    clear = numbers[away >= CLEAR * plate.thickness_at(plate.tip_at)]
+    if clear.size in (0, facets.size):
+        return numbers
+    apart = np.linalg.norm(middle[:, :, None] - middle[:, None, clear], axis=0)
+    return np.where(np.isin(numbers, clear), numbers, clear[apart.argmin(axis=1)])
 
 
 def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
@@ -273,9 +313,11 @@ def over_speeds(operators: Operators, diagram: Campbell) -> Array:
         if np.iscomplexobj(part.basis):  # of one speed by itself
             found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
             continue
-        energy = doubt(operators, part.basis)
-        doubted = np.einsum("kri,rs,ksi->ki", vectors.conj(), energy, vectors, optimize=True).real
-        found.append(doubted / squares + sloping(operators))
+        stiff, heavy = (
+            np.einsum("kri,rs,ksi->ki", vectors.conj(), rule(operators, part.basis), vectors, optimize=True).real
+            for rule in (doubt, thick)
+        )
+        found.append(stiff / squares + heavy + sloping(operators))
     return np.vstack(found) + strained
 
 

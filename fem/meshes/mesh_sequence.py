@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fem.meshes.planform import check_sides
+from fem.meshes.planform import check_sides, root_facets
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,7 +60,7 @@ class Planform(Protocol):
 
     @property
     def corner(self) -> float:
-        """Power of the cell size with which errors fall for its sharpest inward corner; infinite without."""
+        """Power of the cell size with which errors fall for its worst corner; infinite without."""
         ...
 
     def mesh(self, size: int) -> Any:
@@ -157,8 +157,10 @@ class Given:
 
     @property
     def corner(self) -> float:
-        """Of its sharpest inward corner, at which strains grow as the power of the distance of Williams (1952)."""
-        return corner_order(float(inner_angles(self.given).max()))
+        """Of its bluntest corners, at which strains grow as the power of the distance of Williams (1952)."""
+        angles = inner_angles(self.given)
+        held = np.isin(self.given.boundary_nodes(), self.given.facets[:, root_facets(self.given)])
+        return min(corner_order(float(angles.max())), root_order(float(np.sort(angles[held])[:2].max())))
 
     @property
     def sides(self) -> tuple[float, float]:
@@ -210,6 +212,15 @@ def corner_order(angle: float) -> float:
     from scipy.optimize import brentq
 
     return 2.0 * float(brentq(lambda k: np.sin(k * angle) + k * np.sin(angle), 0.5, np.pi / angle + 0.05))
+
+
+def root_order(angle: float) -> float:
+    """The same at a corner of the root, between a clamped edge and a free one; infinite up to a right angle.
+
+    sin²(k angle) = (4 - k² (1 - nu)² sin² angle) / ((3 + nu) (1 - nu)), which is above 1: k angle has a real part of
+    about pi / 2, whatever nu.
+    """
+    return np.pi / angle if angle > 0.5 * np.pi * (1.0 + STRAIGHT) else np.inf
 
 
 def graded(length: float, width: float, nx: int, ny: int, node: tuple[float, float] | None = None) -> Any:

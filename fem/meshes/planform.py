@@ -14,6 +14,16 @@ MERGED = 1e-9
 """Distance relative to the plate's size within which points are one."""
 
 
+ROOT_TOLERANCE = 1e-3
+"""How far an end of an edge of the root may lie off the smallest x, as part of the edge's length."""
+
+ROUNDING = 1e-6
+"""The same as part of the plate's extent along x: short edges of coordinates with few digits."""
+
+ROOT_BEND = np.radians(20.0)
+"""Turn between two edges of the boundary up to which one continues the other."""
+
+
 class MeshError(ValueError):
     """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
 
@@ -40,11 +50,18 @@ def root(mesh: Any) -> float:
 
 
 def root_facets(mesh: Any) -> NDArray[np.int64]:
-    """Numbers of the boundary facets that lie on the smallest x."""
-    x = mesh.p[0]
-    at_root = x < x.min() + 1e-6 * np.ptp(x)
+    """Numbers of the boundary facets that lie on the smallest x, within `ROOT_TOLERANCE` of their lengths."""
     boundary = np.asarray(mesh.boundary_facets())
-    return np.asarray(boundary[at_root[mesh.facets[:, boundary]].all(axis=0)])
+    x, y = mesh.p[:, mesh.facets[:, boundary]]
+    off = x.max(axis=0) - root(mesh)
+    length = np.hypot(np.diff(x, axis=0)[0], np.diff(y, axis=0)[0])
+    return np.asarray(boundary[off <= np.maximum(ROOT_TOLERANCE * length, ROUNDING * np.ptp(mesh.p[0]))])
+
+
+def clamped_length(mesh: Any) -> float:
+    """Length (m) of the root edge."""
+    ends = mesh.p[:, mesh.facets[:, root_facets(mesh)]]
+    return float(np.linalg.norm(np.diff(ends, axis=1)[:, 0], axis=0).sum())
 
 
 def check_mesh(mesh: Any) -> None:
@@ -72,11 +89,40 @@ def check_mesh(mesh: Any) -> None:
     parts = connected_components(neighbours, directed=False)[0]
     if parts > 1:
         raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
-    if root_facets(mesh).size == 0:
+    _reject_root(mesh)
+
+
+def _reject_root(mesh: Any) -> None:
+    """Raise `MeshError` unless the root is one straight run of edges that ends where the boundary turns."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    facets = root_facets(mesh)
+    if facets.size == 0:
         raise MeshError(
-            f"no edge lies on the smallest x ({p[0].min():.6g}), so there is nothing to clamp: "
-            "the root must be a straight edge with x constant"
+            f"no edge lies on the smallest x ({root(mesh):.6g}), so there is nothing to clamp: {_STRAIGHT_ROOT}"
         )
+    nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
+    ends = ends.reshape(2, -1)
+    parts, part = connected_components(coo_array((np.ones(facets.size), ends), shape=(nodes.size,) * 2), directed=False)
+    if parts > 1:
+        y = [mesh.p[1, nodes[part == k]] for k in range(parts)]
+        runs = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in sorted((v.min(), v.max()) for v in y))
+        raise MeshError(f"the edges on the smallest x fall into {parts} runs (y from {runs}): {_STRAIGHT_ROOT}")
+    y = mesh.p[1, nodes]
+    others = np.setdiff1d(mesh.boundary_facets(), facets)
+    for end, outwards in ((nodes[y.argmin()], -1.0), (nodes[y.argmax()], 1.0)):
+        for other in mesh.facets[:, others[(mesh.facets[:, others] == end).any(axis=0)]].T:
+            across, along = (mesh.p[:, other].sum(axis=1) - 2.0 * mesh.p[:, end])[::-1]
+            if abs(along) < np.tan(ROOT_BEND) * outwards * across:
+                raise MeshError(
+                    f"the root is not straight: beyond ({mesh.p[0, end]:.6g}, {mesh.p[1, end]:.6g}) its edge continues "
+                    f"at {np.degrees(np.arctan(abs(along / across))):.2g}° to the clamped part, of length "
+                    f"{clamped_length(mesh):.6g}: {_STRAIGHT_ROOT}"
+                )
+
+
+_STRAIGHT_ROOT = "the root must be one straight, unbroken edge with x constant"
 
 
 def _reject_seams(mesh: Any) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.planform import MeshError, check_mesh
+from fem.meshes.planform import MeshError, check_mesh, root, root_facets
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,7 +40,9 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
 
     field: name of point data with one number a point; these (npoint,) come with the mesh.
 
-    Coordinates are kept. The plate is clamped at its smallest x, wherever that is: there a rotor's hub_radius ends.
+    Coordinates are kept, but points of the root that lie off its line by rounding are laid on it, so that a refined
+    mesh is clamped along the same edge. The plate is clamped at its smallest x, wherever that is: there a rotor's
+    hub_radius ends.
 
     Raises:
         MeshError: with the file's name, for a file that cannot be read, that holds no surface, or whose surface is not
@@ -156,6 +158,11 @@ def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
     mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
     check_mesh(mesh)
+    held = np.unique(mesh.facets[:, root_facets(mesh)])
+    if np.ptp(mesh.p[0, held]) > 0.0:
+        points = mesh.p.copy()
+        points[0, held] = root(mesh)
+        mesh = kind(points, mesh.t)
     return mesh, used
 
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from fem.linalg import CONVERGED, Factor, SingularMatrix, factorise, lanczos, rounding
 from fem.rotor import in_rpm
-from fem.statics import LOST, check_rest
+from fem.statics import LOST, Unresolved, check_rest
+from fem.theory.forms import elastic_energies
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +24,15 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+
+FELT = 1e-5
+"""Rounding of a frequency, as it is estimated beforehand, from which the frequency is taken from the mode's strains."""
+
+MOVED = 0.02
+"""Relative change of a frequency by that up to which it is believed: its own error is about the square."""
+
+DIGITS = 1e28
+"""Ratio of squared rates, above the square of what double precision holds, at which a mode is none."""
 
 SHIFTED = 1e-6
 """Residual of the eigenvalue that a divergence is reported with."""
@@ -96,7 +106,7 @@ def solve_real(
     state: Array | None = None,
     tolerance: float = CONVERGED,
 ) -> Modes:
-    """Find the count lowest modes of a stiffness (n, n), Coriolis apart.
+    """Find the count lowest modes of a stiffness (n, n), Coriolis apart; fewer where fewer directions have mass.
 
     Raises:
         Divergence: past the critical speed.
@@ -113,11 +123,37 @@ def solve_real(
         raise Divergence(omega, lowest(stiffness, operators.mass, values), factor.negative)
     if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
         values, vectors = _undrowned(stiffness, operators.mass, values, tolerance)
+    known = _known(values)
+    values, vectors = values[known], vectors[:, known]
     order = np.argsort(values)
-    first = order[:1]
-    if rounding(stiffness, vectors[:, first], values[first])[0] > LOST:
+    uncertain = rounding(stiffness, vectors, values)
+    if uncertain[order[0]] > LOST:
         check_rest(operators)
+    if uncertain.max() > FELT and state is None:
+        values, vectors = _from_strains(operators, omega, values, vectors)
+        order = np.argsort(values)
     return Modes(omega, values[order], vectors[:, order], np.zeros(order.size), factor, state)
+
+
+def _known(values: Array) -> NDArray[np.bool_]:
+    """Which of some squared rates are those of modes: what has no mass has none, and double precision ends."""
+    return np.asarray((values > 0.0) & (values < values[values > 0.0].min(initial=np.inf) * DIGITS))
+
+
+def _from_strains(operators: Operators, omega: float, values: Array, vectors: Array) -> tuple[Array, Array]:
+    """Modes among known ones by the energy of their strains, whose rounding is of second order.
+
+    Raises:
+        Unresolved: the plate is too thin for its theory in double precision.
+    """
+    energies = elastic_energies(operators.model, vectors)
+    if omega != 0.0 and not (operators.geometric is None and operators.softening is None):
+        energies += omega**2 * (vectors.T @ (operators.spinning @ vectors))
+    corrected, mixed = np.linalg.eigh(0.5 * (energies + energies.T))
+    moved = float(np.abs(np.sqrt(np.maximum(corrected, 0.0) / np.sort(values)) - 1.0).max())
+    if not moved <= MOVED:
+        raise Unresolved(operators.model.theory, moved)
+    return corrected, vectors @ mixed
 
 
 def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:

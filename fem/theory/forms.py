@@ -33,6 +33,32 @@ def elastic_stiffness(model: Discretisation) -> csc_array:
     return gram((model.gradient, coefficients), *model.extra)
 
 
+def elastic_energies(model: Discretisation, shapes: Array) -> Array:
+    """Twice the energies (k, k) of shapes (n, k) with one another at small strains.
+
+    From the strains at the points: the stiffness's entries are as large as the stiffest strain makes them, and their
+    rounding drowns the softest.
+    """
+    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
+    gradients = model.gradient.evaluate(shapes)
+    found = np.zeros((shapes.shape[1],) * 2)
+    for weight, matrix in strains:
+        strain = np.einsum("sg,gcpk->scpk", matrix, gradients)
+        found += _energies(weight * model.stiffness, strain, model.gradient.dx)
+    for fields, coefficients in model.extra:
+        found += _energies(coefficients, fields.evaluate(shapes), fields.dx)
+    return found
+
+
+def _energies(coefficients: Array, strain: Array, dx: Array) -> Array:
+    """Integrals (k, k) of c_ij e_i e_j, c pointwise or the same everywhere, of strains (n, ncell, npoint, k)."""
+    everywhere = np.broadcast_to(
+        coefficients.reshape(*coefficients.shape, *(1,) * (4 - coefficients.ndim)), (*coefficients.shape[:2], *dx.shape)
+    )
+    stress = np.einsum("ijcp,cp,jcpk->icpk", everywhere, dx, strain, optimize=True)
+    return np.asarray(np.tensordot(strain, stress, ((0, 1, 2), (0, 1, 2))))
+
+
 def inertia(model: Discretisation, density: float, through: Array) -> csc_array:
     """Return the matrix of density * U.(through U): mass (identity), softening (P), Coriolis (2 n x)."""
     layers = [(layer.weight, layer.displacement) for layer in model.inertia]

@@ -105,3 +105,26 @@ def test_past_the_critical_speed_a_lower_one_tells():
     found = bent(thin, Rotor(0.0, np.pi / 2), FLAT, speeds, 3)
     assert found is not None
     assert found.omega in speeds
+
+
+NEAR = 0.17061176, 0.03356962, 0.00131759, Material(1e9, 0.49, 1000.0), Rotor(0.17061176, np.radians(3.05030255))
+"""Length, width, thickness, material and rotor of a plate whose fourth and fifth mode are 0.1 % apart."""
+
+
+def true_shifts(width, size, omega):
+    length, _, thickness, material, rotor = NEAR
+    operators = assemble(Plate(Rectangle(length, width).mesh(size), thickness, material), rotor, BENT)
+    bent_, flat = (solve_modes(replace(operators, effects=effects), omega).frequencies_hz for effects in (BENT, FLAT))
+    return np.abs(bent_ / flat - 1.0)
+
+
+@pytest.mark.parametrize("wider", [-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])
+def test_what_mixes_modes_that_nearly_coincide(wider):
+    """Flap and lag cross as the plate gets wider: one coarse mesh bounds the shifts of all, and not by far at one."""
+    length, width, thickness, material, rotor = NEAR
+    found = bent(Plate(Rectangle(length, width).mesh(3), thickness, material), rotor, FLAT, (rpm(1180),), 6).shifts
+    true = true_shifts(width * (1.0 + wider), 6, rpm(1180))
+    assert (true < 1.02 * found).all()
+    if wider == 0.0:
+        assert true.max() > 1e-3
+        assert found.max() < 2.0 * true.max()

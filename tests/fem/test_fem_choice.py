@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from fem_cases import AT_REST, STEEL, promise_kept, rpm
+from scipy.optimize import fsolve
 
 from fem import (
     Divergence,
@@ -21,7 +22,7 @@ from fem import (
     solve_modes,
 )
 from fem.accuracy.theory_selection import theory_errors
-from fem.meshes.mesh_sequence import crowded
+from fem.meshes.mesh_sequence import crowded, root_order
 from fem.theory import mindlin
 from fem.theory.registry import THEORIES
 
@@ -216,3 +217,20 @@ def test_refuses_a_tolerance_of_nothing():
     planform = Rectangle(0.2, 0.08)
     with pytest.raises(ValueError, match="tolerance must be above 0"):
         choose_mesh(planform, builder(planform, 0.01), (0.0,), 3, 0.0)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+@pytest.mark.parametrize("degrees", [100.0, 115.0, 135.0, 160.0])
+def test_the_order_at_a_blunt_corner_of_the_root(nu, degrees):
+    """Just below twice the least real part of the roots of Williams' equation for a clamped and a free edge."""
+    angle = np.radians(degrees)
+
+    def mismatch(parts):
+        k = complex(*parts)
+        wrong = np.sin(k * angle) ** 2 - (4.0 - (k * (1.0 - nu) * np.sin(angle)) ** 2) / ((3.0 + nu) * (1.0 - nu))
+        return wrong.real, wrong.imag
+
+    tried = [fsolve(mismatch, (re, im), full_output=True) for re in np.linspace(0.3, 1.2, 10) for im in (0.1, 0.4)]
+    least = min(found[0] for found, _, converged, _ in tried if converged == 1 and found[0] > 0.1)
+    assert 0.88 * 2.0 * least < root_order(angle) < 2.0 * least
+    assert root_order(0.5 * np.pi) == np.inf

@@ -11,7 +11,7 @@ import skfem
 from fem_cases import STEEL, distorted, rpm
 
 from fem import Effects, MeshError, Plate, Rotor, assemble, estimate_error, read_mesh, rectangle, reduce_at, solve_modes
-from fem.meshes.planform import locate
+from fem.meshes.planform import clamped_length, locate
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -96,6 +96,13 @@ def bad_meshes():
     bumped[5, 2] = 0.01
     far = np.vstack([points, points + np.array([1.0, 0.0, 0.0])])
     tilted = points @ np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    bent = points.copy()
+    bent[:, 0] += 0.05 * np.clip(points[:, 1], 0.0, None)
+    arc = rectangle(0.2, 0.08, 3, 5)
+    arc = type(arc)(arc.p + np.array([[5.0], [0.0]]) * np.where(arc.p[0] == 0.0, arc.p[1] ** 2, 0.0), arc.t)
+    notched = rectangle(0.2, 0.08, 3, 3)
+    middle = notched.p[:, notched.t].mean(axis=1)
+    kept = ~((middle[0] < 0.07) & (np.abs(middle[1]) < 0.01))
     crossed = quads.copy()
     crossed[0] = crossed[0, [0, 2, 1, 3]]
     tetra = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
@@ -104,6 +111,13 @@ def bad_meshes():
         "bumped": (bumped, [("quad", quads)], "plane of constant z.*a flat one"),
         "disconnected": (far, [("quad", np.vstack([quads, quads + len(points)]))], "2 parts"),
         "no root": (tilted, [("quad", quads)], "nothing to clamp"),
+        "bent root": (bent, [("quad", quads)], r"beyond \(0, 0\) its edge continues at 2.9° .* of length 0.04"),
+        "curved root": (flat(arc), cells_of(arc), r"not straight: .* at 9.1° to the clamped part, of length 0.016"),
+        "two feet": (
+            flat(notched),
+            [("quad", notched.t.T[kept])],
+            r"into 2 runs \(y from -0.04 to -0.013333, 0.013333 to 0.04\)",
+        ),
         "solid": (tetra, [("tetra", np.array([[0, 1, 2, 3]]))], "holds tetra: mesh the surface half-way"),
         "lines": (points, [("line", quads[:, :2])], "no triangles and no quadrilaterals"),
         "touching": (
@@ -208,6 +222,23 @@ def drawn(theory, x):
     felt = reduce_at(operators, rpm(8000), (x + 0.15, 0.01), ball_mass=0.002)
     modes = solve_modes(operators, rpm(8000), 4).frequencies_hz
     return [*modes, felt.f1_hz, felt.M1, felt.M2, felt.floor_tilt, operators.radius(x + 0.2)]
+
+
+@pytest.mark.parametrize("suffix", [".msh", ".vtu"])
+def test_a_root_with_noise_is_clamped_all_along(tmp_path, suffix):
+    """A micrometre of noise in cells of 20 mm: the frequencies of the plain mesh, however often it is refined."""
+    mesh = rectangle(0.2, 0.08, 10, 4)
+    known = solve_modes(assemble(Plate(mesh, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz
+    for seed in range(3):
+        points = mesh.p.copy()
+        points[0] += np.where(mesh.p[0] == 0.0, np.random.default_rng(seed).uniform(-1e-6, 1e-6, mesh.p.shape[1]), 0.0)
+        noisy = type(mesh)(points, mesh.t)
+        assert clamped_length(noisy) == pytest.approx(0.08, rel=1e-6)
+        drawn = np.column_stack([points.T, np.zeros(points.shape[1])])
+        again = read_mesh(write(tmp_path / f"noisy{suffix}", drawn, cells_of(mesh)))
+        assert clamped_length(again.refined(3)) == pytest.approx(0.08, rel=1e-12)
+        frequencies = solve_modes(assemble(Plate(again, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz
+        np.testing.assert_allclose(frequencies, known, rtol=2e-5)  # 1e-6 of 0.2 m, squared in the frequency
 
 
 def test_a_seam():

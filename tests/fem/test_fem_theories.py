@@ -9,6 +9,7 @@ from fem_cases import AT_REST, STEEL, beam_rates, distorted, paper_plate, rpm
 
 from fem import (
     Effects,
+    ElasticRoot,
     Material,
     Plate,
     Rectangle,
@@ -294,3 +295,44 @@ def test_rates_on_the_square_cantilever(theory, triangles, thickness, sizes, ord
     rate = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert rate == pytest.approx(order, abs=0.4)
     assert errors[-1] < finest
+
+
+def thin(theory, height, width, cells, root=None, triangles=False, poissons_ratio=0.3):
+    """Frequencies over thickness of a plate 1 m long; springs of a root bend with it."""
+    mesh = rectangle(1.0, width, *cells)
+    springs = None if root is None else ElasticRoot(root[0] * 2e11 * height**3, root[1] * 2e11 * height**3)
+    plate = Plate(
+        mesh.to_meshtri() if triangles else mesh, height, Material(2e11, poissons_ratio, 7850.0), elastic_root=springs
+    )
+    return solve_modes(assemble(plate, Rotor(), AT_REST, theory), 0.0, 3).frequencies_hz / height
+
+
+@pytest.mark.hard(
+    why="bending is 1e11 times softer than stretching, and the rounding of the one drowns the other",
+    keeps="what is believed is as it is at a hundred times the thickness",
+)
+@pytest.mark.parametrize(
+    ("theory", "height", "width", "cells", "root", "triangles"),
+    [
+        ("mindlin", 2e-5, 0.09, (17, 4), (1e2, 1.0), True),
+        ("kirchhoff", 2e-6, 0.068, (25, 7), (1e2, 1.0), True),
+        ("mindlin/held", 2e-7, 0.672, (21, 10), (2.27, 2.27), False),
+        ("solid", 2e-6, 1.335, (20, 10), None, False),
+        ("solid", 2e-5, 0.37, (37, 10), (0.221, 0.221), False),
+    ],
+)
+def test_a_thin_plate_keeps_its_frequencies_or_is_refused(theory, height, width, cells, root, triangles):
+    """Frequencies go with the thickness of a thin plate: rounding took from 0.3 % of the first to all of it."""
+    thicker = thin(theory, 2e-4, width, cells, root, triangles)
+    try:
+        found = thin(theory, height, width, cells, root, triangles)
+    except Unresolved:
+        return
+    np.testing.assert_allclose(found, thicker, rtol=1e-3)
+
+
+def test_what_double_precision_does_not_tell_apart_is_no_mode():
+    """Of all the modes of a thin solid the lowest beside the stiffest came out as NaN."""
+    operators = assemble(Plate(rectangle(1.0, 0.4, 1, 1), 2e-5, STEEL), Rotor(), AT_REST, "solid")
+    with pytest.raises(Unresolved):
+        solve_modes(operators, 0.0, operators.mass.shape[0])

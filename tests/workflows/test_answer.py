@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -82,8 +83,9 @@ def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: s
 
 def test_a_step_between_two_loads_is_named() -> None:
     found = results(speeds="3500 17500")
-    low, high = (f"{p.rpm:.0f} rpm ({p.load_g:.0f} g)" for p in found.speeds)
-    assert answer(found).verdict == f"Of modest use up to {low}, not useful from {high} on"
+    most = 100 * found.speeds[0].verdict.damping_ratio
+    said = f"Of little use: at most {most:.2g} % equivalent damping ratio (at 3500 rpm)"
+    assert answer(found).verdict == said
     assert [p.verdict.grade for p in found.speeds] == ["modest", "negligible"]
 
 
@@ -154,6 +156,107 @@ def test_a_ratio_at_rest_alone(tmp_path: Path, spindamp: Command) -> None:
 
 def test_a_ball_without_room() -> None:
     assert "fills its cavity" in text(results(cavity="2 2"))
+
+
+def thick(*rpm: float, **changes: Any) -> Scene:
+    """A steel plate, 20 x 8 x 1 cm, whose load holds the ball at all that it endures from some speed on."""
+    scene: Scene = {
+        "plate": {"length": "20 cm", "width": "8 cm", "thickness": "1 cm", "theory": "kirchhoff"},
+        "material": {"name": "steel"},
+        "rotor": {"speeds": [f"{each} rpm" for each in rpm]},
+        "damper": KNOWN["damper"]
+        | {"count": None, "mass_ratio": None, "radius": "1.5 mm", "rolling_friction": "0.2 mm"},
+        "release": {"displacement": ["1 mm", "0 mm"], "cycles": 2},
+        "effects": {"structural_modes": False, "floor_tilt": True},
+    }
+    del scene["damper"]["count"], scene["damper"]["mass_ratio"]
+    return changed(scene, **{"damper__ball_density": 7850.0, "damper__cavity": ["4 mm", "4 mm"]} | changes)
+
+
+def sets_off(scene: Scene, limit: float) -> bool:
+    """Whether a ball moves that is let go at rest at the amplitude that the plate endures."""
+    (point,) = workflows.run(changed(scene, release__displacement=[limit, 0.0])).speeds
+    return moves(point)
+
+
+@pytest.mark.parametrize("key", ["rolling_friction", "radius", "omega", "amplitude"])
+def test_what_would_move_a_locked_ball_does(key: str) -> None:
+    """One percent beyond each limit that the answer names, the motion itself sets off; one percent short it does not.
+
+    Twelve steel balls, whose mass grows eightfold to the radius that moves them: the frequency falls with it.
+    """
+    found = workflows.run(thick(8000, 10000, damper__count=12))
+    limit, point = limits.endured(found), found.speeds[1]
+    assert limit is not None
+    assert (point.verdict.grade, point.verdict.reason) == ("locked", "out_of_reach")
+    value = getattr(limits.what_moves(found, point), key)
+    begins = []
+    for factor in (0.99, 1.01):
+        near = factor * value
+        if key == "omega":
+            begins.append(sets_off(thick(near * 30 / math.pi, damper__count=12), limit))
+        elif key == "amplitude":
+            begins.append(sets_off(thick(10000, damper__count=12), near))
+        else:
+            wider = {"damper__cavity": [2 * near + 1e-3] * 2} if key == "radius" else {}
+            begins.append(sets_off(thick(10000, damper__count=12, **{f"damper__{key}": near}, **wider), limit))
+    assert begins == ([True, False] if key in ("rolling_friction", "omega") else [False, True])
+
+
+def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
+    """Right after the headline, locked at all speeds or at some; rounded to the side on which it moves."""
+    some, every = (workflows.run(thick(*rpm)) for rpm in ((5000, 10000), (10000,)))
+    for found in (some, every):
+        sentence = answer(found).sentences[0]
+        remedy = limits.what_moves(found, found.speeds[-1])
+        assert sentence.startswith("At 10000 rpm the ball moves above ")
+        friction, radius = (
+            float(re.search(rf"{words} ([0-9.]+) mm", sentence)[1])
+            for words in ("a rolling friction below", "a ball radius above")
+        )
+        assert 0.99 < friction / (1e3 * remedy.rolling_friction) <= 1
+        assert 1 <= radius / (1e3 * remedy.radius) < 1.01
+        assert ("rpm (" in sentence) == (found is some), "one speed does not tell how the frequency goes with it"
+        assert sum("would move" in each for each in answer(found).sentences) == 1
+    assert answer(every).verdict == "No: the ball never moves"
+
+
+def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:
+    """Of a given mass, the ball moves from a radius on that its plate has no room for; a housing on it has."""
+    light = {"damper__ball_density": None, "damper__mass_ratio": 5e-4}
+    inside, outside = (workflows.run(thick(17500, **light, **at)) for at in ({}, {"damper__housing": "1 g"}))
+    assert math.isnan(limits.what_moves(inside, inside.speeds[0]).radius)
+    assert limits.what_moves(outside, outside.speeds[0]).radius > 5e-3
+    assert "radius" not in answer(inside).sentences[0]
+    assert "a ball radius above" in answer(outside).sentences[0]
+
+
+def test_a_crossing_that_holds_the_ball_names_the_friction_that_does_not() -> None:
+    """One percent below it the same crossing sees the ball move at what the plate endures, one above it does not."""
+
+    def crossed(friction: float) -> Results:
+        shaken = {"excitation": {"orders": [3], "force": ["1 N"]}, "damper__damping_ratio": 1e-3}
+        return workflows.run(thick(3000, 5000, damper__rolling_friction=friction, **shaken))
+
+    held = crossed(0.6e-3)
+    (found,) = held.reductions
+    friction = limits.friction_that_moves(held, found)
+    holds = "the load holds the ball at rest up to"
+    words = rf"{holds} [0-9.]+ N; it would move with a rolling friction below ([0-9.]+) mm$"
+    said = re.search(words, answer(held).verdict)
+    assert said is not None
+    assert 0.99 < float(said[1]) / (1e3 * friction) <= 1
+    assert [holds in answer(crossed(factor * friction)).verdict for factor in (0.99, 1.01)] == [False, True]
+
+
+def test_without_a_plate_only_the_amplitude_is_known() -> None:
+    found = results(speeds="17500")
+    (point,) = found.speeds
+    remedy = limits.what_moves(found, point)
+    omega, load = 2 * math.pi * 269.5, (17500 * math.pi / 30) ** 2 * 0.2
+    assert remedy.amplitude == pytest.approx(0.1 * load / omega**2)
+    assert all(map(math.isnan, remedy[1:]))
+    assert limits.what_moves(found, results(speeds="0").speeds[0]) is None
 
 
 @pytest.mark.parametrize("speed", ["200", "3500"])
@@ -276,7 +379,9 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
     """Slippery walls; little load, or a vibration of 1 MHz, where no floor keeps the ball rolling."""
-    rests = "Of modest use, if the ball rolls without slip, which at the amplitude of its best takes a friction of "
+    rests = (
+        "Of little use: at most 0.049 % equivalent damping ratio (at 3500 rpm), if the ball rolls without slip, which"
+    )
     slides = "No verdict: the ball would slide, since rolling requires a friction of "
     for speeds, frequency, friction, says in (
         ("3500", "269.5 Hz", "0.1", rests),
@@ -287,6 +392,7 @@ def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
         verdict = answer(workflows.run(scene)).verdict
         assert verdict.startswith(says), verdict
         assert verdict.endswith(": 0.1 is given for the walls") == (says is rests)
+        assert (", if the ball rolls without slip, which at the amplitude" in verdict) == (says is rests)
 
 
 def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
@@ -336,7 +442,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
     )
     assert "such as 183 of steel ([damper] count)" in said.sentences[0]
     assert answer(results(count="63")).verdict.startswith("No verdict: a ball")
-    assert answer(results(count="64")).verdict.startswith("Of modest use up to")
+    assert answer(results(count="64")).verdict.startswith("Of little use: at most ")
 
 
 def test_a_mass_in_grams_is_held_against_osmium_too(structure: Scene) -> None:
@@ -354,9 +460,8 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert stresses == pytest.approx([2357, 2486], abs=1)
     found = workflows.run(scene)
     verdict = answer(found).verdict
-    assert verdict.startswith(
-        "Of modest use up to 3500 rpm (2687 g), locked from 37000 rpm (300255 g) on; no verdict from "
-    )
+    assert verdict.startswith("Of little use: at most ")
+    assert "; the ball is locked at 37000 rpm (300255 g); no verdict from " in verdict
     assert "no verdict from 38000 rpm on: there the centrifugal pull at the root, 2490 MPa on average" in verdict
     assert "38000" not in " ".join(answer(found).sentences)
     assert [limits.is_torn(found, point) for point in found.speeds] == [False, False, True]

@@ -302,3 +302,18 @@ def test_the_theorys_error_knows_the_slope_of_the_faces(theory: str) -> None:
     else:
         assert (errors > 0.7 * 0.02**2).all()
         assert (errors < 0.1).all()
+
+
+@pytest.mark.parametrize("thickness", ["4 mm", {"field": "h"}])
+def test_a_slit_tip(thickness: object, tmp_path: Path) -> None:
+    """Two prongs side by side that nothing joins at the tip bend as one beam (Southwell and Gough)."""
+    x, y = np.meshgrid(np.linspace(0, 0.2, 7), [-0.04, -0.02, -0.001, 0.001, 0.02, 0.04], indexing="ij")
+    cells = [[6 * i + j, 6 * i + j + 6, 6 * i + j + 7, 6 * i + j + 1] for i in range(6) for j in range(5)]
+    cells = [cell for cell in cells if not (cell[0] % 6 == 2 and cell[0] >= 6)]  # slit from 33 mm to the tip
+    points = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+    fields = {"h": np.full(len(points), 4e-3)}
+    meshio.Mesh(points, [("quad", np.array(cells))], point_data=fields).write(tmp_path / "slit.vtu")
+    slit = of_mesh(tmp_path / "slit.vtu", **({} if isinstance(thickness, str) else thickness))
+    slit = slit if not isinstance(thickness, str) else changed(slit, plate__thickness=thickness)
+    beam = 3.5160 / (2 * np.pi) * np.sqrt(2e11 * 4e-3**2 / 12 / 7850) / 0.2**2
+    assert frequencies(slit)[0] == pytest.approx(np.hypot(beam, np.sqrt(1.19) * 3000 / 60), rel=0.03)

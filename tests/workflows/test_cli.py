@@ -208,3 +208,11 @@ def test_check_takes_what_it_prints(spindamp: Command, tmp_path: Path, structure
     assert (first.status, again.status) == (0, 0), again.err
     assert "frequency = [269.5, 1400.0]" in first.out
     assert tomllib.loads(again.out) == tomllib.loads(first.out)
+
+
+def test_shells_complete_commands(tmp_path: Path) -> None:
+    """What bash asks for when the tab key is pressed behind `spindamp re`."""
+    asked = {"_SPINDAMP_COMPLETE": "complete_bash", "COMP_WORDS": "spindamp re", "COMP_CWORD": "1"}
+    program = [sys.executable, "-m", "workflows.cli"]
+    done = subprocess.run(program, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, timeout=100)
+    assert (done.returncode, done.stdout.split()) == (0, ["response", "reproduce"])

@@ -20,10 +20,14 @@ from workflows.scene import damper, plate_mesh
 from workflows.scene.load import SHIPPED, load, parse
 
 
-def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0) -> Path:
-    """A mesh file of a blade 120 mm long and 50 mm wide at its root, which is at x [m]; narrower at its tip."""
+def drawn(path: Path, x: float = 0.0, scale: float = 1.0, taper: float = 0.0, noise: float = 0.0) -> Path:
+    """A mesh file of a blade 120 mm long and 50 mm wide at its root, which is at x [m]; narrower at its tip.
+
+    noise: how far every other point of the root lies off its line [m].
+    """
     s, t = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(-0.5, 0.5, 5))
     points = np.column_stack([(x + 0.12 * s).ravel(), (0.05 * (1 - taper * s) * t).ravel(), 0 * s.ravel()])
+    points[9:45:18, 0] += noise
     corner = (np.arange(4)[:, None] * 9 + np.arange(8)).ravel()
     cells = np.column_stack([corner, corner + 1, corner + 10, corner + 9])
     tags = {name: [np.ones(len(cells), dtype=np.int32)] for name in ("gmsh:physical", "gmsh:geometrical")}
@@ -85,6 +89,28 @@ def test_check_says_the_radii(spindamp: Command, paper: Scene, tmp_path: Path) -
     found = json.loads(spindamp("check", scene, "--json").out)
     assert found["radii"] == {"root": 0.15, "damper": pytest.approx(0.27)}
     assert "Radii from the axis: 200 mm at the damper" in spindamp("check", "structure").out
+
+
+def test_a_root_with_noise_is_clamped_all_along(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
+    """A micrometre off its line in edges of 12.5 mm: it was refused, or clamped in part."""
+    drawn(tmp_path / "blade.msh", noise=1e-6)
+    scene = write(blade(paper, damper=None, release=None), tmp_path / "scene.toml")
+    assert "Clamped root: 50 mm long" in spindamp("check", scene).out
+    assert json.loads(spindamp("check", scene, "--json").out)["root_length"] == pytest.approx(0.05, rel=1e-9)
+    found = json.loads(spindamp("run", scene, "--json").out)
+    assert found["root_length"] == pytest.approx(0.05, rel=1e-9)
+    assert any("root of 50 mm" in note for note in found["notes"])
+
+
+def test_a_root_that_is_not_straight_is_refused(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
+    drawn(tmp_path / "blade.msh", noise=0.5e-3)
+    scene = write(blade(paper), tmp_path / "scene.toml")
+    for command in ("check", "run"):
+        outcome = spindamp(command, scene)
+        assert outcome.status == 2
+        assert "scene.toml" in outcome.err
+        assert "[plate] mesh" in outcome.err
+        assert "the root must be one straight, unbroken edge with x constant" in outcome.err
 
 
 def test_check_draws_the_axes(spindamp: Command) -> None:

@@ -4,6 +4,7 @@ import csv
 import dataclasses
 import json
 import math
+import re
 import tomllib
 from functools import partial
 
@@ -20,6 +21,7 @@ from workflows.report import remarks
 from workflows.scene.load import SHIPPED, opened
 from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders
+from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.design import objectives
 from workflows.studies.response import report, study
@@ -198,7 +200,7 @@ def test_orders_that_drive_no_mode():
     """A twist about the middle of the tip, where the damper is, meets order 50 alone: both commands refuse alike."""
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["rotor"]["speeds"], scene["excitation"]["orders"] = ["3900 rpm", "4000 rpm"], [50]
-    source = study.shaken(opened(scene))
+    source = with_forced_effects(opened(scene))
     for asked in (spindamp.response, partial(objectives.amplitude_objective, stages=Stages())):
         with pytest.raises(BadInput) as caught:
             asked(source)
@@ -348,7 +350,11 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     assert said.startswith(
         f"At engine order 3 (4020 rpm, flap mode): up to {100 * (1 - best.ratio):.2g} % less vibration"
     )
-    assert said.endswith("At 2 N the load holds the ball at rest.")
+    at_rest = 2 * math.pi * 200 * math.sqrt(1.01)  # rad/s without the ball, 200 Hz with it
+    moves = 0.01 * (known.passed[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
+    force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
+    said_force = re.search(r"At 2 N the load holds the ball at rest, which moves from ([0-9.]+) N on\.$", said)
+    assert float(said_force[1]) == pytest.approx(force, rel=0.03)
     assert added == f"Beside the levels asked for, {best.force:g} N is followed, where the ball does most."
     assert remarks.BEYOND not in report.text(known)
     monkeypatch.setattr(study, "endured", lambda *_: (strong.greatest + best.greatest) / 2)

@@ -57,7 +57,7 @@ Uncertain = Annotated[
     ),
 ]
 
-_commands = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+_commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
 Result = TypeVar("Result")
 Reported = TypeVar("Reported", contravariant=True)
@@ -239,6 +239,22 @@ def design(
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.found.scored.works:
         raise NoAnswer(f"{source.name}: {report.in_short(best)}")
+
+
+@_commands.command()
+def compare(
+    runs: Annotated[list[str], typer.Argument(metavar="DIR|SCENE...", help="Two or more folders of runs, or scenes.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Compare runs side by side.
+
+    The result shows where their scenes differ, their verdicts, the figures at each speed and one chart. Without --out,
+    no files are written.
+    """
+    from workflows.studies.comparison import report, study
+
+    _study(lambda stages: study.compare(runs, stages), report, out, json)
 
 
 @_commands.command()

@@ -51,7 +51,9 @@ def _run(arguments: list[str] | None) -> int:
         return _fail(str(error), error.exit_status)
     except typer.Abort:
         raise KeyboardInterrupt from None
-    except SystemExit as error:  # typer's answer to a closed pipe
+    except SystemExit as error:  # typer's answer to a closed pipe, and its end of a completion
+        if error.code in (None, DONE):
+            return DONE
         _silence("stdout")
         return PIPE_CLOSED if error.code == DEFECT else BAD_INPUT
     except BrokenPipeError:

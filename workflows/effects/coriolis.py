@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.rotor import in_rpm
-from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, everywhere
+from workflows.effects.definition import AT_REST, CELLS_PER_MODE, GIVEN, Called, Case, Definition, LeftOut, everywhere
 from workflows.formatting import significant
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -15,9 +15,6 @@ from workflows.scene.scene import Scene
 if TYPE_CHECKING:
     from fem.accuracy.neglected_effects import Turned
     from fem.meshes.mesh_sequence import Planform
-
-CELLS_PER_MODE = 10
-"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
 
 
 def called_for(case: Case) -> Called:

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 Floats = npt.NDArray[np.float64]
 
 
+CELLS_PER_MODE = 10
+"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
+
+
 @dataclass(frozen=True, eq=False)
 class LeftOut:
     """Relative shifts (k, count), without sign, of the modes at speeds omega (k,) in rad/s, ascending."""

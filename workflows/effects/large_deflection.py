@@ -11,6 +11,7 @@ import numpy as np
 from fem.rotor import in_rpm
 from workflows.effects.definition import (
     AT_REST,
+    CELLS_PER_MODE,
     GIVEN,
     Assumption,
     Called,
@@ -135,7 +136,7 @@ def _solved(scene: Scene, form: Planform | None) -> Bent | None:
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
-    mesh = plate_mesh.coarse(ladder, scene.rotor.modes)
+    mesh = plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes)
     effects = Effects(spin_softening=scene.effects.spin_softening is not False)
     rotor = plate_mesh.rotor(scene)
     return bent(plate_mesh.plate(source, mesh, ladder), rotor, effects, scene.rotor.speeds, scene.rotor.modes)

@@ -35,7 +35,7 @@ def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | No
 def document(
     source: SceneFile, effects: dict[str, Effect], theory: Theory | None, form: Planform | None = None
 ) -> dict[str, Any]:
-    """What `check --json` prints: the scene, why each effect is on or off, radii [m], remarks on how it is written.
+    """What `check --json` prints: the scene, why each effect is on or off, radii and root [m], remarks on the scene.
 
     A thickness [m] that varies is there too: its least, its greatest, that at the damper.
     """
@@ -48,6 +48,8 @@ def document(
     }
     if (known := _varying(source, form)) is not None:
         found["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
+    if (length := _root_length(source, form)) is not None:
+        found["root_length"] = length
     return found if theory is None else found | {"theory": vars(theory)}
 
 
@@ -62,6 +64,15 @@ def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, fl
     return least, greatest, plate_mesh.plate_thickness(plate, root_and_place(source, _mesh(form))[1], form)
 
 
+def _root_length(source: SceneFile, form: Planform | None) -> float | None:
+    """Length [m] of the clamped edge, None without a plate."""
+    if form is not None:
+        from fem.meshes.planform import clamped_length
+
+        return clamped_length(_mesh(form))
+    return None if source.scene.plate is None else source.scene.plate.width
+
+
 def _mesh(form: Planform | None) -> Any:
     return None if form is None else form.mesh(form.sizes[0])
 
@@ -74,6 +85,8 @@ def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
     held = "root" if given.plate is not None and given.plate.root is not None else "clamped root"
     inner = "" if root is None else f"{_mm(root)} at the {held}, "
     lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
+    if (length := _root_length(source, form)) is not None:
+        lines.append(f"{held[0].upper()}{held[1:]}: {_mm(length)} long")
     if (known := _varying(source, form)) is not None:
         least, greatest, there = map(_mm, known)
         lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")

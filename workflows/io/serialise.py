@@ -70,6 +70,10 @@ class Document:
         tuple[VibrationReduction, ...],
         Field(description="at each crossing of an engine order of [excitation] with a mode, from free vibration"),
     ] = ()
+    root_length: Annotated[
+        float | None,
+        Field(description="m, of the plate's clamped edge, or of that on springs; absent without a plate"),
+    ] = None
     mesh_sha256: Annotated[
         _Hash | None, Field(description=f"of the mesh file's bytes, where the scene names one{_SAME}")
     ] = None
@@ -97,6 +101,7 @@ def _json(results: Results, indent: int | None) -> str:
         effects={name: Switch(effect.on, effect.why) for name, effect in results.effects.items()},
         speeds=results.speeds,
         reductions=results.reductions,
+        root_length=None if results.diagram is None else results.diagram.root_length,
     )
     text = adapter(Document).dump_json(whole, indent=indent, by_alias=True, exclude_defaults=True, exclude=_UNPUBLISHED)
     return text.decode()

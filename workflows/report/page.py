@@ -25,7 +25,6 @@ from workflows.report.mode_viewer import Artist, Picture, View
 from workflows.report.text import shown
 from workflows.scene import paper
 from workflows.solve import limits
-from workflows.solve.engine_orders import Crossing, crossings
 from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, expect, middle
 from workflows.versions import versions
 
@@ -162,7 +161,7 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "errors": remarks.worst(results),
         "error_parts": remarks.PARTS,
         "mode_columns": min(len(results.speeds[0].modes), _MODES_AT_MOST),
-        "driven": _driven(results),
+        "orders": verdict.of_orders(results),
         "tilts": any(p.tilted for p in results.speeds),
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
         "air": limits.AIR,
@@ -211,14 +210,6 @@ def _thick(results: Results) -> str:
         return "its thickness varies"
     low, high = (formatting.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
     return f"{low} to {high} mm thick"
-
-
-def _driven(results: Results) -> list[Crossing] | None:
-    """Where the orders of the scene's [excitation] meet modes; None without that table."""
-    asked = results.scene.excitation
-    if asked is None:
-        return None
-    return [meeting for meeting in crossings(results) if meeting.order in asked.orders]
 
 
 def _stretch(results: Results) -> dict[str, Any] | None:

@@ -541,7 +541,7 @@ def cure(results: Results) -> str:
     sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
     keys = []
     for name in sorted(PARTS, key=lambda name: -max(sizes[name])):
-        if max(left.values()) > asked and (key := _remedy(results, name)) is not None:
+        if max(sizes[name]) > 0.0 and max(left.values()) > asked and (key := _remedy(results, name)) is not None:
             keys.append(key)
             left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)

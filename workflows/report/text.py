@@ -32,10 +32,12 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     found = verdict.answer(results)
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
-    parts += _wrapped(" ".join((f"{found.verdict}.", *found.sentences)))
+    parts += _wrapped(" ".join((f"{found.verdict}.", *found.lead)))
     parts += ["", *aligned(rows(results))]
     legend = [*remarks.cutoff_legend(results), *remarks.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
+    if found.details:
+        parts += ["", *_wrapped(" ".join(found.details))]
     if results.notes and out is None:
         parts.append("")
         parts += [line for note in results.notes if note not in on_scene for line in _wrapped(note, "- ")]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from fem.rotor import in_rpm
 from workflows.formatting import significant, span, whole
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
@@ -79,6 +80,36 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
         f"{capital(at_load(point))} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
         f" {millimetres(limit)} mm would {beyond}: there the damper is out of reach."
     )
+
+
+def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
+    """What would move the ball at the lowest load that holds it at all that the plate endures."""
+    locked = [p for p in points if p.verdict is not None and p.verdict.reason == Reason.OUT_OF_REACH]
+    limit = limits.endured(results)
+    if not locked or limit is None or results.scene.damper is None:
+        return None
+    point = min(locked, key=lambda each: each.load_g)
+    remedy = limits.what_moves(results, point)
+    if remedy is None:
+        return None
+    steps = [f"with a rolling friction below {_rounded(1e3 * remedy.rolling_friction)} mm"]
+    if not math.isnan(remedy.radius):
+        steps.append(f"with a ball radius above {_rounded(1e3 * remedy.radius, up=True)} mm and the same clearance")
+    if not math.isnan(remedy.omega):
+        load = point.load_g * (remedy.omega / point.omega) ** 2
+        steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
+    return (
+        f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm; at the"
+        f" {millimetres(limit)} mm that the plate endures, it would move {listed(steps, 'or')}."
+    )
+
+
+def _rounded(value: float, *, up: bool = False) -> str:
+    """Three digits on the safe side."""
+    if value == 0:
+        return "0"
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
 def _at_rest(results: Results, ends: list[tuple[SpeedPoint, OwnFigures]]) -> str:
@@ -159,8 +190,12 @@ _NEAR = 0.1
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
-_WORDS = ("locked", "not useful", "of modest use", "useful")
+_WORDS = ("locked", "not useful", "of little use", "useful")
 """By rank."""
+
+
+_LEAD = 3
+"""Sentences between the verdict and the first table or picture."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +205,25 @@ class Answer:
     verdict: str
     sentences: tuple[str, ...]
 
+    @property
+    def lead(self) -> tuple[str, ...]:
+        """What stands before the first table."""
+        return self.sentences[:_LEAD]
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """What stands below."""
+        return self.sentences[_LEAD:]
+
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
     alone, orders = _alone(results), of_orders(results)
-    if not results.reductions:
+    if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*alone.sentences, *orders))
-    return Answer(orders[0].removesuffix("."), (*orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
+    first, _, rest = orders[0].removesuffix(".").partition(". ")
+    more = (f"{rest}.",) * bool(rest)
+    return Answer(first, (*more, *orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -197,6 +244,7 @@ def _alone(results: Results) -> Answer:
         return Answer(_with_limits(results, loaded, verdict), sentences)
     parts = (
         None if dense is None else dense[1],
+        what_to_do(results, speaking),
         _fed(points),
         _how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
         between(results, speaking),
@@ -221,8 +269,8 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
     """How useful the damper is over the loads, by stretches of them; where it is of no use, how little it adds."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
     known = [k for k, (rank, _) in enumerate(stretches) if rank >= 0]
-    if max(map(_rank, points)) == 1:
-        return _of_no_use(results, points)
+    if 1 <= (most := max(map(_rank, points))) <= 2:
+        return f"{capital(_WORDS[most])}: {_how_little(results, points)}"
     if len(stretches) == 1:
         return capital(_WORDS[stretches[0][0]])
     if len(known) > _STEPS_AT_MOST:
@@ -241,13 +289,13 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
     return capital(", ".join(words))
 
 
-def _of_no_use(results: Results, points: list[SpeedPoint]) -> str:
+def _how_little(results: Results, points: list[SpeedPoint]) -> str:
     """How little the damper adds at its best, and where it is locked."""
     found = [(best.damping_ratio, p) for p in points if (best := limits.best(results, p)) is not None and _rank(p) > 0]
     most, at = max(found, key=lambda pair: pair[0])
     locked = [point for point in points if _rank(point) == 0]
     where = f"; the ball is locked {stretch(locked, points)}" if locked else ""
-    return f"Not useful: at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
+    return f"at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
 
 
 def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
@@ -300,7 +348,8 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
             " down the slope by as much as the vibration drives it up.",
         )
     if reasons[0] == Reason.OUT_OF_REACH:
-        return "No: the ball never moves", tuple(part for part in (reach_of(results, points), slope) if part)
+        parts = (what_to_do(results, points), reach_of(results, points), slope)
+        return "No: the ball never moves", tuple(part for part in parts if part)
     if all(reason == Reason.LOSSLESS for reason in reasons):
         along = "Along the bending direction it" if damper is not None and damper.friction else "It"
         return "No: the ball takes nothing", (
@@ -354,32 +403,35 @@ _NO_ESTIMATE: dict[str, str] = {
 def of_orders(results: Results) -> list[str]:
     """A sentence or more for each order of [excitation] and mode that it meets, where the ball does most first."""
     excitation = results.scene.excitation
-    if excitation is None:
+    if excitation is None or results.scene.damper is None or not results.speeds:
         return []
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
     overload = (
         "bend the plate beyond small deflections" if limits.deflection_governs(results) else "overstress the root"
     )
-    met = [_of_order(each, excitation.unit, overload) for each in every]
+    met = [_of_order(results, each, excitation.unit, overload) for each in every]
     low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     return met + [f"Engine order {order} meets no mode between {low} and {high} rpm." for order in unmet]
 
 
-def _of_order(found: VibrationReduction, unit: str, overload: str) -> str:
+def _of_order(results: Results, found: VibrationReduction, unit: str, overload: str) -> str:
     """What the ball does at a crossing: by how much, at which levels, and why not at the others."""
     where = f"At engine order {found.order} ({whole(found.rpm)} rpm, {found.family} mode)"
     if found.reason:
         return f"{where}: no estimate: {found.detail or _NO_ESTIMATE[found.reason]}."
     if not math.isfinite(found.range[0]):
-        return f"{where}: not useful {_at_no_level(found, unit)}."
+        return f"{where}: not useful {_at_no_level(results, found, unit)}."
     low, high = found.range
     between = f"at {significant(low)}" if low == high else f"between {significant(low)} and {significant(high)}"
     text = f"{where}: up to {percent(1 - found.ratio)} % less vibration, {between} {unit}."
     borne = [each for each in found.levels if each.endured]
+    moves_from = f"{significant(found.moves_from)} {unit}"
     idle = {
         f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in found.levels if not each.endured],
-        f"At {{}} {unit} the load holds the ball at rest.": [e for e in borne if e.level < found.moves_from],
+        f"At {{}} {unit} the load holds the ball at rest, which moves from {moves_from} on.": [
+            e for e in borne if e.level < found.moves_from
+        ],
         f"At {{}} {unit} the ball takes less than 1 %.": [
             e for e in borne if e.level >= found.moves_from and not low <= e.level <= high
         ],
@@ -389,7 +441,7 @@ def _of_order(found: VibrationReduction, unit: str, overload: str) -> str:
     )
 
 
-def _at_no_level(found: VibrationReduction, unit: str) -> str:
+def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
     """That the ball is of no use at any level that was evaluated, and why."""
     evaluated = "at any level"
     if math.isfinite(found.endured_level):
@@ -399,14 +451,16 @@ def _at_no_level(found: VibrationReduction, unit: str) -> str:
     if not math.isfinite(found.moves_from):
         return f"{evaluated}: the ball never moves"
     if found.moves_from >= found.endured_level:
-        return f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
+        held = f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
+        friction = limits.friction_that_moves(results, found)
+        return f"{held}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
     return f"{evaluated}: the ball takes {percent(max(1 - found.ratio, 0.0))} % of the amplitude at most"
 
 
-def listed(levels: Sequence[float]) -> str:
-    """A few levels in words."""
-    texts = [significant(level) for level in levels]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
+def listed(items: Sequence[float | str], joint: str = "and") -> str:
+    """A few levels, or texts, in words."""
+    texts = [each if isinstance(each, str) else significant(each) for each in items]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
 
 
 def _plate_only(results: Results) -> Answer:

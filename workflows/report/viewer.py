@@ -249,7 +249,15 @@ def _at(source: SceneFile, rpm: float) -> SceneFile:
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
 
 
-_STUDIES = ("accuracy.json", "design.json", "effects.json", "reproduce.json", "response.json", "sweep.json")
+_STUDIES = (
+    "accuracy.json",
+    "compare.json",
+    "design.json",
+    "effects.json",
+    "reproduce.json",
+    "response.json",
+    "sweep.json",
+)
 """A file that only the folder of a study has."""
 
 

@@ -148,6 +148,7 @@ def coarse(form: Planform, cells: int) -> Any:
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
     from fem import Rectangle
+    from fem.meshes.planform import clamped_length
 
     if isinstance(form, Rectangle):
         along, across = form.cells(size)
@@ -156,7 +157,7 @@ def in_words(source: SceneFile, form: Planform, size: int) -> str:
     kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
     name = source.scene.plate.mesh if source.scene.plate else source.mesh
     parts = "" if size == 1 else f", each edge split in {size}"
-    return f"{mesh.t.shape[1]} {kind} from {name}{parts}"
+    return f"{mesh.t.shape[1]} {kind} from {name}{parts}, root of {1e3 * clamped_length(mesh):.6g} mm"
 
 
 def given_place(scene: Scene) -> tuple[float, float] | None:
@@ -168,8 +169,22 @@ def given_place(scene: Scene) -> tuple[float, float] | None:
 
 
 def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
-    """The damper's place (x, y) in m in the mesh's coordinates: as given, or the middle of the tip."""
-    return damper_at(source.scene, mesh.p)
+    """The damper's place (x, y) in m in the mesh's coordinates: as given, or the middle of the tip.
+
+    Where nothing sits on the plate and the middle of its tip is in a slit, it is the tip's point next to it.
+    """
+    at = damper_at(source.scene, mesh.p)
+    if source.scene.damper is not None or source.scene.point_mass:
+        return at
+    from fem.meshes.planform import PlaceError, locate
+
+    try:
+        locate(mesh, at)
+    except PlaceError:
+        x, y = mesh.p[:, _outermost(mesh.p)]
+        nearest = np.abs(y - at[1]).argmin()
+        return float(x[nearest]), float(y[nearest])
+    return at
 
 
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
@@ -181,8 +196,14 @@ def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
 def tip(points: np.ndarray) -> tuple[float, float]:
     """The middle of the tip of a plate with these points (2, n)."""
     x, y = points
-    outermost = y[np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x))]
+    outermost = y[_outermost(points)]
     return float(x.max()), float(0.5 * (outermost.min() + outermost.max()))
+
+
+def _outermost(points: np.ndarray) -> np.ndarray:
+    """Which of a plate's points (2, n) lie on its tip, (n,)."""
+    x = points[0]
+    return np.asarray(np.isclose(x, x.max(), rtol=0, atol=1e-9 * np.ptp(x)))
 
 
 def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, float]]:

@@ -13,7 +13,18 @@ import numpy as np
 
 from workflows.scene import plate_mesh
 from workflows.scene.materials import is_too_dense
-from workflows.solve.results import Floats, Grade, Pair, Reason, Reduced, Results, SpeedPoint, Surface, Verdict
+from workflows.solve.results import (
+    Floats,
+    Grade,
+    Pair,
+    Reason,
+    Reduced,
+    Results,
+    SpeedPoint,
+    Surface,
+    Verdict,
+    VibrationReduction,
+)
 
 STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
@@ -225,6 +236,111 @@ def endured(results: Results) -> float | None:
     if strain is None or length is None:
         return None
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
+
+
+class Remedy(NamedTuple):
+    """What would set a resting ball rolling at a speed, each by itself; nan where it would not.
+
+    Attributes:
+        amplitude: from which on the ball moves [m].
+        rolling_friction: up to which it moves at the amplitude that the plate endures [m].
+        radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
+        omega: speed up to which it does [rad/s]; nan of a plate at one speed alone.
+    """
+
+    amplitude: float
+    rolling_friction: float = math.nan
+    radius: float = math.nan
+    omega: float = math.nan
+
+
+def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
+    """What would set a resting ball rolling at a speed; None where no load holds it, or nothing drives it.
+
+    It rolls on a level floor where w1² A |1 - tau| > a_c b / r: the acceleration of the structure with the ball stuck,
+    without the share of it that the tilt takes, is above the load times the rolling friction over the radius. Without a
+    plate no amplitude is known to be the greatest, and there is the least amplitude alone.
+    """
+    damper, figures, reduced, limit = results.scene.damper, point.working, point.reduced, endured(results)
+    if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
+        return None
+    if limit is None:
+        return Remedy(figures.cutoff)
+    ease = limit / figures.cutoff
+    radius = damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
+    return Remedy(
+        figures.cutoff,
+        damper.rolling_friction * ease,
+        radius if 2 * radius < _room(results) else math.nan,
+        _slower(results, point, damper.rolling_friction / damper.radius, limit),
+    )
+
+
+def friction_that_moves(results: Results, found: VibrationReduction) -> float:
+    """Rolling friction up to which the ball moves at a crossing, at the greatest level that the plate endures [m].
+
+    With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
+    """
+    damper = results.scene.damper
+    return math.nan if damper is None else damper.rolling_friction * found.endured_level / found.moves_from
+
+
+def _room(results: Results) -> float:
+    """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it, if it is known."""
+    damper, plate = results.scene.damper, results.scene.plate
+    if damper is None or plate is None or plate.length is None or damper.housing is not None:
+        return math.inf
+    return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.at is None else damper.at)
+
+
+def _larger(reduced: Reduced, tilt_share: float, ease: float, *, grows: bool) -> float:
+    """Ratio of radii from which on a ball moves whose drive is so much of what it takes; nan where none does.
+
+    The drive falls where the mass `grows` with the radius: (w1² - G kappa)(ratio), by which the ratio is divided again,
+    rises to the smallest solution.
+    """
+    if not grows or tilt_share >= 1:
+        return 1 / ease
+    ball, stiffer = reduced.M1 - reduced.M2, reduced.K1 - reduced.K2
+    pull = tilt_share * reduced.K1 / reduced.M1
+    drive, ratio = (1 - tilt_share) * reduced.K1 / reduced.M1, 1 / ease
+    for _ in range(_ROUNDS):
+        heavier = ratio**3
+        now = (reduced.K2 + stiffer * heavier) / (reduced.M2 + ball * heavier) - pull
+        if now <= 0:
+            return math.nan
+        last, ratio = ratio, drive / now / ease
+        if abs(ratio - last) <= 1e-9 * ratio:
+            return ratio
+    return math.nan
+
+
+_ROUNDS = 200
+"""After which a ratio of radii that still grows has no end."""
+
+
+def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float) -> float:
+    """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
+
+    The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
+    of a plate at one speed alone its change is not known. A structure has one frequency.
+    """
+    if point.tilt_share >= 1:
+        return math.nan
+
+    def drive(each: SpeedPoint) -> float:
+        return 0.0 if each.reduced is None else (2 * math.pi * each.reduced.f1_hz) ** 2 * (1 - each.tilt_share)
+
+    square, slope = point.omega**2, 0.0
+    others = [each for each in results.speeds if each.reduced is not None and each.omega != point.omega]
+    if others:
+        below = [each for each in others if each.omega < point.omega]
+        other = max(below, key=lambda each: each.omega) if below else min(others, key=lambda each: each.omega)
+        slope = (drive(point) - drive(other)) / (square - other.omega**2)
+    elif results.scene.plate is not None:
+        return math.nan
+    found = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
+    return math.sqrt(found) if 0 < found < square else math.nan
 
 
 def deflection_governs(results: Results) -> bool:

@@ -726,6 +726,7 @@ class Diagram:
         bases: vectors of each reduced basis; none where every speed was solved in full.
         veerings: between which two speeds [rpm] modes of which families cannot be told apart.
         lost: speeds [rpm] asked for at which the plate diverges; critical: where it begins to, if known.
+        root_length: of the edge that is clamped, or held by springs [m].
     """
 
     mesh: str
@@ -734,6 +735,7 @@ class Diagram:
     veerings: tuple[tuple[float, float, tuple[str, ...]], ...]
     lost: tuple[float, ...]
     critical: float | None
+    root_length: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -925,6 +927,7 @@ def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
     from fem import critical_speed
+    from fem.meshes.planform import clamped_length
 
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
@@ -937,6 +940,7 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tup
         veerings.append((low, high, tuple(names)))
     return Diagram(
         mesh=discrete.mesh,
+        root_length=clamped_length(operators.plate.mesh),
         bound=float(diagram.bounds[:, :count].max()),
         bases=diagram.sizes,
         veerings=tuple(veering for veering in veerings if veering[2]),

@@ -1,0 +1,78 @@
+"""Runs side by side: folders, scenes and results."""
+
+import csv
+import io
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import spindamp
+from tests.workflows.conftest import changed
+from workflows.errors import BadInput
+from workflows.scene.load import SHIPPED
+from workflows.studies.comparison import report
+
+
+@pytest.fixture(scope="module")
+def soft_and_stiff(tmp_path_factory):
+    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    soft = spindamp.run(changed(structure, title="soft", damper__restitution=0.3))
+    stiff = spindamp.run(changed(structure, title="stiff", damper__restitution=0.7))
+    folder = tmp_path_factory.mktemp("runs") / "stiff"
+    spindamp.save(stiff, folder)
+    return soft, stiff, folder
+
+
+@pytest.fixture(scope="module")
+def found(soft_and_stiff):
+    soft, _, folder = soft_and_stiff
+    return spindamp.compare(soft, folder)
+
+
+def test_what_differs_is_what_was_changed(found, soft_and_stiff):
+    assert found.names == ("soft", "stiff")
+    assert found.differences == {"damper.restitution": (0.3, 0.7)}
+    soft, stiff, _ = soft_and_stiff
+    rows = report.rows(found)
+    assert len(rows) == 2 * len(soft.speeds)
+    for row, point in zip(rows[1::2], stiff.speeds, strict=True):
+        assert row["damping_ratio_percent"] == pytest.approx(100 * point.working.peak, rel=1e-12)
+    assert rows[0]["damping_ratio_percent"] > rows[1]["damping_ratio_percent"], "softer walls take more"
+
+
+def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
+    text = report.text(found)
+    for name, results in zip(("soft", "stiff"), soft_and_stiff, strict=False):
+        assert f"{name}: {report.headline(results)}" in text
+        assert report.headline(results).removesuffix(".") in repr(results)
+    assert "damper.restitution" in text
+
+
+def test_files(found, tmp_path: Path):
+    report.write(found, tmp_path / "out")
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"compare.json", "compare.csv", "compare.svg", "report.html"} <= names
+    document = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
+    table = csv.DictReader(io.StringIO((tmp_path / "out" / "compare.csv").read_text(encoding="utf-8")))
+    for written, row in zip(table, document["rows"], strict=True):
+        assert float(written["damping_ratio_percent"]) == pytest.approx(row["damping_ratio_percent"], rel=1e-9)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 1
+    assert "damper.restitution" in page
+
+
+def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
+    soft, _, _ = soft_and_stiff
+    found = spindamp.compare(soft, soft)
+    assert found.names == ("soft (1)", "soft (2)")
+    assert found.differences == {}
+    assert "The scenes are the same." in report.text(found)
+
+
+def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
+    with pytest.raises(BadInput, match="two runs at least"):
+        spindamp.compare(soft_and_stiff[0])
+    with pytest.raises(BadInput, match="holds no run"):
+        spindamp.compare(soft_and_stiff[0], tmp_path)

@@ -1,0 +1,1 @@
+"""Runs side by side: `study` (what differs), `report` (text, JSON, CSV, chart, page)."""

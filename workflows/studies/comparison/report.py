@@ -1,0 +1,159 @@
+"""A comparison as text, JSON, CSV, a chart, and one page."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from workflows import formatting
+from workflows.formatting import aligned, amount, fixed, significant, whole
+from workflows.io.files import as_json, as_table, campbell, finite, write_study
+from workflows.report import plots, remarks, verdict
+from workflows.report.page import from_template
+from workflows.solve import limits
+from workflows.solve.results import Results, SpeedPoint
+from workflows.studies.comparison.study import Comparison
+
+FILES = r"compare\.(json|csv|svg)"
+"""Names of what is written besides the page."""
+
+_QUANTITIES = {
+    "load_g": "load g",
+    "first_frequency_hz": "first Hz",
+    "cutoff_g": "cut-off g",
+    "damping_ratio_percent": "ball ζ %",
+    "at_amplitude_mm": "at mm",
+}
+"""What is put side by side at each speed: its key, and the head of its column."""
+
+
+def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | None]:
+    """The figures of a run at a speed; None where it has none."""
+    if point is None:
+        return dict.fromkeys(_QUANTITIES)
+    own = point.working
+    return {
+        "load_g": point.load_g,
+        "first_frequency_hz": verdict.first_frequency(point),
+        "cutoff_g": limits.cutoff(results, point).g,
+        "damping_ratio_percent": None if own is None else 100 * own.peak,
+        "at_amplitude_mm": None if own is None else finite(1e3 * own.peak_amplitude),
+    }
+
+
+def rows(found: Comparison) -> list[dict[str, Any]]:
+    """A row for each speed and run, in the order of the speeds."""
+    return [
+        {"rpm": rpm, "run": name} | _figures(results, point)
+        for rpm, points in found.points
+        for name, results, point in zip(found.names, found.results, points, strict=True)
+    ]
+
+
+def headline(results: Results) -> str:
+    """The verdict of a run, as it stands in its report."""
+    return f"{verdict.answer(results).verdict}."
+
+
+def text(found: Comparison) -> str:
+    """What a person reads on the terminal."""
+    lines = []
+    for name, results in zip(found.names, found.results, strict=True):
+        lines += [f"{name}: {headline(results)}", ""]
+    differences = [(key, *(_value(value) for value in values)) for key, values in found.differences.items()]
+    lines += aligned([("scene", *found.names), *differences]) if differences else ["The scenes are the same."]
+    heads = ("rpm", "run", *_QUANTITIES.values())
+    return "\n".join([*lines, "", *aligned([heads, *map(_cells, rows(found))])])
+
+
+def _cells(row: dict[str, Any]) -> tuple[str, ...]:
+    frequency = fixed(row["first_frequency_hz"], 2)
+    others = [significant(row[name]) for name in ("damping_ratio_percent", "at_amplitude_mm")]
+    return (whole(row["rpm"]), row["run"], amount(row["load_g"]), frequency, amount(row["cutoff_g"]), *others)
+
+
+_ITEMS = 6
+"""Of a list that are shown; of a longer one, the first and the last."""
+
+
+def _value(value: Any) -> str:
+    """A value of a scene's key."""
+    if isinstance(value, list):
+        items = [_value(item) for item in value]
+        return f"[{', '.join(items if len(items) <= _ITEMS else [items[0], '…', items[-1]])}]"
+    if value is None or isinstance(value, bool):
+        return formatting.DASH if value is None else json.dumps(value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def document(found: Comparison) -> dict[str, Any]:
+    """The machine-readable result."""
+    return {
+        "schema_version": 1,
+        "runs": [
+            {"name": name, "title": results.scene.title, "headline": headline(results)}
+            for name, results in zip(found.names, found.results, strict=True)
+        ],
+        "differences": {key: list(values) for key, values in found.differences.items()},
+        "rows": rows(found),
+    }
+
+
+def dumps(found: Comparison) -> str:
+    """The machine-readable result."""
+    return as_json(document(found))
+
+
+def draw(found: Comparison) -> str:
+    """First frequencies and damping ratios over speed, a colour for each run."""
+    with plots.style():
+        figure, (left, right) = plots.canvas(3.0, 2)
+        for number, (name, results) in enumerate(zip(found.names, found.results, strict=True)):
+            colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
+            for track in campbell(results):
+                left.plot(track.x, track.y, color=colour, lw=0.9)
+            points = sorted((p for p in results.speeds if p.working is not None), key=lambda point: point.rpm)
+            peaks = [100 * p.working.peak or math.nan for p in points if p.working is not None]
+            right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
+        air = [100 * ratio for ratio in limits.AIR]
+        right.axhspan(*air, color=plots.RULE, lw=0)
+        right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
+        left.set(xlabel="rotation speed, rpm", title="natural frequencies, Hz", ylim=(0, None))
+        plots.legend(figure, right)
+        return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
+
+
+def write(found: Comparison, out: Path) -> None:
+    """Write `compare.json`, `compare.csv`, `compare.svg` and `report.html` into `out`, or nothing.
+
+    Raises:
+        BadInput: `out` cannot be written.
+    """
+    from markupsafe import Markup
+
+    figure = draw(found)
+    runs = [
+        {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
+        for name, results in zip(found.names, found.results, strict=True)
+    ]
+    differences = [(key, [_value(value) for value in values]) for key, values in found.differences.items()]
+    page = from_template(
+        "compare.html.j2",
+        {"curly": formatting.curly},
+        found=found,
+        runs=runs,
+        differences=differences,
+        heads=("rpm", "run", *_QUANTITIES.values()),
+        rows=[_cells(row) for row in rows(found)],
+        figure=Markup(figure),
+        air=[remarks.percent(ratio) for ratio in limits.AIR],
+    )
+    contents = {
+        "compare.json": dumps(found) + "\n",
+        "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(found)),
+        "compare.svg": plots.standalone(figure),
+        "report.html": page,
+    }
+    write_study(out, contents)
