@@ -243,13 +243,14 @@ def design(
 
 @_commands.command()
 def compare(
-    runs: Annotated[list[str], typer.Argument(metavar="DIR|SCENE...", help="Two or more: folders of runs, or scenes.")],
+    runs: Annotated[list[str], typer.Argument(metavar="DIR|SCENE...", help="Two or more folders of runs, or scenes.")],
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Put runs side by side: where their scenes differ, verdicts, figures, one chart.
+    """Compare runs side by side.
 
-    Without --out nothing is written.
+    The result shows where their scenes differ, their verdicts, the figures at each speed and one chart. Without --out,
+    no files are written.
     """
     from workflows.studies.comparison import report, study
 
