@@ -184,13 +184,16 @@ class Said:
 
 _NUMBER = r"(\d[\d.]*)"
 _PLACE = re.compile(rf"At engine order (\d+) \({_NUMBER} rpm, [\w ]+ mode\): ")
-_LESS = re.compile(rf"up to {_NUMBER} % less vibration, (?:between {_NUMBER} and|at) {_NUMBER} ")
+_LESS = re.compile(
+    rf"up to {_NUMBER} % less vibration at {_NUMBER} [^ ,.]+"
+    rf"(?:, at least half of that between {_NUMBER} and {_NUMBER} )?"
+)
 _AT_MOST = re.compile(rf"the ball takes {_NUMBER} % of the amplitude at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
 _IDLE = (
     ("overstressed", re.compile(r"Not useful at ([\d., and]+) \S+: such levels")),
     ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the ball at rest")),
-    ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the ball takes less than 1 %")),
+    ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the ball reduces the vibration by less than half")),
 )
 _RATIO = re.compile(
     rf"(?:equivalent damping ratio of {_NUMBER} %|at most {_NUMBER} % equivalent damping ratio \(at {_NUMBER} rpm)"
@@ -207,8 +210,8 @@ def said(sentences: Sequence[str]) -> list[Said]:
         less = _LESS.search(text)
         percent, low, high = (0.0, math.nan, math.nan)
         if less is not None:
-            percent, high = float(less[1]), float(less[3])
-            low = high if less[2] is None else float(less[2])
+            percent, low = float(less[1]), float(less[2])
+            low, high = (low, low) if less[3] is None else (float(less[3]), float(less[4]))
         found.append(Said(text, int(place[1]), float(place[2]), percent, low, high))
     return found
 
@@ -272,7 +275,7 @@ def of_crossings(each: Said, document: Table) -> list[str]:
     faults += [
         f"{level:g} is between {each.low:g} and {each.high:g}, and its ratio is {ratio:.4f}"
         for level, ratio, _ in rows
-        if each.low * 1.005 < level < each.high * 0.995 and ratio > HELPS
+        if each.low * 1.005 < level < each.high * 0.995 and 100 * (1 - ratio) < 0.45 * each.percent
     ]
     asked = document["scene"]["excitation"][document["excitation"]["kind"]]
     return faults + of_levels(each, [row for row in rows if any(math.isclose(row[0], level) for level in asked)], least)
@@ -282,7 +285,7 @@ def of_added(document: Table) -> list[str]:
     """Whether a level that `response` adds, "where the ball does most", is that at any of the crossings."""
     faults = []
     for text in document["headline"]:
-        match = re.match(r"Beside the levels asked for, ([\d., and]+) ", text)
+        match = re.match(r"Besides the levels asked for, ([\d., and]+) ", text)
         for level in [] if match is None else map(float, re.findall(r"\d[\d.]*", match[1])):
             best = [
                 min((c for c in document["crossings"] if c["order"] == order), key=lambda c: float(c["ratio"]))["force"]
@@ -306,9 +309,9 @@ def of_levels(each: Said, rows: Sequence[tuple[float, float, bool]], moves_from:
             faults.append(f"{level:g} is called too strong, and is endured")
         if "held" in why and (moves_from is None or level > moves_from * 1.001):
             faults.append(f"{level:g} is called too weak, and the ball moves from {moves_from}")
-        if "next to nothing" in why and ratio <= HELPS:
+        if "next to nothing" in why and 100 * (1 - ratio) > 0.55 * each.percent:
             faults.append(f"{level:g} is called idle, and its ratio is {ratio:.4f}")
-        if inside and endured and ratio > HELPS:
+        if inside and endured and 100 * (1 - ratio) < 0.45 * each.percent:
             faults.append(f"{level:g} is in the range, and its ratio is {ratio:.4f}")
         if each.useful and not inside and not why:
             faults.append(f"of {level:g} nothing is said")

@@ -100,3 +100,24 @@ def test_bad_forces() -> None:
     for force in (0.0, -1.0, math.inf):
         with pytest.raises(ValueError, match="force must be positive"):
             found.answers(force)
+
+
+@pytest.mark.parametrize("clearance", [0.05e-3, 0.5e-3, 3e-3])
+def test_peaks_are_the_largest_answers_at_any_frequency(clearance: float) -> None:
+    """Beside what the forces keep up at each of many frequencies about the resonance, one by one."""
+    damper = paper(damping_ratio=ZETA, cavity=(2e-3 + clearance, 2e-3 + clearance), centrifugal_acceleration=2e3)
+    found = backbone(damper)
+    lowest = float(found.branches[0].amplitude[0]) if len(found.branches) == 1 else found.branches[0].range[1]
+    forces = found.dashpot * damper.stuck_frequency * lowest * np.array([0.3, 0.99, 1.5, 4.0, 15.0, 60.0])
+    width = 0.004 + 20 * ZETA
+    frequencies = damper.stuck_frequency * np.unique(
+        np.concatenate(
+            [
+                np.linspace(1 - width, 1 + width, 1500),
+                *(each.frequency / damper.stuck_frequency for each in found.branches),
+            ]
+        )
+    )
+    largest = [max((a for nu in frequencies for a, _ in found.answers(force, nu)), default=0.0) for force in forces]
+    np.testing.assert_allclose(found.peaks(forces), largest, rtol=1e-2)  # a peak lies between two frequencies
+    assert found.peaks(forces)[0] == pytest.approx(forces[0] / (found.dashpot * damper.stuck_frequency), rel=1e-9)

@@ -12,7 +12,7 @@ from workflows.formatting import significant, span, whole
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
 from workflows.scene import paper
-from workflows.solve import limits
+from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
 from workflows.solve.results import OwnFigures, Reason, Results, SpeedPoint, VibrationReduction
 
@@ -220,10 +220,12 @@ def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
     alone, orders = _alone(results), of_orders(results)
     if not orders or all(each.reason for each in results.reductions):
-        return Answer(alone.verdict, (*alone.sentences, *orders))
+        return Answer(alone.verdict, (*orders, *alone.sentences))
     first, _, rest = orders[0].removesuffix(".").partition(". ")
     more = (f"{rest}.",) * bool(rest)
-    return Answer(first, (*more, *orders[1:], SHORT_WAY, f"{alone.verdict}.", *alone.sentences))
+    by_itself = f"Damping by the ball alone: {alone.verdict[0].lower()}{alone.verdict[1:]}."
+    estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
+    return Answer(first, (*more, *orders[1:], estimated, by_itself, *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -389,6 +391,11 @@ def _beside_the_paper(results: Results) -> str | None:
 
 SHORT_WAY = "Estimated from free vibration; `spindamp response` computes the forced motion."
 
+TOO_LOOSE = (
+    "A rough estimate from free vibration, since the load holds this ball loosely: rely on `spindamp response`, which"
+    " computes the forced motion."
+)
+
 _NO_ESTIMATE: dict[str, str] = {
     Reason.WEIGHT: remarks.WEIGHT,
     Reason.SLIP: "the ball would slide at the amplitude of its best",
@@ -412,7 +419,17 @@ def of_orders(results: Results) -> list[str]:
     met = [_of_order(results, each, excitation.unit, overload) for each in every]
     low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
-    return met + [f"Engine order {order} meets no mode between {low} and {high} rpm." for order in unmet]
+    if unmet and len(results.speeds) == 1:
+        return [*met, "Engine orders take two speeds at least: modes are met between the lowest and the highest."]
+    return met + [
+        f"Engine order {order} meets no mode between {low} and {high} rpm{_beyond(results, order)}." for order in unmet
+    ]
+
+
+def _beyond(results: Results, order: int) -> str:
+    """Where an order would meet the first mode."""
+    rpm = engine_orders.beyond(results.speeds, order)
+    return "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
 
 
 def _of_order(results: Results, found: VibrationReduction, unit: str, overload: str) -> str:
@@ -423,8 +440,9 @@ def _of_order(results: Results, found: VibrationReduction, unit: str, overload: 
     if not math.isfinite(found.range[0]):
         return f"{where}: not useful {_at_no_level(results, found, unit)}."
     low, high = found.range
-    between = f"at {significant(low)}" if low == high else f"between {significant(low)} and {significant(high)}"
-    text = f"{where}: up to {percent(1 - found.ratio)} % less vibration, {between} {unit}."
+    at = f"at {significant(found.level)} {unit}"
+    between = f", at least half of that between {significant(low)} and {significant(high)} {unit}" * (low < high)
+    text = f"{where}: up to {percent(1 - found.ratio)} % less vibration {at}{between}."
     borne = [each for each in found.levels if each.endured]
     moves_from = f"{significant(found.moves_from)} {unit}"
     idle = {
@@ -432,7 +450,7 @@ def _of_order(results: Results, found: VibrationReduction, unit: str, overload: 
         f"At {{}} {unit} the load holds the ball at rest, which moves from {moves_from} on.": [
             e for e in borne if e.level < found.moves_from
         ],
-        f"At {{}} {unit} the ball takes less than 1 %.": [
+        f"At {{}} {unit} the ball reduces the vibration by less than half of that.": [
             e for e in borne if e.level >= found.moves_from and not low <= e.level <= high
         ],
     }
@@ -448,12 +466,14 @@ def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
         evaluated += f" that the plate endures (up to {significant(found.endured_level)} {unit})"
     elif found.detail:
         evaluated = f"at {found.detail}"
-    if not math.isfinite(found.moves_from):
+    if not math.isfinite(found.moves_from) or not found.levels:
         return f"{evaluated}: the ball never moves"
     if found.moves_from >= found.endured_level:
         held = f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
         friction = limits.friction_that_moves(results, found)
         return f"{held}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
+    if not math.isfinite(found.ratio):
+        return f"{evaluated}: the ball takes nothing of the amplitude"
     return f"{evaluated}: the ball takes {percent(max(1 - found.ratio, 0.0))} % of the amplitude at most"
 
 

@@ -240,7 +240,8 @@ def estimate(
         found = _over_levels(_Balance.of(system, at, crossing, excitation), limit, excitation.levels)
     if math.isfinite(found.amplitude) and limits.friction_demand(results, at, found.amplitude) > limits.DRY:
         return replace(none, reason=Reason.SLIP)
-    return replace(none, **{name: getattr(found, name) for name in found._fields if name != "amplitude"})
+    known = {name: getattr(found, name) for name in found._fields if name != "amplitude"}
+    return replace(none, **known, loose=not held_well(system))
 
 
 HELD, HELD_IN_A_BOWL = 0.3, 1.0
@@ -314,6 +315,11 @@ class _OverLevels(NamedTuple):
     levels: tuple[ForceLevel, ...]
 
 
+def half_way(ratio: float) -> float:
+    """The amplitude ratio of half the reduction of another."""
+    return 0.5 * (1.0 + ratio)
+
+
 _LEVELS = 2000
 """Levels looked through."""
 
@@ -339,7 +345,7 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> _Ov
     amplitude = balance.amplitude(scan)
     ratio, borne = amplitude / balance.bare / scan, amplitude <= limit
     best = int(np.argmin(np.where(borne, ratio, math.inf)))
-    helps = np.flatnonzero(borne & (ratio <= HELPS))
+    helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     ends = unknown if best not in helps else _run(scan, helps, best)
     most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
     return _OverLevels(float(ratio[best]), float(scan[best]), float(amplitude[best]), ends, most, moves_from, levels)

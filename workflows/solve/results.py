@@ -299,7 +299,7 @@ class VibrationReduction:
     ] = math.nan
     level: Annotated[Unknown, quantity("1", "height of the excitation at which that is, in its unit")] = math.nan
     range: Annotated[
-        Pair, quantity("1", "levels between which the ball takes 1 % of the amplitude or more, as far as endured")
+        Pair, quantity("1", "levels between which it does at least half of that, as far as endured; null: nowhere 1 %")
     ] = (math.nan, math.nan)
     endured_level: Annotated[
         Unknown, quantity("1", "level up to which the structure endures the amplitude; null: no limit is known")
@@ -308,6 +308,9 @@ class VibrationReduction:
         math.nan
     )
     levels: Annotated[tuple[ForceLevel, ...], part("the levels of [excitation]")] = ()
+    loose: Annotated[
+        bool, quantity("1", "whether the load holds the ball too loosely for more than a rough estimate")
+    ] = False
     reason: Annotated[
         str,
         quantity(

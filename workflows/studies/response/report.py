@@ -20,7 +20,7 @@ from workflows.io.files import as_json, as_table, finite, write_study
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import HELPS, endured
+from workflows.solve.excitation import HELPS, endured, half_way
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies.response.study import Response, Row, Through, is_beyond, peak, rows
@@ -241,9 +241,8 @@ def sentences(found: Response) -> list[str]:
     unit = found.excitation.unit
     added = [level for level in found.excitation.levels if level not in found.asked]
     if added:
-        said.append(
-            f"Beside the levels asked for, {verdict.listed(added)} {unit} is followed, where the ball does most."
-        )
+        levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
+        said.append(f"Besides the levels asked for, {levels} followed, near where the estimate has its maximum.")
     ends = [through for through in found.passed if _at_the_end(through)]
     for through in ends:
         said.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
@@ -273,7 +272,8 @@ def confirmed(found: Response, through: Through) -> VibrationReduction:
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(found, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
-    useful = [each.level for each in borne if each.endured and each.ratio <= HELPS]
+    enough = min(half_way(best.ratio), HELPS)
+    useful = [each.level for each in borne if each.endured and each.ratio <= enough]
     low, high = (min(useful), max(useful)) if useful else (math.nan, math.nan)
     others = [each.level for each in levels if each.level not in useful]
     if useful and not any(short.range[0] <= level <= short.range[1] for level in others):

@@ -296,7 +296,9 @@ def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked:
     states = _followed(solver, crossing, dampers, harmonics, axis)
     forces = len(asked.levels)
     shape, levels = (len(omega), forces), np.tile(asked.levels, len(omega))
-    top = int(np.argmax(np.nan_to_num(states.mean).max(axis=1)))
+    means = np.nan_to_num(states.mean).max(axis=1).reshape(shape)
+    most = int(np.argmin(means.max(axis=0) / np.array(asked.levels)))  # the level at which the ball does most
+    top = int(np.argmax(means[:, most])) * forces + most
     with solver.stages("damper"):
         short = _short(system, dampers, harmonics, states, speaks=leads)
         return Through(
