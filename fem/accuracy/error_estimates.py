@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
 
 
+ROUND = 1.6
+"""Order of convergence from which on a corner is flat (200°), as those of a round edge made of straight ones."""
+
 USUAL = 0.3
 """Where in the planform's range of orders the one lies that two meshes alone are taken to follow."""
 
@@ -122,7 +125,7 @@ class Estimates:
         if missed[1] > MISSED:
             self.slow = False  # for a reason that the estimate knows
             layered = layer_and_rest((first, second), missed, sizes, most)
-            return layered + cornered if np.isfinite(self.meshes.planform.corner) else np.maximum(layered, cornered)
+            return layered + cornered if self._is_cornered else np.maximum(layered, cornered)
         each = _falling(first, second, sizes, most)
         together = float(_falling(first.max(), second.max(), sizes, most))
         self.slow = bool((each < SLOW)[second >= LARGE * second.max()].any())
@@ -136,7 +139,7 @@ class Estimates:
         """
         layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), self.meshes.layers(fine)[: len(apart)])
         fallen = np.asarray(apart / ((fine / coarse) ** order - 1.0))
-        return fallen + layer if np.isfinite(self.meshes.planform.corner) else np.maximum(fallen, layer)
+        return fallen + layer if self._is_cornered else np.maximum(fallen, layer)
 
     def _before(self, coarse: int) -> int | None:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
@@ -147,10 +150,15 @@ class Estimates:
         )
 
     @property
+    def _is_cornered(self) -> bool:
+        """Whether the planform has a singular corner, and not only the many flat ones of a round edge."""
+        return self.meshes.planform.corner < ROUND
+
+    @property
     def _usual(self) -> float:
         """The order that two meshes alone are taken to follow; the least where a corner is singular."""
         least, most = self._orders
-        if np.isfinite(self.meshes.planform.corner):
+        if self._is_cornered:
             return least
         return min(least + USUAL * (most - least), self._singular)
 

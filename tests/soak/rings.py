@@ -12,6 +12,7 @@ from damper import Batch, Outcome, ParticleDamper, ringdown, ringdowns, sample
 from tests.soak.dice import Dice, power, sometimes
 from workflows.effects.selection import resolve
 from workflows.scene.load import parse
+from workflows.scene.scene import SLOWEST
 from workflows.solve.coupling import known_structure, released_at
 from workflows.solve.damper import particle_damper
 
@@ -68,7 +69,7 @@ def scene(dice: Dice, kind: Kind) -> Scene:
     load = threshold * radius / lever if threshold > 0 else square * amplitude
     spins = threshold > 0 or dice.one_of((True, False))
     turning = max(power(dice, -2, 3), 1.01 * amplitude, 2.02 * (radius + max(gaps)))
-    speed = min(math.sqrt(load / turning), 9e4)
+    speed = min(max(math.sqrt(load / turning), SLOWEST), 9e4)
     friction = sometimes(dice, (0.3,) if kind.slips else (0.0, 0.3), power(dice, -3, 2))
     return {
         "title": "soak",
