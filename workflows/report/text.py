@@ -116,7 +116,8 @@ def brief(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
     found = verdict.answer(results)
     said = remarks.errors(results)
-    lines = [_head(results), " ".join((f"{found.verdict}.", *found.sentences[:1])), *([] if said is None else [said])]
+    more = () if results.reductions else found.sentences[:1]  # a crossing's next sentences are on single levels
+    lines = [_head(results), " ".join((f"{found.verdict}.", *more)), *([] if said is None else [said])]
     return "\n".join(lines)
 
 
