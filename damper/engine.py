@@ -1,7 +1,8 @@
 """The event loop: find the next event, fly to it, resolve it, record it.
 
 `level_run` follows one ring-down in closed form, `run` one in linear flights; `level_run_block` and `run_block`
-follow many. Both loops share what they record (`write_event`, `write_peak`) and when a run ends (`end_cycle`).
+follow many. Both loops share what they record (`write_event`, `write_peak`) and when a run ends (`end_cycle`),
+and the velocity maxima by which cycles are told apart (`watch`, `close`).
 """
 
 from __future__ import annotations

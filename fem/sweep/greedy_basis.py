@@ -1,8 +1,8 @@
 """Growing a reduced basis until it answers every speed of a range within a tolerance.
 
-The basis is trained at a few speeds: it takes in the representers of the residuals there until the bounds
-meet the tolerance, and is then tried at all speeds. Where no gap is found above the wanted
-modes, more modes are known at the reference speed; where the basis would grow too large, the range is halved.
+The basis is trained at a few speeds: it takes in the representers of the residuals there until the bounds meet
+the tolerance, and is then tried at all speeds. Where no gap is found above the wanted modes, more modes are known
+at the reference speed; where the basis would grow too large, the range is halved. The error bounds come first.
 """
 
 from __future__ import annotations

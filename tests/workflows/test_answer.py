@@ -15,6 +15,8 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, write
+from workflows import pipeline
+from workflows.progress import Stages
 from workflows.report import text as summary
 from workflows.report.remarks import BEYOND, BEYOND_MEANS, beyond
 from workflows.report.verdict import answer
@@ -22,6 +24,8 @@ from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
+
+HOLED = Path(__file__).parents[2] / "meshes" / "plate_with_hole.toml"
 
 
 @cache
@@ -500,3 +504,13 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
     page = (finished / "report.html").read_text(encoding="utf-8")
     assert page.count(f"{BEYOND}</td>") == 5
     assert BEYOND_MEANS in page
+
+
+def test_a_run_without_pictures_knows_what_a_given_mesh_endures() -> None:
+    """The shapes of the modes are drawn or not; the strength of the root is judged in either case."""
+    quiet, holed = Stages(visible=False), workflows.load(HOLED)
+    drawn, undrawn = (
+        limits.endured(pipeline.structure(holed, quiet, shapes=shapes).results()) for shapes in (True, False)
+    )
+    assert undrawn is not None
+    assert undrawn == drawn

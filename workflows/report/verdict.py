@@ -218,14 +218,15 @@ class Answer:
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
-    alone, orders = _alone(results), of_orders(results)
+    alone, orders = _alone(results), _orders(results)
     if not orders or all(each.reason for each in results.reductions):
-        return Answer(alone.verdict, (*orders, *alone.sentences))
-    first, _, rest = orders[0].removesuffix(".").partition(". ")
-    more = (f"{rest}.",) * bool(rest)
+        return Answer(alone.verdict, (*map(" ".join, orders), *alone.sentences))
+    (first, *rest), *others = orders
     by_itself = f"Damping by the ball alone: {alone.verdict[0].lower()}{alone.verdict[1:]}."
     estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
-    return Answer(first, (*more, *orders[1:], estimated, by_itself, *alone.sentences))
+    more = (" ".join(rest),) if rest else ()
+    others_said = map(" ".join, others)
+    return Answer(first.removesuffix("."), (*more, *others_said, estimated, by_itself, *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -408,7 +409,12 @@ _NO_ESTIMATE: dict[str, str] = {
 
 
 def of_orders(results: Results) -> list[str]:
-    """A sentence or more for each order of [excitation] and mode that it meets, where the ball does most first."""
+    """What the ball does at each order of [excitation] and mode that it meets, where it does most first."""
+    return [" ".join(sentences) for sentences in _orders(results)]
+
+
+def _orders(results: Results) -> list[list[str]]:
+    """The same, sentence by sentence."""
     excitation = results.scene.excitation
     if excitation is None or results.scene.damper is None or not results.speeds:
         return []
@@ -420,10 +426,9 @@ def of_orders(results: Results) -> list[str]:
     low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
-        return [*met, "Engine orders take two speeds at least: modes are met between the lowest and the highest."]
-    return met + [
-        f"Engine order {order} meets no mode between {low} and {high} rpm{_beyond(results, order)}." for order in unmet
-    ]
+        return [*met, ["Engine orders take two speeds at least: modes are met between the lowest and the highest."]]
+    nowhere = f"meets no mode between {low} and {high} rpm"
+    return met + [[f"Engine order {order} {nowhere}{_beyond(results, order)}."] for order in unmet]
 
 
 def _beyond(results: Results, order: int) -> str:
@@ -432,13 +437,13 @@ def _beyond(results: Results, order: int) -> str:
     return "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
 
 
-def _of_order(results: Results, found: VibrationReduction, unit: str, overload: str) -> str:
-    """What the ball does at a crossing: by how much, at which levels, and why not at the others."""
+def _of_order(results: Results, found: VibrationReduction, unit: str, overload: str) -> list[str]:
+    """What the ball does at a crossing: by how much, at which levels, and why not at the others; by sentences."""
     where = f"At engine order {found.order} ({whole(found.rpm)} rpm, {found.family} mode)"
     if found.reason:
-        return f"{where}: no estimate: {found.detail or _NO_ESTIMATE[found.reason]}."
+        return [f"{where}: no estimate: {found.detail or _NO_ESTIMATE[found.reason]}."]
     if not math.isfinite(found.range[0]):
-        return f"{where}: not useful {_at_no_level(results, found, unit)}."
+        return [f"{where}: not useful {_at_no_level(results, found, unit)}."]
     low, high = found.range
     at = f"at {significant(found.level)} {unit}"
     between = f", at least half of that between {significant(low)} and {significant(high)} {unit}" * (low < high)
@@ -454,9 +459,7 @@ def _of_order(results: Results, found: VibrationReduction, unit: str, overload: 
             e for e in borne if e.level >= found.moves_from and not low <= e.level <= high
         ],
     }
-    return " ".join(
-        [text, *(said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels)]
-    )
+    return [text, *(said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels)]
 
 
 def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -168,13 +168,6 @@ def damper_at(
         return particle_damper(solver.source.scene, solver.choice.effects, at, chosen)
 
 
-def over_speeds(solver: StructureSolver) -> Results:
-    """The structure over the whole range of a scene's speeds, with what its strength is judged by."""
-    state = across(solver)
-    surface = None if state.plate is None else state.plate.surface(speeds=1)
-    return replace(state.results(stages=solver.stages), surface=surface)
-
-
 def root_stress(results: Results, crossing: Crossing) -> float | None:
     """At the root per amplitude at the cavity, in the first bending mode [Pa/m]; None where it is not known."""
     material, strain = results.scene.material, limits.root_strain(results, 1.0)
@@ -196,8 +189,8 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     Raises:
         BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
-    asked, damper = state.source.scene.excitation, state.source.scene.damper
-    if asked is None or damper is None or state.solver is None or damper.formulation == "printed":
+    asked, given = state.source.scene.excitation, state.source.scene.damper
+    if asked is None or given is None or state.solver is None or given.formulation == "printed":
         return ()
     met = engine_orders.of_points(state.points, asked.orders)
     solver, results = state.solver.meeting(with_forced_effects(state.source)), state.results(stages=stages)
@@ -237,10 +230,10 @@ def estimate(
     if reason is not None:
         return replace(none, reason=reason)
     with solver.stages("damper"):
-        found = _over_levels(_Balance.of(system, at, crossing, excitation), limit, excitation.levels)
-    if math.isfinite(found.amplitude) and limits.friction_demand(results, at, found.amplitude) > limits.DRY:
+        balance = _Balance.of(system, at, crossing, excitation)
+        known, amplitude = _over_levels(balance, limit, excitation.levels)
+    if math.isfinite(amplitude) and limits.friction_demand(results, at, amplitude) > limits.DRY:
         return replace(none, reason=Reason.SLIP)
-    known = {name: getattr(found, name) for name in found._fields if name != "amplitude"}
     return replace(none, **known, loose=not held_well(system))
 
 
@@ -303,18 +296,6 @@ class _Balance:
         return self.alone / (self.free.dashpot * self.without)
 
 
-class _OverLevels(NamedTuple):
-    """Of :class:`VibrationReduction` what the balance says; amplitude: with the ball, at the best level [m]."""
-
-    ratio: float
-    level: float
-    amplitude: float
-    range: tuple[float, float]
-    endured_level: float
-    moves_from: float
-    levels: tuple[ForceLevel, ...]
-
-
 def half_way(ratio: float) -> float:
     """The amplitude ratio of half the reduction of another."""
     return 0.5 * (1.0 + ratio)
@@ -327,8 +308,12 @@ _BELOW, _ABOVE = 0.1, 30.0
 """Amplitudes looked through: from a part of where the ball begins to move, to a multiple of the last known."""
 
 
-def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> _OverLevels:
-    """Look through all levels up to what the structure endures, and at those asked for."""
+def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tuple[dict[str, Any], float]:
+    """Look through all levels up to what the structure endures, and at those asked for.
+
+    Returns:
+        Fields of a `VibrationReduction`, and the amplitude with the ball at the best level [m]; nan: there is none.
+    """
     moving = [branch for branch in balance.free.branches if branch.damping_ratio.max() > 0]
     rests = next((branch.range[1] for branch in balance.free.branches if branch not in moving), 0.0)
     moves_from = rests / balance.at_rest
@@ -336,9 +321,9 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> _Ov
     levels = tuple(ForceLevel(level, each / balance.bare / level, each, each <= limit) for level, each in by_level)
     low = min([limit, *(_BELOW * max(rests, float(branch.amplitude[0])) for branch in moving)])
     high = min(limit, max((_ABOVE * float(branch.amplitude[-1]) for branch in moving), default=math.inf))
-    unknown = (math.nan, math.nan)
+    known: dict[str, Any] = {"moves_from": moves_from, "levels": levels}
     if not moving or not low < high:
-        return _OverLevels(math.nan, math.nan, math.nan, unknown, limit / balance.at_rest, moves_from, levels)
+        return known | {"endured_level": limit / balance.at_rest}, math.nan
     strongest = max(float(branch.damping_ratio.max()) for branch in moving)
     per_level = balance.force / (balance.free.dashpot * balance.resting + 2 * balance.free.stiffness * strongest)
     scan = np.geomspace(low / balance.at_rest, high / per_level, _LEVELS)
@@ -346,9 +331,11 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> _Ov
     ratio, borne = amplitude / balance.bare / scan, amplitude <= limit
     best = int(np.argmin(np.where(borne, ratio, math.inf)))
     helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
-    ends = unknown if best not in helps else _run(scan, helps, best)
+    if best in helps:
+        known["range"] = _run(scan, helps, best)
     most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
-    return _OverLevels(float(ratio[best]), float(scan[best]), float(amplitude[best]), ends, most, moves_from, levels)
+    known |= {"ratio": float(ratio[best]), "level": float(scan[best]), "endured_level": most}
+    return known, float(amplitude[best])
 
 
 def _run(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:

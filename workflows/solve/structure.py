@@ -141,7 +141,7 @@ class StructureState:
         if self.plate is None:
             return self
         rotor, plate = self.source.scene.rotor, self.plate
-        surface = plate.surface(modes=rotor.modes) if shapes else None
+        surface = plate.surface(modes=rotor.modes) if shapes else self.surface
         diagram = results.diagram_of(plate.discrete, plate.diagram, rotor.modes, rotor.speeds)
         return replace(self, surface=surface, diagram=diagram)
 
@@ -203,7 +203,8 @@ class StructureSolver:
         plate = self._plate(source, self.discrete)
         with translated_errors(source), self.stages("reduction"):
             points = plate.with_ball(source, effects)
-        return StructureState(source, effects, points, plate, mesh_sha256=self.choice.mesh_sha256, solver=self)
+        surface = None if source.mesh is None else plate.surface(speeds=1)  # by which its strength is judged
+        return StructureState(source, effects, points, plate, surface, None, self.choice.mesh_sha256, self)
 
     def plate(self) -> PlateSolution:
         """The plate at the speeds of its scene, for other dampers too.

@@ -1,4 +1,7 @@
-"""The paper's statements, judged by numbers; their words are those of `templates/paper.toml`."""
+"""The paper's statements, judged by numbers, and which errors of its program would explain them.
+
+Their words are those of `templates/paper.toml`.
+"""
 
 from __future__ import annotations
 

@@ -243,7 +243,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     stages = stages or Stages()
     source = with_forced_effects(source)
     solver = StructureSolver(source, stages)
-    results = excitation.over_speeds(solver)
+    results = excitation.across(solver).results(stages=stages)
     met = engine_orders.of_points(results.speeds, asked.orders)
     if not met:
         raise engine_orders.unmet(results.speeds, asked.orders, source.name)
