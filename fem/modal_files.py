@@ -366,11 +366,7 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
     }
     order = np.argsort(speeds)
     known = tuple(
-        ModesAtSpeed(
-            float(from_rpm(speeds[k])),
-            frequencies[k],
-            **{name: None if values is None else values[k] for name, values in whole.items()},
-        )
+        ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{n: v[k] for n, v in whole.items() if v is not None})
         for k in order
     )
     axis, origin = _array(data, "axis", (3,)), _array(data, "origin", (3,))

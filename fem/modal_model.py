@@ -88,25 +88,25 @@ class ModalModel:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
     def load(self, point: Array) -> Array:
-        """Vector (3,) from the spin axis to a point (3,) [m]: times Omega², the centrifugal acceleration there."""
+        """Vectors from the spin axis to points (..., 3) [m]: times Omega², the centrifugal acceleration there."""
         arm = point - self.origin
-        return np.asarray(arm - (arm @ self.axis) * self.axis)
+        return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
 
     @cached_property
-    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], float]:
-        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) met."""
+    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], Array]:
+        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) of each."""
         count = min(modes.frequencies_hz.size for modes in self.speeds)
         followed = [chosen(self.speeds[0], np.arange(count), np.ones(count))]
-        least = 1.0
+        least = np.ones(count)
         for modes in self.speeds[1:]:
             order, signs, alike = _matched(followed[-1], modes)
             followed.append(chosen(modes, order, signs))
-            least = min(least, alike)
+            least = np.minimum(least, alike)
         return tuple(followed), least
 
     @property
-    def likeness(self) -> float:
-        """The least modal assurance criterion between a mode and its continuation at the next speed; 1 of one speed."""
+    def likeness(self) -> Array:
+        """Of each mode the least modal assurance criterion with its continuation at the next speed, (k,)."""
         return self._followed[1]
 
     def at(self, omega: float) -> ModesAtSpeed:
@@ -128,7 +128,7 @@ class ModalModel:
         else:
             found = _between(followed, omega)
         order = np.argsort(found.frequencies_hz, kind="stable")
-        return replace(chosen(found, order, np.ones(order.size)), omega=omega, tracks=order)
+        return replace(chosen(found, order, np.ones(order.size)), omega=omega, tracks=np.asarray(order))
 
 
 SAME_SPEED = 1e-9
@@ -150,18 +150,19 @@ def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
         errors=None if modes.errors is None else modes.errors[order],
         interpolation=None if modes.interpolation is None else modes.interpolation[order],
         drawn=None if modes.drawn is None else modes.drawn[order] * signs[:, None],
+        tracks=None if modes.tracks is None else modes.tracks[order],
     )
 
 
-def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, float]:
-    """Which modes continue those before, with which signs, and how alike the least alike pair is."""
+def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, Array]:
+    """Which modes continue those before, with which signs, and how alike each pair is."""
     from scipy.optimize import linear_sum_assignment
 
     one, other = (each.shapes.reshape(each.frequencies_hz.size, -1) for each in (before, modes))
     product = one @ other.T
     alike = product**2 / np.outer((one**2).sum(axis=1), (other**2).sum(axis=1))
     rows, order = linear_sum_assignment(-alike)
-    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), float(alike[rows, order].min())
+    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), alike[rows, order]
 
 
 def _between(followed: Sequence[ModesAtSpeed], omega: float) -> ModesAtSpeed:
@@ -583,6 +584,23 @@ def _triangles(ring: int) -> list[tuple[int, int, int]]:
     middles = list(range(1, ring, 2))
     cut = [(k, (k + 1) % ring, (k - 1) % ring) for k in range(0, ring, 2)]
     return cut + [(middles[0], middles[k], middles[k + 1]) for k in range(1, len(middles) - 1)]
+
+
+_SHARP = 0.8
+"""Cosine of the angle between two triangles up to which their common edge is one of the structure's."""
+
+
+def edges(points: Array, triangles: Ints) -> Ints:
+    """Edges (k, 2) of a surface: those of one triangle alone, and those at which it turns sharply."""
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
+    normals = np.cross(one, other)
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    found, first, inverse, times = np.unique(sides, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    last = np.zeros(len(found), dtype=np.int64)
+    last[inverse.ravel()] = np.arange(len(sides))
+    turn = np.abs((normals[first // 3] * normals[last // 3]).sum(axis=1))
+    return np.asarray(found[(times != 2) | (turn < _SHARP)])
 
 
 _SECTIONS = 12
