@@ -156,7 +156,9 @@ class Release(Table):
     """How the structure is let go: from rest, displaced."""
 
     displacement: LengthPair | None = Field(
-        None, description="at release, in the damper's axes: 1 along the bending direction, 2 across"
+        None,
+        description="at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration"
+        " or ratio: along 1, by 1.5 times the amplitude above which the ball moves",
     )
     acceleration: LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
     ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
@@ -166,10 +168,10 @@ class Release(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """One way of giving the release, and one that sets something in motion."""
+        """One way of giving the release at most, and one that sets something in motion."""
         given = [key for key in ("displacement", "acceleration", "ratio") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise fault(given[-1] if given else "displacement", "expected one of displacement, acceleration and ratio")
+        if len(given) > 1:
+            raise fault(given[-1], "expected one of displacement, acceleration and ratio")
         pair = self.displacement if self.displacement is not None else self.acceleration
         if pair is not None and not any(pair):
             raise fault(given[0], "expected a release that is not zero on both axes")

@@ -551,15 +551,20 @@ class Scene(Table):
     rotor: Rotor = Field(description="how it spins")
     effects: Effects = Field(Effects(), description="which effects are simulated")
     damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
-    release: Release | None = Field(None, description="how a ring-down begins")
+    release: Release | None = Field(None, description="how a ring-down begins; left out beside a damper: by default")
     excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
     accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
     design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
 
     @model_validator(mode="before")
     @classmethod
-    def _carrier(cls, data: Any) -> Any:
-        """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other."""
+    def _tables(cls, data: Any) -> Any:
+        """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other.
+
+        A damper without a [release] has the default one.
+        """
+        if isinstance(data, Mapping) and data.get("damper") is not None and data.get("release") is None:
+            data = {**data, "release": {}}
         if isinstance(data, Mapping) and data.get("structure") is not None:
             if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
                 raise fault(
@@ -651,9 +656,8 @@ class Scene(Table):
                     raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
     def _with_a_damper(self) -> None:
-        if (self.damper is None) != (self.release is None):
-            missing, present = ("release", "damper") if self.release is None else ("damper", "release")
-            raise fault(missing, f"the table is missing: [{present}] needs it")
+        if self.damper is None and self.release is not None:
+            raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
             raise fault(
                 "rotor.precone",

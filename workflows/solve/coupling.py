@@ -152,8 +152,24 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 
-def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+def moves_from(system: damper.ParticleDamper) -> float:
+    """Amplitude along the bending direction above which a ball at rest begins to roll [m]; inf where it never does."""
+    left = abs(1 - system.tilt_share[0])
+    return math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
+
+
+OUT_OF_REACH = 1e3
+"""Amplitude [m] from which on a ball that would move there counts as one that never does."""
+
+_LET_GO = 1.5
+"""A scene that says nothing lets the structure go at so many times the amplitude above which the ball moves."""
+
+
+def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
     """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
+
+    Where the scene says nothing: by where the ball begins to roll; one that rolls from the start, or never, by where
+    it would reach a wall.
 
     Raises:
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
@@ -166,8 +182,11 @@ def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
         found = release.displacement
     elif release.acceleration is not None:
         found = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
+    elif release.ratio is not None:
+        found = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
-        found = (release.ratio or 0.0) * point.omega**2 * point.radius / squares[0], 0.0
+        begin, freely = moves_from(system), (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
+        found = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)

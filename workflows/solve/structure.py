@@ -13,7 +13,7 @@ import numpy as np
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
-from workflows.progress import Stages, Step
+from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -170,6 +170,8 @@ class StructureSolver:
         """
         self.source, self.stages = source, stages
         self.choice = choose_model(source, stages) if choice is None else choice
+        for name, effect in self.choice.effects.items():
+            LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
         self.discrete: Discrete | None = None
         self.space: SpaceStructure | None = None
         if source.scene.in_space:
@@ -290,6 +292,7 @@ def discretise(
     described = plate_mesh.in_words(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
+    LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])
     return Discrete(choice, theory, described, layers, _left_out(effects))
 
 
