@@ -259,6 +259,30 @@ def compare(
 
 
 @_commands.command()
+def modes(
+    scene: Scene = "paper",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the neutral file: a name in .npz or .json.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Write the structure's modes as a file that [structure] modes reads.
+
+    Without --out, the modes are listed.
+    """
+    from workflows import pipeline
+    from workflows.io import modes as files
+
+    if out is not None:
+        files.named(out, "--out")
+    with Stages() as stages:
+        found = pipeline.modes(_load(scene), stages)
+    if out is not None:
+        files.save_modes(found, out, "--out")
+    typer.echo(files.dumps(found) if json else files.text(found, out))
+
+
+@_commands.command()
 def view(
     what: Annotated[
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
