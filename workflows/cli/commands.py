@@ -341,7 +341,7 @@ def check(
     The output includes the effects that the scene calls for, the reason for each, and the size of a run.
     """
     from workflows.io import provenance
-    from workflows.solve import resources
+    from workflows.solve import known_modes, resources
     from workflows.solve.model_choice import choose_model, model
 
     source = _load(scene)
@@ -349,10 +349,12 @@ def check(
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
     sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
+    space = known_modes.space_structure(source) if source.scene.in_space else None
     if json:
-        _print_json(provenance.document(source, choice.effects, choice.theory, planform) | {"sizes": vars(sizes)})
+        found = provenance.document(source, choice.effects, choice.theory, planform, space)
+        _print_json(found | {"sizes": vars(sizes)})
         return
-    typer.echo("\n".join(provenance.heading(source, planform)))
+    typer.echo("\n".join(provenance.heading(source, planform, space)))
     typer.echo(provenance.as_toml(source.scene, choice.effects, choice.theory))
     typer.echo(f"\n# {sizes}")
 
