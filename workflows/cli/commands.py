@@ -361,7 +361,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
         _announce_compiler()
     with ExitStack() as stack:
         stages = stack.enter_context(Stages())
-        drawn = out is not None and source.scene.plate is not None
+        drawn = out is not None and source.scene.given is None
         artist = stack.enter_context(Artist()) if drawn else None
         state = pipeline.structure(source, stages, shapes=drawn)
         if artist is not None and state.surface is not None:

@@ -12,12 +12,14 @@ from workflows.scene.quantities import (
     ROUNDING,
     Cycles,
     Density,
+    Direction,
     Length,
     LengthPair,
     LoadPair,
     Mass,
     NotNegative,
     Number,
+    Place,
     Positive,
     Radii,
     Table,
@@ -36,10 +38,16 @@ class Damper(Table):
     it bends, and 2 across (its y).
     """
 
-    at: LengthPair | None = Field(
+    at: Place | None = Field(
         None,
         description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
-        " default: the middle of the tip",
+        " default: the middle of the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's"
+        " number",
+    )
+    direction: Direction | None = Field(
+        None,
+        description="axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what"
+        " of it is along the load does not count",
     )
     mass_ratio: Annotated[Number, Positive, Field(le=HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
@@ -116,6 +124,11 @@ class Damper(Table):
                 f"expected a length of at most the ball's radius, {self.radius:g} m: over it, this is the coefficient",
             )
         return self
+
+    @property
+    def on_plate(self) -> tuple[float, float] | None:
+        """The place (x, y) on a plate; None for the middle of its tip."""
+        return (self.at[0], self.at[1]) if isinstance(self.at, tuple) else None
 
     def density(self, mass: float) -> float:
         """Of each ball where all of them weigh so much [kg/m³]."""

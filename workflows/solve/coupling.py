@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
-    structure, rotor = scene.structure, scene.rotor
+    structure, rotor = scene.given, scene.rotor
     if structure is None or rotor.radius is None:
         raise ValueError("the scene has no [structure]")
     m2, f1 = structure.mass, structure.frequency[0]
@@ -59,16 +59,17 @@ def structure(
         raise ValueError("the structure is not known at the damper's place")
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
-    if scene.plate is not None and (tilts or hollow):
-        turning = {"rotation": point.omega, "stagger": scene.rotor.stagger}
+    if scene.given is None and (tilts or hollow):
+        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
+        turning = {"rotation": point.omega, "stagger": stagger}
     if effects["structural_modes"].on and point.cavity_modes:
         modes = taken(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilts) | turning
     both = (1.0, 1.0)
     tilt = (reduced.floor_tilt,) * 2
-    if scene.structure is not None:
-        both = (1.0, (scene.structure.frequency[1] / scene.structure.frequency[0]) ** 2)
-        tilt = scene.structure.floor_tilt
+    if scene.given is not None:
+        both = (1.0, (scene.given.frequency[1] / scene.given.frequency[0]) ** 2)
+        tilt = scene.given.floor_tilt
     return {
         "modal_mass": reduced.M2,
         "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
@@ -217,8 +218,8 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     if reduced is None:
         raise ValueError("the structure is not known at the damper's place")
     first = (2 * math.pi * reduced.f1_hz) ** 2
-    if scene.structure is not None:
-        return first, (2 * math.pi * scene.structure.frequency[1]) ** 2
+    if scene.given is not None:
+        return first, (2 * math.pi * scene.given.frequency[1]) ** 2
     across = leading(point.cavity_modes, 1)
     if across is None:
         return first, first

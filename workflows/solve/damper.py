@@ -201,7 +201,7 @@ def particle_damper(
             **_terms(given, effects, point.omega),
         )
     except ValueError as error:
-        tilts = scene.structure is not None and str(error).startswith("floor_tilt")
+        tilts = scene.given is not None and str(error).startswith("floor_tilt")
         raise BadInput(str(error), key="[structure] floor_tilt" if tilts else "[damper]") from error
     if system.modes is None:
         error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
