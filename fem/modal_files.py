@@ -441,7 +441,7 @@ def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int |
         raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
     if below is not None and found.size and not (found.min() >= 0 and found.max() < below):
         raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
-    return found.astype(np.int64)
+    return np.asarray(found, dtype=np.int64)
 
 
 def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
