@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -101,7 +101,7 @@ def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
     options = {"SymmetricMode": True}
     try:
         # relax=1: relaxed supernodes make some triangles' factors seven times dearer, none cheaper
-        order = "NATURAL" if ordered else "MMD_AT_PLUS_A"
+        order: Literal["NATURAL", "MMD_AT_PLUS_A"] = "NATURAL" if ordered else "MMD_AT_PLUS_A"
         return Factor(splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, relax=1, options=options))
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         if "singular" not in str(error):

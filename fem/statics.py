@@ -179,6 +179,37 @@ def settle(
             return found
 
 
+STEPS_BETWEEN = 8
+"""Newton steps with the factor of another speed before one of its own is made."""
+
+INNER = 60
+"""Steps of conjugate gradients in each."""
+
+
+def balance(operators: Body, omega: float, state: Array, factor: Factor) -> Array:
+    """Equilibrium (n,) at a speed near a state (n,), by the factor of the stiffness at another speed.
+
+    Each step of Newton's method is solved by conjugate gradients, with that factor as preconditioner.
+    """
+    from scipy.sparse.linalg import LinearOperator, cg
+
+    target, size = omega**2, operators.load.size
+    nearly = LinearOperator((size, size), matvec=factor.solve, dtype=float)
+    for _ in range(STEPS_BETWEEN):
+        stressed = operators.stressed(state)
+        residual = _unbalanced(operators, target, state, stressed)
+        work = float(abs(target * operators.load @ state))
+        if abs(factor.solve(residual) @ residual) <= ROUNDED * work:
+            return state
+        step, failed = cg(_stiffness(operators, target, stressed), residual, rtol=1e-6, maxiter=INNER, M=nearly)
+        if failed or not np.isfinite(step).all():
+            break
+        state = state + step
+        if abs(step @ residual) <= BALANCED * work:
+            return state
+    return equilibrium(operators, omega, state)
+
+
 def tangent(operators: Body, omega: float, state: Array) -> csc_array:
     """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
     return _stiffness(operators, omega**2, operators.stressed(state))

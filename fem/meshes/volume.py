@@ -25,7 +25,7 @@ class VolumeMesh:
 
     Attributes:
         points: (npoint, 3) in m.
-        cells: kinds of cells by the name that `fem.solid.elements.NAMES` has, and their points (ncell, nnode).
+        cells: kinds of cells by the name that `fem.meshes.cells` has, and their points (ncell, nnode).
         sets: points by the names of sets.
     """
 

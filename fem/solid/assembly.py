@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import linalg
+from fem.meshes.cells import cell
 from fem.rotor import Effects
-from fem.solid.elements import element
+from fem.solid.quadrature import rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
     from fem.linalg import Factor
     from fem.solid.blade import Blade
-    from fem.solid.elements import Element
 
     Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
@@ -45,13 +45,13 @@ class Cells:
     """Cells of one kind at the points of their stiffness.
 
     Attributes:
-        element: their kind.
+        kind: as in `fem.meshes.cells`.
         nodes: (ncell, nnode) in the mesh's numbers.
         gradients: derivatives of the shape functions in m, (ncell, npoint, 3, nnode).
         weights: volumes of the points in m³, (ncell, npoint).
     """
 
-    element: Element
+    kind: str
     nodes: Indices
     gradients: Array
     weights: Array
@@ -63,15 +63,14 @@ class Cells:
             yield slice(begin, begin + step)
 
 
-def mapped(kind: Element, corners: Array, rule: tuple[Array, Array]) -> tuple[Array, Array, Array]:
-    """Shape functions (npoint, nnode), gradients (ncell, npoint, 3, nnode) and volumes (ncell, npoint) at a rule.
+def mapped(kind: str, corners: Array, points: Array, weights: Array) -> tuple[Array, Array, Array]:
+    """Shape functions (npoint, nnode), gradients (ncell, npoint, 3, nnode) and volumes (ncell, npoint) at points.
 
     corners: all nodes of the cells, (ncell, nnode, 3).
     """
-    points, weights = rule
-    slopes = kind.gradients(points)
+    slopes = cell(kind).slopes(points).swapaxes(1, 2)
     jacobian = np.einsum("pan,cnk->cpak", slopes, corners, optimize=True)
-    return kind.values(points), np.linalg.solve(jacobian, slopes), np.linalg.det(jacobian) * weights
+    return cell(kind).shape(points), np.linalg.solve(jacobian, slopes), np.linalg.det(jacobian) * weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +163,7 @@ def _dissected(row: Indices, column: Indices, n: int) -> Indices:
     apart = row != column
     begin = np.concatenate([[0], np.cumsum(np.bincount(row[apart], minlength=n))])
     ordered = pymetis.nested_dissection(xadj=begin.astype(np.int32), adjncy=column[apart].astype(np.int32))
-    return np.argsort(np.asarray(ordered[0], dtype=np.int64))
+    return np.asarray(np.argsort(np.asarray(ordered[0], dtype=np.int64)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,10 +335,8 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     load = np.zeros((len(mesh.points), 3))
     pull = (mesh.points - blade.origin) @ blade.projector
     for kind, nodes in mesh.cells:
-        found, corners = element(kind), mesh.points[nodes]
-        _, slopes, weights = mapped(found, corners, found.full if full else found.stiff)
-        cells.append(Cells(found, nodes, slopes, weights))
-        values, _, volumes = mapped(found, corners, found.full if full and found.name == "hex20" else found.heavy)
+        values, slopes, volumes = mapped(kind, mesh.points[nodes], *rule(kind, full))
+        cells.append(Cells(kind, nodes, slopes, volumes))
         own = np.einsum("pa,cp,pb->cab", values, blade.material.density * volumes, values, optimize=True)
         heavy.append(own)
         _add(load, nodes, own @ pull[nodes])
