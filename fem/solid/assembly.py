@@ -216,7 +216,8 @@ def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[f
     slopes, weights = cells.gradients[part], cells.weights[part]
     first, second = (value * weights[..., None, None] for value in lame)
     ncell, npoint, _, nnode = slopes.shape
-    # dP_iJ / dF_jL = lambda F_iJ F_jL + mu (F_iL F_jJ + (F F')_ij delta_JL) + delta_ij S_JL, rows (J), columns (i, j, L)
+    # dP_iJ / dF_jL = lambda F_iJ F_jL + mu (F_iL F_jJ + (F F')_ij delta_JL) + delta_ij S_JL,
+    # rows (J), columns (i, j, L)
     across = np.einsum("cpiJ,cpjL->cpJijL", first * f, f)
     across += np.einsum("cpiL,cpjJ->cpJijL", second * f, f)
     left = second * (f @ f.swapaxes(-1, -2))
@@ -228,7 +229,7 @@ def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[f
     moved = moved.reshape(ncell, npoint * 3, 9 * nnode)
     flat = slopes.reshape(ncell, npoint * 3, nnode)
     own = np.matmul(flat.swapaxes(1, 2), moved).reshape(ncell, nnode, 9, nnode)
-    return own.swapaxes(2, 3)
+    return np.asarray(own.swapaxes(2, 3))
 
 
 def _gradient(cells: Cells, moved: Array) -> Array:

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Rule = tuple[Array, Array]
 
-FIRST_ORDER = ("hexahedron", "tetra", "wedge")
-SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")
-
 
 @cache
 def rule(kind: str, full: bool = False) -> Rule:

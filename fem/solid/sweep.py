@@ -2,14 +2,14 @@
 
 State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
 would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
-frequencies differ, and are solved at nested Chebyshev-Lobatto points of it: the two ends with factors of their own, those
-between by conjugate gradients and Davidson's method with the factor of one end (`fem.linalg.lowest_modes`). The modes at
-each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J. Sci.
-Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
+frequencies differ, and are solved at nested Chebyshev-Lobatto points of it: the two ends with factors of their own,
+those between by conjugate gradients and Davidson's method with the factor of one end (`fem.linalg.lowest_modes`). The
+modes at each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J.
+Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
 
-How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance is
-met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once more
-by the factor by which it fell last, where it falls by the square of that.
+How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
+is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
+more by the factor by which it fell last, where it falls by the square of that.
 """
 
 from __future__ import annotations
