@@ -38,6 +38,7 @@ class ModesAtSpeed:
         rotations: of the nodes in the modes, (k, n, 3) [rad/m kg^-1/2]; None: displacements alone are known.
         damping_ratios: (k,) of critical; None: not known.
         errors: relative errors of the frequencies, (k,), estimated; None: not known.
+        interpolation: what interpolation between speeds adds to them, (k,); None: not known; zeros where there is none.
         drawn: force on each mode by a unit acceleration of the root along x, y and z, but for its sign, (k, 3)
             [kg^1/2]; None: not known.
         tracks: what the modes are called over the speeds, (k,): numbers from 0; None: their numbers here.
@@ -50,6 +51,7 @@ class ModesAtSpeed:
     rotations: Array | None = None
     damping_ratios: Array | None = None
     errors: Array | None = None
+    interpolation: Array | None = None
     drawn: Array | None = None
     tracks: Ints | None = None
 
@@ -86,32 +88,31 @@ class ModalModel:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
     def load(self, point: Array) -> Array:
-        """Vector (3,) from the spin axis to a point (3,) [m]: times Omega², the centrifugal acceleration there."""
+        """Vectors from the spin axis to points (..., 3) [m]: times Omega², the centrifugal acceleration there."""
         arm = point - self.origin
-        return np.asarray(arm - (arm @ self.axis) * self.axis)
+        return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
 
     @cached_property
-    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], float]:
-        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) met."""
+    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], Array]:
+        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) of each."""
         count = min(modes.frequencies_hz.size for modes in self.speeds)
-        followed = [_taken(self.speeds[0], np.arange(count), np.ones(count))]
-        least = 1.0
+        followed = [chosen(self.speeds[0], np.arange(count), np.ones(count))]
+        least = np.ones(count)
         for modes in self.speeds[1:]:
             order, signs, alike = _matched(followed[-1], modes)
-            followed.append(_taken(modes, order, signs))
-            least = min(least, alike)
+            followed.append(chosen(modes, order, signs))
+            least = np.minimum(least, alike)
         return tuple(followed), least
 
     @property
-    def likeness(self) -> float:
-        """The least modal assurance criterion between a mode and its continuation at the next speed; 1 of one speed."""
+    def likeness(self) -> Array:
+        """Of each mode the least modal assurance criterion with its continuation at the next speed, (k,)."""
         return self._followed[1]
 
     def at(self, omega: float) -> ModesAtSpeed:
         """The modes at a speed [rad/s]: those known there, or polynomials in its square through the speeds around.
 
-        The errors of frequencies between the speeds are what leaving out a neighbouring speed changes there; None where
-        there are too few speeds for that.
+        The error of interpolation is what leaving out the nearest speed changes; of two speeds alone it is not known.
 
         Raises:
             ValueError: beyond the speeds known.
@@ -121,9 +122,13 @@ class ModalModel:
         if not known.min() <= omega <= known.max() and not exact.size:
             raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
         followed, _ = self._followed
-        found = followed[int(exact[0])] if exact.size else _between(followed, omega)
-        order = np.argsort(found.frequencies_hz)
-        return replace(_taken(found, order, np.ones(order.size)), omega=omega, tracks=order)
+        if exact.size:
+            found = followed[int(exact[0])]
+            found = replace(found, interpolation=np.zeros(found.frequencies_hz.size))
+        else:
+            found = _between(followed, omega)
+        order = np.argsort(found.frequencies_hz, kind="stable")
+        return replace(chosen(found, order, np.ones(order.size)), omega=omega, tracks=np.asarray(order))
 
 
 SAME_SPEED = 1e-9
@@ -133,7 +138,7 @@ _NEIGHBOURS = 4
 """Speeds that a polynomial goes through, at most."""
 
 
-def _taken(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
+def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
     """Some of the modes, in an order, with signs."""
     turned = signs[:, None, None]
     return replace(
@@ -143,19 +148,21 @@ def _taken(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
         rotations=None if modes.rotations is None else modes.rotations[order] * turned,
         damping_ratios=None if modes.damping_ratios is None else modes.damping_ratios[order],
         errors=None if modes.errors is None else modes.errors[order],
+        interpolation=None if modes.interpolation is None else modes.interpolation[order],
         drawn=None if modes.drawn is None else modes.drawn[order] * signs[:, None],
+        tracks=None if modes.tracks is None else modes.tracks[order],
     )
 
 
-def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, float]:
-    """Which modes continue those before, with which signs, and how alike the least alike pair is."""
+def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, Array]:
+    """Which modes continue those before, with which signs, and how alike each pair is."""
     from scipy.optimize import linear_sum_assignment
 
     one, other = (each.shapes.reshape(each.frequencies_hz.size, -1) for each in (before, modes))
     product = one @ other.T
     alike = product**2 / np.outer((one**2).sum(axis=1), (other**2).sum(axis=1))
     rows, order = linear_sum_assignment(-alike)
-    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), float(alike[rows, order].min())
+    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), alike[rows, order]
 
 
 def _between(followed: Sequence[ModesAtSpeed], omega: float) -> ModesAtSpeed:
@@ -169,8 +176,7 @@ def _between(followed: Sequence[ModesAtSpeed], omega: float) -> ModesAtSpeed:
     away = int(np.argmin([abs(modes.omega**2 - omega**2) for modes in near]))
     fewer = [modes for k, modes in enumerate(near) if k != away]
     rough = _mixed(fewer, lagrange(np.delete(squares, away), omega**2), omega)
-    own = np.max([np.zeros(1) if modes.errors is None else modes.errors for modes in near])
-    return replace(found, errors=np.abs(rough.frequencies_hz / found.frequencies_hz - 1.0) + own)
+    return replace(found, interpolation=np.abs(rough.frequencies_hz / found.frequencies_hz - 1.0))
 
 
 def _omega(modes: ModesAtSpeed) -> float:
@@ -194,6 +200,7 @@ def _mixed(near: Sequence[ModesAtSpeed], weights: Array, omega: float) -> ModesA
         static=mixed([modes.static for modes in near]),
         rotations=mixed([modes.rotations for modes in near]),
         damping_ratios=mixed([modes.damping_ratios for modes in near]),
+        errors=mixed([modes.errors for modes in near]),
         drawn=mixed([modes.drawn for modes in near]),
     )
 
@@ -269,7 +276,8 @@ def place(model: ModalModel, point: Array) -> Place:
         if least > FAR * model.size:
             raise _far(model, point, least)
         nodes, value, slopes, tangent, rough = _fitted(model.points, point)
-        return Place(point, 0.0, nodes, value, slopes, rough, tangent, f"fitted to {nodes.size} nodes around it")
+        how = f"fitted to {nodes.size} nodes around it"
+        return _on_a_node(model, Place(point, 0.0, nodes, value, slopes, rough, tangent, how))
     found, where, distance = inside
     if distance > FAR * model.size:
         raise _far(model, point, distance)
@@ -282,7 +290,15 @@ def place(model: ModalModel, point: Array) -> Place:
     if all(cell(name).powers.max() == 1 for name, _, _ in found):
         mean, other = other, mean  # the slopes of linear cells jump from one to the next
     how = "in one cell" if len(found) == 1 else f"where {len(found)} cells meet"
-    return Place(where, distance, every, own, mean, other, tangent, how)
+    return _on_a_node(model, Place(where, distance, every, own, mean, other, tangent, how))
+
+
+def _on_a_node(model: ModalModel, at: Place) -> Place:
+    """A place that is a node's moves with this node, whether cells know of it or not."""
+    node = int(np.linalg.norm(model.points - at.point, axis=1).argmin())
+    if np.linalg.norm(model.points[node] - at.point) > _TOUCHING * model.size or node not in at.nodes:
+        return at
+    return replace(at, value=(at.nodes == node).astype(float))
 
 
 def _far(model: ModalModel, point: Array, distance: float) -> OffTheStructure:
@@ -434,36 +450,67 @@ _SAMPLES = 48
 """Places on the way from the root to a place at which its shortening is added up."""
 
 
-def pull(model: ModalModel, at: Place, modes: ModesAtSpeed) -> Array:
-    """What the load of 1 kg at a place adds to the modal stiffness, over Omega², (k, k) [1].
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """What the load of 1 kg at a place does to the structure.
 
-    It softens as all mass that moves across the axis does. And it pulls on the structure outwards: as this bends, the
-    straight line from the innermost nodes to the place shortens by half the square of its turn, and the load moves
-    inwards. Source: potential energy of a constant force at the end of an inextensible line.
+    Attributes:
+        arm: vector from the axis to the place, (3,) [m]; axis: the spin axis, (3,).
+        nodes: numbers of nodes (k,); line: their weights in the displacements of places on the straight way from the
+            innermost nodes' radius to the place, (places, k).
+        length: of that way [m].
     """
-    moved, arm = at.displacement(modes.shapes), model.load(at.point)
-    flat = moved - np.outer(moved @ model.axis, model.axis)
+
+    place: Place
+    arm: Array
+    axis: Array
+    nodes: Ints
+    line: Array
+    length: float
+
+    def stiffness(self, modes: ModesAtSpeed) -> Array:
+        """What it adds to the modal stiffness, over Omega², (k, k) [1].
+
+        It softens as all mass that moves across the axis does. And it pulls on the structure outwards: as this bends,
+        the line to the place shortens by half the square of its turn, and the load moves inwards. Source: potential
+        energy of a constant force at the end of an inextensible line.
+        """
+        moved = self.place.displacement(modes.shapes)
+        flat = moved - np.outer(moved @ self.axis, self.axis)
+        softened = np.asarray(-flat @ flat.T)
+        radius = float(np.linalg.norm(self.arm))
+        if radius == 0.0 or self.length == 0.0:
+            return softened
+        outwards = self.arm / radius
+        turned = np.diff(np.einsum("sp,kpi->ski", self.line, modes.shapes[:, self.nodes]), axis=0)
+        turned -= (turned @ outwards)[..., None] * outwards
+        shortened = np.einsum("ski,sli->kl", turned, turned) * (len(turned) / self.length)
+        return np.asarray(radius * shortened + softened)
+
+
+def pull(model: ModalModel, at: Place) -> Pull:
+    """What the load of 1 kg at a place does."""
+    arm = model.load(at.point)
     radius = float(np.linalg.norm(arm))
-    if radius == 0.0:
-        return -flat @ flat.T
-    outwards = arm / radius
-    inner = float(((model.points - at.point) @ outwards).min())
-    steps = np.linspace(inner, 0.0, _SAMPLES + 1)
-    line = np.stack([place_value(model, at.point + step * outwards, modes.shapes) for step in steps])
-    turned = np.diff(line, axis=0)
-    turned -= (turned @ outwards)[..., None] * outwards
-    shortened = np.einsum("ski,sli->kl", turned, turned) * _SAMPLES / -inner if inner < 0.0 else np.zeros_like(flat)
-    return np.asarray(radius * shortened - flat @ flat.T)
+    outwards = arm / radius if radius > 0.0 else arm
+    length = max(0.0, -float(((model.points - at.point) @ outwards).min()))
+    weights = [_weights(model, at.point + step * outwards) for step in np.linspace(-length, 0.0, _SAMPLES + 1)]
+    every = np.unique(np.concatenate([nodes for nodes, _ in weights]))
+    line = np.zeros((len(weights), every.size))
+    for row, (nodes, value) in zip(line, weights, strict=True):
+        row[np.searchsorted(every, nodes)] = value
+    return Pull(at, arm, model.axis, every, line, length)
 
 
-def place_value(model: ModalModel, point: Array, shapes: Array) -> Array:
-    """Displacements (k, 3) in shapes (k, n, 3) of what of the structure is nearest to a point (3,)."""
+def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array]:
+    """Nodes (k,) and their weights (k,) in the displacement of what of the structure is nearest to a point (3,)."""
     inside = _in_cells(model, point)
     if inside is None:
         nodes, value, _, _, _ = _fitted(model.points, point)
-        return np.asarray(np.einsum("p,kpi->ki", value, shapes[:, nodes]))
+        return nodes, value
     name, cells, at = inside[0][0]
-    return np.asarray(np.einsum("p,kpi->ki", cell(name).shape(at[None])[0], shapes[:, cells]))
+    order = np.argsort(cells)
+    return cells[order], cell(name).shape(at[None])[0][order]
 
 
 def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
@@ -537,6 +584,23 @@ def _triangles(ring: int) -> list[tuple[int, int, int]]:
     middles = list(range(1, ring, 2))
     cut = [(k, (k + 1) % ring, (k - 1) % ring) for k in range(0, ring, 2)]
     return cut + [(middles[0], middles[k], middles[k + 1]) for k in range(1, len(middles) - 1)]
+
+
+_SHARP = 0.8
+"""Cosine of the angle between two triangles up to which their common edge is one of the structure's."""
+
+
+def edges(points: Array, triangles: Ints) -> Ints:
+    """Edges (k, 2) of a surface: those of one triangle alone, and those at which it turns sharply."""
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
+    normals = np.cross(one, other)
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    found, first, inverse, times = np.unique(sides, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    last = np.zeros(len(found), dtype=np.int64)
+    last[inverse.ravel()] = np.arange(len(sides))
+    turn = np.abs((normals[first // 3] * normals[last // 3]).sum(axis=1))
+    return np.asarray(found[(times != 2) | (turn < _SHARP)])
 
 
 _SECTIONS = 12

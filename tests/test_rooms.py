@@ -5,8 +5,8 @@ import pytest
 
 ROOMS = {
     "fem": (
-        *("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "rotor"),
-        *("modal_model", "meshes"),
+        *("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate"),
+        *("modal_files", "rotor", "modal_model", "meshes"),
     ),
     "workflows": ("cli", "studies", "report", "io", "solve", "effects", "scene"),
 }
