@@ -43,6 +43,9 @@ LARGEST = (200, 10)
 LARGE = 2e7
 """Numbers in a factor from which on it is too large for a second copy of it."""
 
+GLANCE = 0.05
+"""Residual with which their sign is known."""
+
 NULL = 1e-24
 """Squared weight of a unit direction that counts as nothing."""
 
@@ -72,8 +75,8 @@ class Factor:
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
 
-        SuperLU gives its pivots with a copy of the whole factor: of a large one those are counted that Lanczos's
-        method finds for the inverse, whose largest they are where a matrix has just become indefinite.
+        SuperLU gives its pivots with a copy of the whole factor: of a large one those are counted that are among the
+        inverse's largest, as they are where a matrix has just become indefinite.
         """
         if self.lu.nnz <= LARGE:
             return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
@@ -81,10 +84,7 @@ class Factor:
 
         n = self.lu.shape[0]
         one = eye_array(n, format="csc")
-        try:
-            found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), 2, np.negative, tolerance=0.1)
-        except NotConverged:
-            return 0
+        found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE)
         return int(np.count_nonzero(found < 0.0))
 
 

@@ -11,7 +11,7 @@ made in the natural order: at 60 000 unknowns in half of the time that the gener
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -254,6 +254,7 @@ class SolidOperators:
         cells: at the points of their stiffness; pattern: where they go.
         softening, gyroscopic: None where the effect is left out.
         load: the centrifugal load (n,) per Omega².
+        masses: of the nodes, those held included, (nnode,) in kg: what a unit acceleration of the root draws on.
     """
 
     blade: Blade
@@ -265,6 +266,7 @@ class SolidOperators:
     softening: csc_array | None
     gyroscopic: csc_array | None
     load: Array
+    masses: Array
     geometric: None = field(default=None, init=False)
     prestress: None = field(default=None, init=False)
 
@@ -333,7 +335,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     effects = Effects(large_deflection=True) if effects is None else effects
     cells, heavy = [], []
     mesh = blade.mesh
-    load = np.zeros((len(mesh.points), 3))
+    load, masses = np.zeros((len(mesh.points), 3)), np.zeros((len(mesh.points), 3))
     pull = (mesh.points - blade.origin) @ blade.projector
     for kind, nodes in mesh.cells:
         values, slopes, volumes = mapped(kind, mesh.points[nodes], *rule(kind, full))
@@ -341,18 +343,25 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         own = np.einsum("pa,cp,pb->cab", values, blade.material.density * volumes, values, optimize=True)
         heavy.append(own)
         _add(load, nodes, own @ pull[nodes])
+        _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
     places = pattern([each.nodes for each in cells], blade.root, len(mesh.points))
-    masses = places.blocks(heavy)
+    inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:
-        return places.matrix(masses[:, None, None] * matrix)
+        return places.matrix(inertia[:, None, None] * matrix)
 
-    softening = through(blade.projector) if effects.spin_softening else None
-    gyroscopic = through(2.0 * blade.spin) if effects.coriolis else None
+    mass = through(np.eye(3))
     bare = SolidOperators(
-        blade, effects, tuple(cells), places, through(np.eye(3)), through(np.eye(3)), softening, gyroscopic, np.empty(0)
+        blade,
+        effects,
+        tuple(cells),
+        places,
+        stiffness=mass,
+        mass=mass,
+        softening=through(blade.projector) if effects.spin_softening else None,
+        gyroscopic=through(2.0 * blade.spin) if effects.coriolis else None,
+        load=np.empty(0),
+        masses=masses[:, 0],
     )
-    rest = bare.stressed(np.zeros(3 * places.free)).stiffness()
-    return SolidOperators(
-        blade, effects, bare.cells, places, rest, bare.mass, softening, gyroscopic, bare.gathered(load)
-    )
+    stiffness = bare.stressed(np.zeros(3 * places.free)).stiffness()
+    return replace(bare, stiffness=stiffness, load=bare.gathered(load))

@@ -3,10 +3,9 @@
 The stress of a mode is taken at the points where it is most exact, carried to the nodes by a linear function in each
 cell and averaged there; how far the stress in the cells lies from this smooth one is the error in energy (Zienkiewicz
 and Zhu, Int. J. Numer. Methods Engrg 24 (1987) 337), and a frequency's relative error is half of its share of the
-mode's energy. In thin cells that is too much where spurious shear is seen, away from the points of integration, and too little
-at these: the estimate is the geometric mean of both; of blades of one cell through the thickness, where these points
-have no neighbours to differ from, it is the first. Its factor is measured on the six blades of `tests/fem`, at one to
-three cells through the thickness: it is 1.05 to 18 times the error there.
+mode's energy. In thin cells that is too much where spurious shear is seen, away from the points of integration, and too
+little at these: the estimate is the geometric mean of both. In blades of one cell through the thickness these points
+have no neighbours to differ from, and the first alone counts. A factor is fitted to trials.
 """
 
 from __future__ import annotations
@@ -27,8 +26,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-SAFETY = 2.5
-"""Factor on the estimate, with which it is nowhere below the error in those trials."""
+SAFETY = 3.3
+"""Factor on the estimate: with it none of 8 modes of six blades (against frequencies that CalculiX' meshes lead to), on
+meshes of one to three cells through the thickness, has a larger error; most have one three to ten times less."""
 
 
 def mesh_errors(operators: SolidOperators, shapes: Array, values: Array, state: Array | None = None) -> Array:
@@ -88,9 +88,7 @@ def _average(operators: SolidOperators, cells: Cells, moved: Array, rest: Array,
     nodes = cell(cells.kind).nodes
     terms = [np.column_stack([np.ones(len(at)), at]) for at in (points, nodes)]
     if cells.kind.startswith("hexahedron"):
-        terms = [
-            np.column_stack([t, x * y, y * z, x * z, x * y * z]) for t, (x, y, z) in zip(terms, (points.T, nodes.T))
-        ]
+        terms = [np.column_stack([t, t[:, [1, 2, 3]] * t[:, [2, 3, 1]], t[:, 1:].prod(axis=1)]) for t in terms]
     carried = terms[1] @ np.linalg.pinv(terms[0])
     for part in cells.parts():
         numbers = cells.nodes[part]

@@ -15,6 +15,8 @@ more by the factor by which it fell last, where it falls by the square of that.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,8 +69,9 @@ class BladeSweep:
         shapes: modes (m, n, q) there, mass-normalised, turned within their space to be alike.
         stiffness: their small stiffness (m, q, q), in 1/s².
         products: of shapes at two of the speeds in the mass, (m, q, m, q).
+        turned: of shapes at two of the speeds in the Coriolis matrix, (m, q, m, q); None without it.
         count: modes that are wanted.
-        errors: estimated relative errors (count,) of frequencies between the solved speeds.
+        errors: estimated relative errors (count,) of frequencies between the solved speeds; inf where they are unknown.
     """
 
     squares: Array
@@ -77,6 +80,7 @@ class BladeSweep:
     shapes: Array
     stiffness: Array
     products: Array
+    turned: Array | None
     count: int
     errors: Array
 
@@ -101,12 +105,66 @@ class BladeSweep:
         values, vectors = values[: self.count], vectors[:, : self.count]
         return values, vectors / np.sqrt(np.einsum("ak,ab,bk->k", vectors, mass, vectors))
 
+    def covers(self, omega: float) -> bool:
+        """Whether the modes are known at a speed in rad/s."""
+        slack = SAME * max(float(self.squares[-1]), omega**2)
+        if np.isinf(self.errors).any():
+            return bool((np.abs(self.squares - omega**2) <= slack).any())
+        return bool(self.squares[0] - slack <= omega**2 <= self.squares[-1] + slack)
+
+    def coriolis_shifts(self, omega: float) -> Array:
+        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed in rad/s, within the solved modes.
+
+        Raises:
+            ValueError: the Coriolis matrix was left out.
+        """
+        if self.turned is None:
+            raise ValueError("the operators were assembled without Coriolis forces")
+        weights = self.weights(omega)
+        values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
+        turned = vectors.T @ np.einsum("i,iajb,j->ab", weights, self.turned, weights) @ vectors
+        rates = np.sqrt(np.maximum(values, np.finfo(float).tiny))
+        # of (x, w / rate x) in the modes' energies: w z = ((-i Omega G, diag(rate)), (diag(rate), 0)) z
+        cross = np.diag(rates)
+        found = np.linalg.eigvalsh(np.block([[-1j * omega * turned, cross], [cross, np.zeros_like(cross)]]))
+        return np.asarray(np.abs(np.sort(found[found > 0.0])[: self.count] / rates[: self.count] - 1.0))
+
+    @cached_property
+    def _tracks(self) -> tuple[Array, NDArray[np.int64], Array]:
+        """Squared speeds from the lowest to the highest in fine steps; tracks (k, count) and vectors (k, q, count)."""
+        squares = np.linspace(self.squares[0] ** 0.5, self.squares[-1] ** 0.5, TRACKED) ** 2
+        vectors = [self.reduced(float(square**0.5))[1] for square in squares]
+        tracks = [np.arange(self.count)]
+        for before, after in pairwise(vectors):
+            tracks.append(_continued(before, after, tracks[-1]))
+        return squares, np.array(tracks), np.array(vectors)
+
+    def tracks(self, omega: float) -> NDArray[np.int64]:
+        """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
+        squares, tracks, vectors = self._tracks
+        near = int(np.abs(squares - omega**2).argmin())
+        return _continued(vectors[near], self.reduced(omega)[1], tracks[near])
+
     def weights(self, omega: float) -> Array:
         """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
         low, high = self.squares[0], self.squares[-1]
         if not low - SAME * high <= omega**2 <= (1.0 + SAME) * high:
             raise ValueError(f"the blade is solved from {low**0.5:g} to {high**0.5:g} rad/s, not at {omega:g}")
         return _weights(self.squares, omega**2, self.bend)
+
+
+def _continued(before: Array, after: Array, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Tracks of modes (q, count) that are most alike to others of which they are known."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, order = linear_sum_assignment(-np.abs(before.T @ after))
+    found = np.empty_like(tracks)
+    found[order] = tracks[rows]
+    return found
+
+
+TRACKED = 201
+"""Speeds by which modes are followed through crossings."""
 
 
 def _weights(squares: Array, square: float, bend: float) -> Array:
@@ -165,7 +223,7 @@ def sweep_blade(
         if progress is not None:
             progress(len(known.states))
     if asked.size <= ALONE:
-        return _gathered(operators, known, count, np.zeros(count))
+        return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(asked[0] ** 2), float(asked[-1] ** 2), known.bend
     reach = float(np.log1p((high - low) / bend))
     parts, errors, missed = 2, np.full(count, np.inf), np.ones(count)
@@ -224,6 +282,10 @@ def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Arr
     shapes = np.array([known.shapes[each] @ turn for each, turn in zip(squares, turns, strict=True)])
     small = [turn.T @ (known.values[each][:, None] * turn) for each, turn in zip(squares, turns, strict=True)]
     beside = shapes.swapaxes(0, 1).reshape(shapes.shape[1], -1)
-    products = (beside.T @ (operators.mass @ beside)).reshape(len(squares), -1, len(squares), shapes.shape[2])
+    sides = (len(squares), shapes.shape[2]) * 2
+    products = (beside.T @ (operators.mass @ beside)).reshape(sides)
+    turned = None
+    if operators.gyroscopic is not None:
+        turned = (beside.T @ (operators.gyroscopic @ beside)).reshape(sides)
     states = np.array([known.states[each] for each in squares])
-    return BladeSweep(np.array(squares), known.bend, states, shapes, np.array(small), products, count, errors)
+    return BladeSweep(np.array(squares), known.bend, states, shapes, np.array(small), products, turned, count, errors)

@@ -56,6 +56,8 @@ class SpaceStructure:
         seat: of the damper; None without one.
         described: in words; remarks: on what was made of it.
         sha256: of the files.
+        coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
+            not known.
     """
 
     model: ModalModel
@@ -64,6 +66,7 @@ class SpaceStructure:
     described: str
     remarks: tuple[str, ...]
     sha256: str | None
+    coriolis: Callable[[float], Floats] | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -81,12 +84,13 @@ class SpaceStructure:
         scene, modes = source.scene, self.modes(omega)
         radius = float(np.linalg.norm(self.model.load(self.model.points), axis=1).max())
         names = families(self.model, modes)[: scene.rotor.modes]
+        turned = None if self.coriolis is None else self.coriolis(omega)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=radius,
             load_g=omega**2 * radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name) for k, name in enumerate(names)),
+            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names)),
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -169,7 +173,7 @@ _TETRAHEDRON = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), 
 _SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
+def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
     """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
     between = modes.interpolation
     parts = ErrorParts(
@@ -178,7 +182,7 @@ def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
         large_deflection=None,
-        coriolis=None,
+        coriolis=None if turned is None else float(turned[k]),
     )
     return Mode(
         frequency_hz=float(modes.frequencies_hz[k]),
@@ -269,7 +273,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     except ModesFileError as error:
         raise BadInput(str(error), file=source.name, key="[structure] modes") from error
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return _turning(source, model), tuple(remarks), whole
+    return turning(source, model), tuple(remarks), whole
 
 
 def _set(source: SceneFile) -> set[str]:
@@ -440,7 +444,7 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def _turning(source: SceneFile, model: ModalModel) -> ModalModel:
+def turning(source: SceneFile, model: ModalModel) -> ModalModel:
     """The model about the scene's axis, or the file's where the scene has none; with forces by the root's motion."""
     from fem import Rotor
     from fem.modal_model import drawn_by
