@@ -231,10 +231,11 @@ def design(
     from workflows.studies.sweep.executor import workers_of
 
     def solve(source: SceneFile, stages: Stages) -> report.Designed:
-        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages)
+        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=kept)
 
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
+    kept = None if out is None else out.with_name(f"{out.name}.partial")
     best = _of_a_scene(source, solve, report, out, json)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
