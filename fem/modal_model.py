@@ -333,11 +333,8 @@ def _in_cells(model: ModalModel, point: Array) -> tuple[list[tuple[str, Ints, Ar
         nearest.sort(key=lambda each: each[0])
     least, name, nodes, at = nearest[0]
     where = cell(name).shape(at[None])[0] @ model.points[nodes]
-    if least > 0.0:  # the cells that meet at what is nearest, not those as far from the point
-        again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
-        found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
-    else:
-        found = [(name, nodes, at)]
+    again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
+    found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
     return found, np.asarray(where), least
 
 

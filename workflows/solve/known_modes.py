@@ -46,6 +46,34 @@ class Seat:
     pull: Pull
 
 
+@dataclass(frozen=True)
+class ModeThere:
+    """What a mode does at the damper's place; pairs are along the axes of the cavity.
+
+    Attributes:
+        mass: effective mass [kg]; stiffness: that times omega² [N/m].
+        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
+    """
+
+    number: int
+    family: str
+    frequency_hz: float
+    mass: tuple[float | None, float | None]
+    stiffness: tuple[float | None, float | None]
+    floor_tilt: tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class Seated:
+    """How a cavity lies at a speed: its place [m], unit vectors along load and axes, and what the modes do there."""
+
+    place: tuple[float, ...]
+    how: str
+    load: tuple[float, ...]
+    axes: tuple[tuple[float, ...], ...]
+    modes: tuple[ModeThere, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class SpaceStructure:
     """A structure in space.
@@ -82,14 +110,13 @@ class SpaceStructure:
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        radius = float(np.linalg.norm(self.model.load(self.model.points), axis=1).max())
         names = families(self.model, modes)[: scene.rotor.modes]
         turned = None if self.coriolis is None else self.coriolis(omega)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
-            radius=radius,
-            load_g=omega**2 * radius / scene.rotor.gravity,
+            radius=self.radius,
+            load_g=omega**2 * self.radius / scene.rotor.gravity,
             modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names)),
         )
         damper = scene.damper
@@ -107,9 +134,9 @@ class SpaceStructure:
             CavityMode(
                 number=k + 1,
                 stiffness=float(every.stiffness[0, k]),
-                shape=(float(every.shape[0, 0, k]), float(every.shape[0, 1, k])),
-                slope=(float(every.slope[0, 0, k]), float(every.slope[0, 1, k])),
-                drawn=(float(every.drawn[0, 0, k]), float(every.drawn[0, 1, k])),
+                shape=_both(every.shape[0, :, k]),
+                slope=_both(every.slope[0, :, k]),
+                drawn=_both(every.drawn[0, :, k]),
             )
             for k in range(every.stiffness.shape[1])
         )
@@ -120,6 +147,41 @@ class SpaceStructure:
             reduced=reduced,
             cavity_modes=at_cavity if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
+        )
+
+    @property
+    def radius(self) -> float:
+        """The damper's distance from the axis, or that of what is farthest out [m]."""
+        points = self.model.points if self.seat is None else self.seat.place.point[None]
+        return float(np.linalg.norm(self.model.load(points), axis=1).max())
+
+    def seated(self, omega: float) -> Seated | None:
+        """How the damper lies at a speed [rad/s]; None without one."""
+        from fem.modal_model import families
+
+        if self.seat is None:
+            return None
+        modes = self.modes(omega)
+        floor, names = self.floor(modes), families(self.model, modes)
+        still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
+        moved, at = np.where(still, np.nan, floor.moved), self.seat.place
+        masses, tilts = moved**-2, floor.slope / moved
+        return Seated(
+            tuple((at.point + 0.0).tolist()),
+            at.how,
+            tuple((floor.normal + 0.0).tolist()),
+            tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
+            tuple(
+                ModeThere(
+                    k + 1,
+                    names[k],
+                    float(modes.frequencies_hz[k]),
+                    _known(masses[:, k]),
+                    _known(masses[:, k] * modes.squares[k]),
+                    _known(tilts[:, k]),
+                )
+                for k in range(len(names))
+            ),
         )
 
     def floor(self, modes: ModesAtSpeed) -> Floor:
@@ -171,6 +233,19 @@ _MARK = 0.006
 
 _TETRAHEDRON = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)])
 _SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
+
+
+_STILL = 1e-6
+"""Displacement of a place over the largest of all modes that counts as none."""
+
+
+def _known(pair: Floats) -> tuple[float | None, float | None]:
+    one, other = (float(each) if np.isfinite(each) else None for each in pair)
+    return one, other
+
+
+def _both(pair: Floats) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])
 
 
 def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
