@@ -252,7 +252,6 @@ MOTION = record(
     ("settled", "i8", 2),  # 1: nothing will ever happen of itself
     ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
     ("guard", "f8", TERMS),  # a guard's series
-    ("power", "f8", 8),  # of a place in a step
     ("scaled", "f8", TERMS),  # a series times these
     ("gain", "f8", _N),  # what z gained on the last flight
 )
