@@ -115,17 +115,18 @@ def polished(c: Floats, d: float, level: float, x: float) -> tuple[float, float,
     """
     for _ in range(6):
         gain, slope, bend = places(c, x)
-        step = (d * level - gain) / slope
-        curve = step * bend / slope
-        if not (abs(curve) < 0.5 and abs(step) < 0.5):
+        inverse = 1.0 / slope
+        step = (d * level - gain) * inverse
+        curve = 0.5 * step * bend * inverse
+        if not (abs(curve) < 0.25 and abs(step) < 0.5):
             break
-        last, x = x, x + x * step / (1.0 + 0.5 * curve)
+        last, x = x, x + x * step * (1.0 - curve * (1.0 - curve))
         if abs(step) * (curve * curve + step * step) <= 1e-17:
             return x, last, d * slope, d * bend
     return np.nan, x, 0.0, 0.0
 
 
-@fused
+@kernel
 def _searched(guard: Floats, end: float) -> float:
     """First zero of a guard that begins above zero, by steps that no zero can lie in."""
     bound, noise = sizes(guard, THIRD, 1.0), _ROUNDING * sizes(guard, ALL, 1.0)
@@ -302,9 +303,16 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
                 return x, HIT
             if x > end and d * increment(s, end)[0] < gap and stays(guard, end):
                 return np.inf, NOTHING
+    return _searched_end(s, guard, axis, end)
+
+
+@kernel
+def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
+    """The end of a roll by its two guards, each for itself."""
+    d = axis.direction
     x = _hit(s, guard, d, axis.half_gap, end)
     _velocity(s, guard, d, False)
-    if begins:  # just set off: it accelerates along its direction, whatever rounding says
+    if guard[0] == 0.0:  # just set off: it accelerates along its direction, whatever rounding says
         guard[1] = max(guard[1], 0.0)
     turn = first_zero(guard, min(x, end))
     return (turn, REVERSAL) if turn < x else (x, HIT)
@@ -315,7 +323,7 @@ def _guess(s: Floats, d: int, gap: float) -> float:
     """About where a ball comes by a gap, inf if it hardly does."""
     p1, p2, p3, p4 = d * s[1], d * s[2], d * s[3], d * s[4]
     x = _root(gap, -p1, -2.0 * p2)
-    if p3 > 0.0 and p3 * x > p2:  # just set off: the jerk carries the ball
+    if p1 == 0.0 and p3 * x > 4.0 * p2:  # just set off: the jerk carries the ball
         x = min(x, (gap / p3) ** (1.0 / 3.0))
     if x < np.inf:
         miss = gap - x * (p1 + x * (p2 + x * (p3 + x * p4)))

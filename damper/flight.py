@@ -386,7 +386,7 @@ _FACTORS = np.array([NTH > 0, NTH, NTH * (NTH - 1), NTH * (NTH - 1) * (NTH - 2)]
 _LAST = TERMS - WIDTH
 _LEFT = np.array(
     [
-        np.append(row[m : m + _LAST], np.where(NTH < _LAST + m, 0.0, row)[_LAST:])
+        np.append(row[m : m + _LAST], np.where(_LAST + m > NTH, 0.0, row)[_LAST:])
         for m, row in zip((1, 1, 2, 3), _FACTORS, strict=True)
     ]
 )
@@ -457,12 +457,6 @@ def _horner(low: Floats, middle: Floats, high: Floats, factors: Floats, eighth: 
     """Rows of eight terms, times their factors, as a polynomial in the eighth power."""
     beyond = add_times(times(middle, load(factors, 8)), times(high, load(factors, 16)), eighth)
     return add_times(times(low, load(factors, 0)), beyond, eighth)
-
-
-@fused
-def _eighth(x: float) -> float:
-    fourth = (x * x) * (x * x)
-    return fourth * fourth
 
 
 @fused
