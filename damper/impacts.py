@@ -46,6 +46,14 @@ def slip(axis: Record) -> None:
 
 
 @kernel
+def slip_or_press(axis: Record) -> None:
+    """The same; a ball at rest on a wall spins against it until something pulls it off."""
+    slip(axis)
+    if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:
+        axis.regime, axis.direction = STUCK, 0
+
+
+@kernel
 def level_hit(axis: Record, ball: Record, books: Record) -> float:
     """Impact of the ball with the wall on the side `heading`, first two of eqs. (10), then sticking or rebound.
 
@@ -110,12 +118,12 @@ def let_go(it: Record, flow: Floats) -> None:
         read(i, it)
     for i in range(2):
         if it.ball.grip > 0.0 and it.axes[i].spin != it.axes[i].w:
-            slip(it.axes[i])
+            slip_or_press(it.axes[i])
         elif it.axes[i].w != 0.0:
             roll_on(it.axes[i])
     for _ in range(_ROUNDS):
         for i in range(2):
-            if it.axes[i].regime != SLIPPING and it.axes[i].w == 0.0:
+            if it.axes[i].w == 0.0 and (it.ball.grip == 0.0 or it.axes[i].spin == 0.0):
                 settle(i, 0.0, it, flow)
 
 
@@ -197,9 +205,7 @@ def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     capped = change >= abs(axis.w)
     _exchange(i, 0.0 if capped else axis.w - way * change, it)
     if ball.grip > 0.0 and axis.w != axis.spin:
-        slip(axis)
-        if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:  # pressed against a wall, unless something pulls it off
-            axis.regime, axis.direction = STUCK, 0
+        slip_or_press(axis)
     elif capped:
         settle(i, it.clock.time, it, flow)
 
