@@ -4,7 +4,10 @@ import grimp
 import pytest
 
 ROOMS = {
-    "fem": ("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate", "rotor", "meshes"),
+    "fem": (
+        *("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate"),
+        *("modal_files", "rotor", "modal_model", "meshes"),
+    ),
     "workflows": ("cli", "studies", "report", "io", "solve", "effects", "scene"),
 }
 """From the top down: a room may import those after it."""

@@ -30,8 +30,6 @@ def structure(
         BadInput, NoAnswer: see there.
     """
     state = StructureSolver(source, stages, choice, size).at()
-    if state.plate is None:
-        return state
     with stages("modes"):
         return state.pictured(shapes=shapes)
 
@@ -76,7 +74,7 @@ def plate_only(source: SceneFile) -> SceneFile:
     Raises:
         BadInput: it has no plate.
     """
-    if source.scene.plate is None:
+    if source.scene.given is not None:
         raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
     return source.plate_alone()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -13,6 +14,10 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 NAMES = ("mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total")
+
+
+LOG = logging.getLogger("spindamp")
+"""What is decided, and how long each stage takes; silent unless somebody listens (`spindamp -v`, `--log FILE`)."""
 
 
 class Stages:
@@ -59,6 +64,7 @@ class Stages:
         `steps` is how many times it will be advanced, with those `done` before: they tell the time that remains.
         """
         began = time.perf_counter()
+        LOG.debug("%s begins", name)
         task = None
         if self._progress is not None:
             left = "" if steps is None else "remaining"
@@ -68,6 +74,7 @@ class Stages:
             yield Step(self._progress, task)
         finally:
             whole = time.perf_counter() - began
+            LOG.info("%s: %.3f s", name, whole)
             self._spent[name] = self._spent.get(name, 0.0) + whole - self._inner.pop()
             if self._inner:
                 self._inner[-1] += whole
@@ -89,5 +96,7 @@ class Step:
 
     def advance(self, detail: str = "") -> None:
         """One step is done."""
+        if detail:
+            LOG.debug("%s", detail)
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, advance=1, detail=detail)

@@ -100,7 +100,7 @@ def damper_of(given: Scene) -> tuple[ParticleDamper, tuple[float, float], float 
     point = known_structure(parsed, parsed.rotor.speeds[0])
     cycles = given["release"]["cycles"]
     system = particle_damper(parsed, resolve(parsed), point)
-    return system, released_at(parsed, point), None if cycles == "auto" else cycles
+    return system, released_at(parsed, point, system), None if cycles == "auto" else cycles
 
 
 def run(scenes: list[Scene], threads: int | None = None) -> Batch:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -197,6 +198,22 @@ def _all_shown(terminal: int) -> str:
         while part := os.read(terminal, 4096):
             shown += part
     return shown.decode()
+
+
+def test_a_log_says_what_is_decided_and_how_long_it_takes(spindamp: Command, tmp_path: Path) -> None:
+    """On standard error or in a file, and for that command alone; what is printed else stays."""
+    plain = spindamp("ringdown", "structure", "--json")
+    told = spindamp("-v", "--log", "log.txt", "ringdown", "structure", "--json")
+    times = re.compile(r'"timings": \{[^}]*\}')
+    assert times.sub("", told.out) == times.sub("", plain.out)
+    lines, log = told.err, (tmp_path / "log.txt").read_text(encoding="utf-8")
+    assert set(lines.splitlines()) < set(log.splitlines())
+    for text in (lines, log):
+        assert "effect rolling_resistance on: rolling_friction is above 0" in text
+        assert re.search(r"damper: \d+\.\d+ s", text)
+    assert spindamp("check", "structure", "--json").err == ""
+    assert (tmp_path / "log.txt").read_text(encoding="utf-8") == log
+    refused(spindamp("--log", tmp_path, "check", "structure"), f"--log {tmp_path}: cannot be written: ")
 
 
 def test_check_takes_what_it_prints(spindamp: Command, tmp_path: Path, structure: Scene) -> None:

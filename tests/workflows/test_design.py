@@ -18,7 +18,7 @@ from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.solve.excitation import held_well
 from workflows.studies.design import objectives, report, study
-from workflows.studies.design.space import Found, Scored
+from workflows.studies.design.space import Found, Obstacle, Scored
 from workflows.studies.response import study as response
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
@@ -210,6 +210,42 @@ def test_the_search_finds_a_known_optimum(slow):
     assert np.allclose(found.shares[1:], top[1:], atol=0.01)
     again = study.search(space, score, seed=1, progress=lambda _: None)
     assert np.array_equal(found.shares, again.shares)
+
+
+def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
+    """Where it is stopped, and where a line of its file is cut off, no design is tried twice, and the best is the same.
+
+    Another seed begins anew.
+    """
+    space, tried = space_of(slow, ball_diameter=["2 mm", "6 mm"], clearance=["0.1 mm", "4 mm"]), []
+    path, most = tmp_path / "new" / "designs", 150
+
+    def score(shares, quick):
+        if len(tried) > most:
+            raise KeyboardInterrupt
+        tried.extend((quick, *row) for row in np.asarray(shares).tolist())
+        return [Scored(v, v, used=(("mass", v),), why=Obstacle("held", rpm=v)) for v in np.sin(7 * shares).sum(axis=1)]
+
+    def searched(seed=1):
+        return study.search(space, score, seed, lambda _: None, study.Kept(path, space.source, seed))
+
+    with pytest.raises(KeyboardInterrupt):
+        searched()
+    path.write_text(path.read_text()[:-9])
+    stopped, most = len(tried), math.inf
+    found = searched()
+    assert stopped > 100
+    assert len(tried) <= len(set(tried)) + 1
+    assert found.evaluations == len(set(tried))
+    count = len(tried)
+    again = searched()
+    assert len(tried) == count, "all designs are known"
+    assert (again.scored.score, *again.shares, again.evaluations) == (
+        found.scored.score,
+        *found.shares,
+        found.evaluations,
+    )
+    assert searched(2).evaluations == len(tried) - count
 
 
 def test_nothing_better_among_all_designs(slow, here):

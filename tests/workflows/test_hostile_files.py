@@ -122,11 +122,12 @@ def test_what_is_no_file(what: str, as_mesh: bool, spindamp: Command, tmp_path: 
         for parent in list(tmp_path.parents)[:3]:
             if parent.name.startswith("pytest-"):
                 parent.chmod(0o755)
-    with _no_file(what, tmp_path / "it.msh"):
-        name, start = "it.msh", "it.msh: "
+    name = "it.msh" if as_mesh else "it.toml"
+    with _no_file(what, tmp_path / name):
+        start = f"{name}: "
         if as_mesh:
-            scene = on_mesh(paper, "it.msh")
-            name, start = write(scene, tmp_path / "scene.toml").name, "scene.toml: [plate] mesh = 'it.msh': "
+            name = write(on_mesh(paper, name), tmp_path / "scene.toml").name
+            start = "scene.toml: [plate] mesh = 'it.msh': "
         if closed:
             with _unprivileged(tmp_path):
                 outcome = spindamp("check", name)

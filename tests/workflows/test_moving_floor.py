@@ -142,7 +142,7 @@ def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     release = opened(scene).scene
     none = replace(point, cavity_modes=tuple(mode for mode in point.cavity_modes if mode.number != lag.number))
     with pytest.raises(BadInput, match="ask for more"):
-        coupling.released_at(release, none)
+        coupling.released_at(release, none, system)
 
 
 def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:

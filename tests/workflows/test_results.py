@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from pathlib import Path
@@ -154,12 +155,25 @@ def test_a_csv_for_every_curve(finished: Path, document: dict[str, Any]) -> None
     assert {f"sdc_{point['rpm']:.0f}rpm" for point in document["speeds"]} <= names
     assert {f"damping_ratio_{point['rpm']:.0f}rpm" for point in document["speeds"]} <= names
     assert {"campbell_flap_1", "velocity_x_10000rpm", "velocity_y_10000rpm"} <= names
-    for path in finished.glob("*.csv"):
+    for path in set(finished.glob("*.csv")) - {finished / "speeds.csv"}:
         columns = 10 if path.stem == "frequency_errors" else 2
         assert len(path.read_text().splitlines()[0].split(",")) == columns
         assert np.isfinite(np.loadtxt(path, delimiter=",", skiprows=1)).all()
     flap = np.loadtxt(finished / "campbell_flap_1.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(flap[:, 1], [p["modes"][0]["frequency_hz"] for p in document["speeds"]], rtol=1e-9)
+
+
+def test_a_table_for_spreadsheets_has_a_row_a_speed(finished: Path, document: dict[str, Any]) -> None:
+    with (finished / "speeds.csv").open(newline="", encoding="utf-8") as text:
+        rows = list(csv.DictReader(text))
+    for row, point in zip(rows, document["speeds"], strict=True):
+        assert float(row["rpm"]) == point["rpm"]
+        assert float(row["frequency_hz [Hz] 2"]) == point["modes"][1]["frequency_hz"]
+        assert row["family 2"] == point["modes"][1]["family"]
+        assert float(row["M2 [kg]"]) == point["reduced"]["M2"]
+        assert float(row["damping_ratio_peak"]) == point["working"]["damping_ratio_peak"]
+        assert row["verdict_grade"] == point["verdict"]["grade"]
+    assert not any("nan" in cell for row in rows for cell in row.values())
 
 
 def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:

@@ -14,12 +14,13 @@ import pytest
 
 import workflows
 from fem.theory.registry import THEORIES
-from tests.workflows.conftest import Command, Scene, changed, on_mesh, refused, write
+from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
 from workflows.effects import selection
 from workflows.io import provenance
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
+from workflows.scene.damper import Release
 from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
 from workflows.scene.plate import Plate
 from workflows.solve import model_choice
@@ -101,6 +102,18 @@ def test_release_alternatives(paper: Scene) -> None:
     assert default.release is not None
     assert default.release.acceleration == (9.80665, 0.0)
     assert parse(changed(paper, release={"ratio": 0.3, "cycles": 20})).release is not None
+
+
+def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() -> None:
+    """By hand: mu_r / r of the load, in the frequency with the ball stuck, 1.5 times; at rest, by the gap of 5/7 u."""
+    scene = changed(KNOWN, release=None, rotor__speeds=["0 rpm", "3500 rpm", "10000 rpm"])
+    assert parse(changed(scene, release={"cycles": 20})).release == Release(cycles=20)
+    for point in workflows.run(scene).speeds:
+        load, square = 0.2 * point.omega**2, (2 * math.pi * 269.5) ** 2
+        assert point.damping is not None
+        free = 0.25e-3  # with no load the ball does not roll: it stays where it is, and the wall comes to it
+        assert point.damping.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
+        assert point.damping.events > 0
 
 
 def test_mass_alternatives(paper: Scene) -> None:

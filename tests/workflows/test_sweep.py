@@ -223,7 +223,7 @@ def test_the_best_is_one_that_can_be_had(here):
 
 def test_speeds_without_a_picture_are_named(here):
     """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
-    varied = {"damper.restitution": [0.2, 0.4, 0.6, 0.8], "damper.friction": [0.1, 0.2, 0.3, 0.4]}
+    varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
     found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.in_words(found, report._best(found), "damper.restitution", "damper.friction")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 import typer
 
 from workflows.errors import BadInput, NoAnswer
-from workflows.progress import Stages
+from workflows.progress import LOG, Stages
 
 if TYPE_CHECKING:
     from workflows.scene.load import SceneFile
@@ -230,10 +231,11 @@ def design(
     from workflows.studies.sweep.executor import workers_of
 
     def solve(source: SceneFile, stages: Stages) -> report.Designed:
-        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages)
+        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=kept)
 
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
+    kept = None if out is None else out.with_name(f"{out.name}.partial")
     best = _of_a_scene(source, solve, report, out, json)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
@@ -359,7 +361,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
         _announce_compiler()
     with ExitStack() as stack:
         stages = stack.enter_context(Stages())
-        drawn = out is not None and source.scene.plate is not None
+        drawn = out is not None and source.scene.given is None
         artist = stack.enter_context(Artist()) if drawn else None
         state = pipeline.structure(source, stages, shapes=drawn)
         if artist is not None and state.surface is not None:
@@ -454,6 +456,28 @@ def _self_check(asked: bool) -> None:
         raise typer.Exit(0 if line == self_check.ALL_PASSED else 1)
 
 
+def _listen(context: typer.Context, verbose: bool, log: Path | None) -> None:
+    """Hand on what the program says of its work, until the command ends."""
+    import logging
+
+    try:
+        handlers: list[logging.Handler] = [] if log is None else [logging.FileHandler(log, encoding="utf-8")]
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror}", file=f"--log {log}") from error
+    if verbose:
+        handlers.append(logging.StreamHandler())
+        handlers[-1].setLevel(logging.INFO)
+    for handler in handlers:
+        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
+        LOG.addHandler(handler)
+        context.call_on_close(handler.close)
+        context.call_on_close(partial(LOG.removeHandler, handler))
+    if handlers:
+        LOG.setLevel(logging.DEBUG)
+        context.call_on_close(partial(LOG.setLevel, logging.NOTSET))
+        LOG.info("spindamp %s: %s", version("spindamp"), " ".join(sys.argv[1:]))
+
+
 def _spindamp(
     context: typer.Context,
     show: Annotated[
@@ -468,8 +492,15 @@ def _spindamp(
             help="Compare reference plates and motions with independent results; print the versions.",
         ),
     ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Print what is decided and done, with times.")
+    ] = False,
+    log: Annotated[
+        Path | None, typer.Option("--log", metavar="FILE", help="Append the same, in detail, to a file.")
+    ] = None,
 ) -> None:
     """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+    _listen(context, verbose, log)
     if context.invoked_subcommand is None:
         names = ", ".join(command.__name__ for command in COMMANDS)
         raise BadInput(f"missing command: expected one of {names}; spindamp --help says what they do")

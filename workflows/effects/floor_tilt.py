@@ -24,14 +24,16 @@ def called_for(case: Case) -> Called:
         return Called(False, "nothing spins: no load pulls the ball down a slope")
     if scene.damper.formulation == "printed":
         return Called(False, PRINTED)
+    if scene.in_space:
+        return Called(True, "as the structure bends, the floor tilts, and the load pulls the ball down the slope")
     asked = scene.accuracy.damping
     share, omega = max((_tilt_share(scene, case.form, speed), speed) for speed in scene.rotor.speeds)
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
-    about = "about " if scene.structure is None else ""
-    at = f"{whole(in_rpm(omega))} rpm" + (", reckoned as on a beam" if scene.structure is None else "")
+    about = "about " if scene.given is None else ""
+    at = f"{whole(in_rpm(omega))} rpm" + (", reckoned as on a beam" if scene.given is None else "")
     said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
-    if share > (scene.budget.rough_drive if scene.structure is None else scene.budget.drive):
+    if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {said}")
     return Called(False, f"{said}, less than the {significant(100 * asked)} % asked for")
 
@@ -48,7 +50,7 @@ def assumed(_: Scene, on: bool, __: str) -> Assumption:
 
 def _tilt_share(scene: Scene, form: Planform | None, omega: float) -> float:
     """Share of the ball's drive that the load takes down the slope; of a plate roughly, as of a beam."""
-    structure, rotor = scene.structure, scene.rotor
+    structure, rotor = scene.given, scene.rotor
     if structure is not None and rotor.radius is not None:
         shares = [
             omega**2 * rotor.radius * abs(slope) / (2 * math.pi * frequency) ** 2

@@ -30,15 +30,17 @@ def called_for(case: Case) -> Called:
     damper, plate, release = scene.damper, scene.plate, scene.release
     if damper is None or release is None:
         return NO_DAMPER
-    if plate is None:
+    if scene.given is not None:
         return GIVEN
     if damper.formulation == "printed":
         return Called(False, PRINTED)
+    if plate is None:
+        return Called(True, "the modes are known, and move the cavity along both of its axes")
     if any(pair is not None and pair[1] != 0.0 for pair in (release.displacement, release.acceleration)):
         return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
     if math.sin(2 * scene.rotor.stagger) != 0.0 and case.spins:
         return Called(True, "the stagger couples the ball's motion in the bending plane with that across")
-    if plate.mesh is not None or (damper.at is not None and damper.at[1] != 0.0):
+    if plate.mesh is not None or (damper.on_plate is not None and damper.on_plate[1] != 0.0):
         return Called(True, "the cavity is not on the centre line of a rectangle: modes that twist move it too")
     ratio, asked = _mass_ratio(scene, case.form), scene.accuracy.damping
     said = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
@@ -56,7 +58,7 @@ def refused(scene: Scene) -> Refusal | None:
     key, asked = "[effects] structural_modes", scene.effects.structural_modes
     if (found := not_printed("structural_modes")(scene)) is not None:
         return found
-    if asked is True and scene.plate is None:
+    if asked is True and scene.given is not None:
         return Refusal("the scene has no plate whose modes these could be", key, True)
     return None
 
@@ -69,7 +71,7 @@ def assumed(scene: Scene, on: bool, _: str) -> Assumption:
             " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
         )
         return Assumption(text, "ours")
-    if scene.structure is not None:
+    if scene.given is not None:
         return Assumption("The structure vibrates in one mode along each axis.", "paper, II.A")
     return Assumption(
         "The structure vibrates in its first bending mode alone, with the same frequency on both axes.", "paper, II.A"

@@ -27,7 +27,12 @@ if TYPE_CHECKING:
 ERRORS = "frequency_errors"
 """The file of all frequencies with their errors, beside the curves."""
 
-FILES = r"(frequency_errors|campbell_\w+_\d+|((velocity|ball|displacement)_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
+TABLE = "speeds"
+"""The file of everything that is one number a speed, for spreadsheets."""
+
+FILES = (
+    r"(speeds|frequency_errors|campbell_\w+_\d+|((velocity|ball|displacement)_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
+)
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
@@ -140,7 +145,7 @@ _ERRORS = ("frequency", "error")
 
 
 def write_csv(results: Results, folder: Path) -> None:
-    """One file per plotted curve, with a header that names column and unit.
+    """A table with a row a speed, and a file per plotted curve, with a header that names column and unit.
 
     A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
@@ -150,6 +155,24 @@ def write_csv(results: Results, folder: Path) -> None:
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
     if any(point.modes for point in results.speeds):
         _write_errors(results, folder)
+    (folder / f"{TABLE}.csv").write_text(_table(results), encoding="utf-8")
+
+
+def _table(results: Results) -> str:
+    """What is one number, or word, a speed, or a mode and speed, each a column under its name in the data set.
+
+    Unknown numbers are empty cells; the parts of the errors have a file of their own.
+    """
+    found: dict[str, list[Any]] = {}
+    for name, (dims, values, attributes) in _variables(results).items():
+        unit = attributes.get("units", "")
+        head = name if unit in ("", "1", name) else f"{name} [{unit}]"
+        known = np.where(values == values, values.astype(object), "")  # nan differs from itself
+        if dims == (_SPEED,):
+            found[head] = known.tolist()
+        elif dims == (_SPEED, "mode") and (name == "error_estimate" or not name.startswith("error_")):
+            found |= {f"{head} {number}": column.tolist() for number, column in enumerate(known.T, 1)}
+    return as_table(found, (dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)))
 
 
 def _write_errors(results: Results, folder: Path) -> None:

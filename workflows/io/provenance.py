@@ -153,7 +153,8 @@ def _sources(given: Scene) -> dict[tuple[str, str], str]:
 
 def _line(key: str, value: object, reason: str | None) -> str:
     # TOML and JSON write numbers, strings, booleans and lists alike.
-    text = f"{key} = {json.dumps(value, ensure_ascii=False)}"
+    bare = all(letter.isascii() and (letter.isalnum() or letter in "-_") for letter in key)
+    text = f"{key if bare else json.dumps(key, ensure_ascii=False)} = {json.dumps(value, ensure_ascii=False)}"
     return f"{text:<28} # {reason}" if reason else text
 
 

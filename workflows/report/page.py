@@ -163,6 +163,7 @@ def _tabulated(results: Results) -> dict[str, Any]:
         "mode_columns": min(len(results.speeds[0].modes), _MODES_AT_MOST),
         "orders": verdict.of_orders(results),
         "tilts": any(p.tilted for p in results.speeds),
+        "first_notes": remarks.FIRST,
         "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
         "air": limits.AIR,
         "endured": limits.endured(results),

@@ -270,9 +270,9 @@ def still_across(results: Results) -> str | None:
 def leaning_load(results: Results) -> str | None:
     """A load that does not point along the plate at the cavity, whose floor is taken to face it."""
     scene = results.scene
-    if scene.damper is None or scene.damper.at is None or scene.plate is None or not ring_downs(results):
+    if scene.damper is None or scene.damper.on_plate is None or scene.plate is None or not ring_downs(results):
         return None
-    across = abs(scene.damper.at[1] * math.cos(scene.rotor.stagger))
+    across = abs(scene.damper.on_plate[1] * math.cos(scene.rotor.stagger))
     point = max((p for p, _, _ in ring_downs(results)), key=lambda p: p.load_g)
     lean, rolls = across / point.radius, scene.damper.rolling_friction / scene.damper.radius
     if point.load_g == 0 or lean <= 0.1 * rolls:
@@ -287,7 +287,7 @@ def leaning_load(results: Results) -> str | None:
 
 def level_structure(results: Results) -> str | None:
     """What a scene without a plate does not tell."""
-    structure = results.scene.structure
+    structure = results.scene.given
     if structure is None or any(structure.floor_tilt) or not any(p.load_g > 0 for p, _, _ in ring_downs(results)):
         return None
     return (
@@ -317,7 +317,7 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
 
 def as_it_moves(results: Results) -> str:
     """How a sentence on the tilt begins."""
-    return "As the plate bends" if results.scene.structure is None else "As the structure moves"
+    return "As the plate bends" if results.scene.given is None else "As the structure moves"
 
 
 _MORE = 1.1
@@ -524,11 +524,11 @@ def errors(results: Results) -> str | None:
     if not modes:
         return None
     last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
-    verdict = "within" if met(results) else "more than"
-    first = f"The first frequency is good to {percent(modes[0].whole)} %"
-    others = "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {percent(last.whole)} %"
-    remedy = "" if met(results) else f"; {cure(results)}"
-    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+    wanted = f"{significant(100 * asked)} %"
+    verdict = f"within the {wanted} asked for" if met(results) else f"{wanted} was asked for; {cure(results)}"
+    first = f"Mode {modes[0].number} is accurate to {percent(modes[0].whole)} %"
+    others = "" if last is modes[0] else f", mode {last.number}, the least accurate, to {percent(last.whole)} %"
+    return f"{first}{others} ({_largest(last)}): {verdict}."
 
 
 def cure(results: Results) -> str:
@@ -798,7 +798,7 @@ def _rows(results: Results) -> str | None:
     plate, damper = results.scene.plate, results.scene.damper
     if plate is None or plate.width is None or damper is None or damper.housing:
         return None
-    place = damper.at or (plate.length or 0.0, 0.0)
+    place = damper.on_plate or (plate.length or 0.0, 0.0)
     most = beside(damper, plate_mesh.plate_thickness(plate, place), plate.width)
     if damper.count <= most:
         return None
@@ -852,35 +852,38 @@ def _two_axes(results: Results) -> str | None:
     return f"As in the paper, both axes have the frequency of the first bending mode{known}."
 
 
+FIRST = 5
+"""Remarks beside the answer; the rest stand at the end."""
+
 REMARKS: tuple[Callable[[Results], str | None], ...] = (
     divergence,
     wide,
     _capped,
-    at_rest,
     weight,
-    _nothing_released,
-    _held,
+    _books,
     leaning_load,
     level_floor,
-    turning_floor,
+    level_structure,
+    still_across,
+    root_stress,
+    _rolling,
+    _assumed_damping,
+    _held,
+    _nothing_released,
+    _effective_ball,
+    _release_stress,
+    _work_bound,
     pendulum,
+    turning_floor,
     scattered,
     modes_left_out,
-    still_across,
-    level_structure,
-    _books,
-    _work_bound,
-    _assumed_damping,
     lent,
-    _effective_ball,
     _rows,
-    _rolling,
-    _release_stress,
-    root_stress,
+    at_rest,
     _two_axes,
     stiffness_with_ball,
     real_modes,
     veering,
     frequency_error,
 )
-"""In the order in which they are reported."""
+"""Most important first; the last, on the errors of the frequencies, is long and has its own table."""

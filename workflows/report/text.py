@@ -40,7 +40,10 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
         parts += ["", *_wrapped(" ".join(found.details))]
     if results.notes and out is None:
         parts.append("")
-        parts += [line for note in results.notes if note not in on_scene for line in _wrapped(note, "- ")]
+        notes = [note for note in results.notes if note not in on_scene]
+        parts += [line for note in notes[: remarks.FIRST] for line in _wrapped(note, "- ")]
+        if (more := len(notes) - remarks.FIRST) > 0:
+            parts.append(f"- {more} more: in the report, and in `results.notes`")
     seconds = f"{results.timings['total']:.1f} s"
     if out is None:
         parts += ["", f"{seconds}; nothing written (--out DIR writes results and a report)"]

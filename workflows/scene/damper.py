@@ -12,12 +12,14 @@ from workflows.scene.quantities import (
     ROUNDING,
     Cycles,
     Density,
+    Direction,
     Length,
     LengthPair,
     LoadPair,
     Mass,
     NotNegative,
     Number,
+    Place,
     Positive,
     Radii,
     Table,
@@ -36,10 +38,16 @@ class Damper(Table):
     it bends, and 2 across (its y).
     """
 
-    at: LengthPair | None = Field(
+    at: Place | None = Field(
         None,
         description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
-        " default: the middle of the tip",
+        " default: the middle of the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's"
+        " number",
+    )
+    direction: Direction | None = Field(
+        None,
+        description="axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what"
+        " of it is along the load does not count",
     )
     mass_ratio: Annotated[Number, Positive, Field(le=HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
@@ -117,6 +125,11 @@ class Damper(Table):
             )
         return self
 
+    @property
+    def on_plate(self) -> tuple[float, float] | None:
+        """The place (x, y) on a plate; None for the middle of its tip."""
+        return (self.at[0], self.at[1]) if isinstance(self.at, tuple) else None
+
     def density(self, mass: float) -> float:
         """Of each ball where all of them weigh so much [kg/m³]."""
         return mass / self.count / (4 / 3 * math.pi * self.radius**3)
@@ -143,7 +156,9 @@ class Release(Table):
     """How the structure is let go: from rest, displaced."""
 
     displacement: LengthPair | None = Field(
-        None, description="at release, in the damper's axes: 1 along the bending direction, 2 across"
+        None,
+        description="at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration"
+        " or ratio: along 1, by 1.5 times the amplitude above which the ball moves",
     )
     acceleration: LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
     ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
@@ -153,10 +168,10 @@ class Release(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """One way of giving the release, and one that sets something in motion."""
+        """One way of giving the release at most, and one that sets something in motion."""
         given = [key for key in ("displacement", "acceleration", "ratio") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise fault(given[-1] if given else "displacement", "expected one of displacement, acceleration and ratio")
+        if len(given) > 1:
+            raise fault(given[-1], "expected one of displacement, acceleration and ratio")
         pair = self.displacement if self.displacement is not None else self.acceleration
         if pair is not None and not any(pair):
             raise fault(given[0], "expected a release that is not zero on both axes")

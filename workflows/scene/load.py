@@ -56,7 +56,7 @@ class SceneFile:
         """The same without the damper; a housing stays, a part of the point mass at the damper's place."""
         plate, damper, mass = self.scene.plate, self.scene.damper, self.scene.point_mass
         if plate is not None and damper is not None and mass:
-            plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.at})
+            plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.on_plate})
         return self.changed(plate=plate, damper=None, release=None)
 
     def changed(self, **tables: Table | None) -> SceneFile:
@@ -68,6 +68,9 @@ SHIPPED = Path(__file__).parents[1] / "scenes"
 DEFAULT = "paper"
 _MESHES = {".msh", ".vtu", ".vtk", ".inp", ".bdf", ".nas", ".fem", ".xdmf", ".stl", ".step", ".stp", ".iges", ".igs"}
 """How names of meshes end, and of geometry that is taken for one."""
+
+_OF_MODES = (".frd", ".frd.gz", ".npz", ".rst", ".op2", ".unv")
+"""How names of files of modes end."""
 
 _LARGEST = 1_000_000
 """Bytes; no scene written by hand comes near."""
@@ -120,6 +123,9 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     if path.suffix.lower() in _MESHES and path.is_file():
         problem = f'a mesh, not a scene: name it in a scene as [plate] mesh = "{path.name}"'
         raise BadInput(f"{problem}, or look at it with `spindamp view {where}`", file=str(where))
+    if path.name.lower().endswith(_OF_MODES) and path.is_file():
+        problem = f'a file of modes, not a scene: name it in a scene as [structure] modes = "{path.name}"'
+        raise BadInput(problem, file=str(where))
     if str(where) in shipped() and not path.is_file():
         path, name = SHIPPED / f"{where}.toml", f"{where}.toml"
     else:
@@ -384,8 +390,8 @@ def _lookup(data: Any, loc: list[str]) -> object:
     return None if isinstance(data, Mapping) and len(loc) == 1 else data
 
 
-def _tables() -> dict[str, type[BaseModel]]:
-    return {name: kind for name, field in Scene.model_fields.items() for kind in _models(field)}
+def _tables() -> dict[str, list[type[BaseModel]]]:
+    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := _models(field))}
 
 
 def _models(field: Any) -> list[type[BaseModel]]:
@@ -402,14 +408,14 @@ def _models(field: Any) -> list[type[BaseModel]]:
 def _fields(loc: list[str]) -> list[str]:
     if not loc:
         return list(Scene.model_fields)
-    table = _tables().get(loc[0])
+    tables = _tables().get(loc[0], [])
     for key in loc[1:]:
-        table = next(iter(_models(table.model_fields[key])), None) if table and key in table.model_fields else None
-    return list(table.model_fields) if table else []
+        tables = [kind for table in tables if key in table.model_fields for kind in _models(table.model_fields[key])]
+    return [name for table in tables for name in table.model_fields]
 
 
 def _belongs(key: str) -> str:
-    homes = [f"[{name}]" for name, table in _tables().items() if key in table.model_fields]
+    homes = [f"[{name}]" for name, kinds in _tables().items() if any(key in kind.model_fields for kind in kinds)]
     return f": it belongs in {' or '.join(homes)}" if homes else ""
 
 

@@ -164,7 +164,7 @@ def given_place(scene: Scene) -> tuple[float, float] | None:
     """The place (x, y) in m that a scene gives its damper, or else its tip mass."""
     plate, damper = scene.plate, scene.damper
     if damper is not None:
-        return damper.at
+        return damper.on_plate
     return None if plate is None else plate.tip_mass_at
 
 

@@ -337,6 +337,36 @@ def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return several(partial(si, kind), quantity_schema(kind), f"expected a list of two, such as {_two(kind)}", 2, 2)
 
 
+def _triple(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+    expectation = f"expected a list of three, such as ['{kind.example}', '{kind.example}', '{kind.example}']"
+    return several(partial(si, kind), quantity_schema(kind), expectation, 3, 3)
+
+
+def _direction(value: object) -> tuple[float, ...]:
+    items = value if isinstance(value, list | tuple) else []
+    if len(items) != 3 or not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
+        raise wrong("expected a direction of three numbers such as [0, 0, 1]")
+    found = tuple(map(_number, items))
+    if not any(found):
+        raise wrong("expected a direction such as [0, 0, 1]: all three are 0")
+    return found
+
+
+def _place(value: object, info: ValidationInfo) -> tuple[float, ...] | str | int:
+    """Two or three lengths, the name of a set of nodes, or the number of a node."""
+    expectation = (
+        f"expected a place such as {_two(LENGTH)} on a plate, three lengths in space, the name of a set of nodes or the"
+        " number of a node"
+    )
+    if isinstance(value, str) and value.strip():
+        return _line(value)
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+        return value
+    if not isinstance(value, list | tuple) or not 2 <= len(value) <= 3:
+        raise wrong(expectation)
+    return tuple(si(LENGTH, item, info) for item in value)
+
+
 def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSchema]:
     """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
     expectation = f"expected a value such as '{kind.example}', or a list of two, one for each axis"
@@ -365,16 +395,20 @@ def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(validate), WithJsonSchema({"enum": list(names)})
 
 
-def _length_unit(value: object) -> str:
+def _unit_of(kind: Kind, what: str, value: object) -> str:
     text, hint = value if isinstance(value, str) else "", ""
     try:
         if text.strip():
-            to_si(f"1 {text}", LENGTH)
+            to_si(f"1 {text}", kind)
             return text
     except UnitError as error:
         found = str(error)
         hint = found[found.rindex(", did") :] if "did you mean" in found else ""
-    raise wrong(f"expected a unit of length such as 'mm'{hint}")
+    raise wrong(f"expected a unit of {what}{hint}")
+
+
+_length_unit = partial(_unit_of, LENGTH, "length such as 'mm'")
+_mass_unit = partial(_unit_of, MASS, "mass such as 'kg' or 't'")
 
 
 def _number(value: object) -> float:
@@ -426,12 +460,35 @@ LineStiffness = Annotated[float, *_quantity(LINE_STIFFNESS)]
 RotationalStiffness = Annotated[float, *_quantity(ROTATIONAL_STIFFNESS)]
 Density = Annotated[float, *_quantity(DENSITY)]
 LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
+MassUnit = Annotated[str, BeforeValidator(_mass_unit), WithJsonSchema({"type": "string", "examples": ["t"]})]
 Acceleration = Annotated[float, *_quantity(ACCELERATION)]
 Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
 Slopes = Annotated[tuple[float, float], *_one_or_two(SLOPE, zero=True)]
 LengthPair = Annotated[tuple[float, float], *_pair(LENGTH)]
+LengthTriple = Annotated[tuple[float, float, float], *_triple(LENGTH)]
 Lengths = Annotated[tuple[float, ...], *list_of(LENGTH)]
+Direction = Annotated[
+    tuple[float, float, float],
+    BeforeValidator(_direction),
+    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}),
+]
+_LENGTHS = {"type": "array", "items": quantity_schema(LENGTH)}
+Place = Annotated[
+    tuple[float, ...] | str | int,
+    BeforeValidator(_place),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _LENGTHS | {"minItems": 2, "maxItems": 2},
+                _LENGTHS | {"minItems": 3, "maxItems": 3},
+                {"type": "string"},
+                {"type": "integer", "minimum": 0},
+            ],
+            "x-si": "m",
+        }
+    ),
+]
 LoadPair = Annotated[tuple[float, float], *_pair(LOAD)]
 Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]
 Switch = Annotated[

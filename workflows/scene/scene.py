@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, WithJsonSchema, model_validator
 
 from fem.accuracy.tolerances import Budget
 from fem.rotor import from_rpm, in_rpm
@@ -22,13 +22,17 @@ from workflows.scene.quantities import (
     ROUNDING,
     Acceleration,
     Angle,
+    Direction,
     Frequencies,
     Kind,
     Length,
     LengthPair,
     Lengths,
+    LengthTriple,
+    LengthUnit,
     Line,
     Mass,
+    MassUnit,
     NotNegative,
     Number,
     Positive,
@@ -169,6 +173,70 @@ class Structure(Table):
     )
 
 
+def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
+    expectation = "expected a file such as 'blade.frd', or { '0 rpm' = 'rest.frd', '9000 rpm' = 'fast.frd' }"
+    if isinstance(value, str):
+        value = {"": value}
+    if not isinstance(value, Mapping) or not value or not all(isinstance(name, str) for name in value.values()):
+        raise wrong(expectation)
+    for name in value.values():
+        if not name.strip() or not name.isprintable():
+            raise wrong(expectation)
+    if set(value) == {""}:
+        return str(value[""])
+    known = [si(quantities.ROTATION, speed, info) for speed in value]
+    if min(known) < 0 or max(known) > FASTEST or len(set(known)) < len(known):
+        raise wrong(f"expected different speeds from 0 to {FASTEST:g} rad/s as keys")
+    return {str(speed): str(name) for speed, name in value.items()}
+
+
+_FILES = {"type": "object", "additionalProperties": {"type": "string"}, "minProperties": 1}
+Modes = Annotated[
+    str | dict[str, str], BeforeValidator(_modes), WithJsonSchema({"anyOf": [{"type": "string"}, _FILES]})
+]
+
+
+class KnownModes(Table):
+    """A structure whose modes are known already, instead of a plate: by another program, or from a test."""
+
+    modes: Modes = Field(
+        description="file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the"
+        " speeds of their modes"
+    )
+    unit: LengthUnit | None = Field(
+        None, description="of the file's coordinates; default: what the file says, m where it says nothing"
+    )
+    mass_unit: MassUnit | None = Field(
+        None, description="of the file's modal masses; default: what the file says, kg where it says nothing"
+    )
+
+    @property
+    def files(self) -> dict[float | None, str]:
+        """Names of files by the speed of their modes [rad/s]; None where the speed is not given."""
+        if isinstance(self.modes, str):
+            return {None: self.modes}
+        return {quantities.to_si(speed, quantities.ROTATION): name for speed, name in self.modes.items()}
+
+    def scale(self, unit: str | None, mass_unit: str | None) -> tuple[float, float]:
+        """Metres and kilograms to the units of a file that says these of itself."""
+        length, mass = self.unit or unit or "m", self.mass_unit or mass_unit or "kg"
+        return quantities.to_si(f"1 {length}", LENGTH), quantities.to_si(f"1 {mass}", quantities.MASS)
+
+
+_GIVEN, _KNOWN = "[given]", "[known]"
+"""Mark the two kinds of [structure] among the errors that pydantic finds; no key of a scene has brackets."""
+
+
+def _kind_of_structure(value: Any) -> str:
+    known = isinstance(value, KnownModes) or (isinstance(value, Mapping) and "modes" in value)
+    return _KNOWN if known else _GIVEN
+
+
+AnyStructure = Annotated[
+    Annotated[Structure, Tag(_GIVEN)] | Annotated[KnownModes, Tag(_KNOWN)], Discriminator(_kind_of_structure)
+]
+
+
 _LARGEST_HUB = 20.0
 """Radius [m] at which no blade is clamped: the largest hubs, those of wind turbines, have 3 m."""
 
@@ -186,6 +254,15 @@ class Rotor(Table):
     stagger: Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
     precone: Angle = Field(
         0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
+    )
+    axis: Direction | None = Field(
+        None,
+        description="direction of the spin axis, of a structure in space; default: that of a plate by stagger and"
+        " precone",
+    )
+    origin: LengthTriple | None = Field(
+        None,
+        description="a point on the spin axis, of a structure in space; default: hub_radius before its smallest x",
     )
     gravity: Annotated[Acceleration, Positive] = Field(
         quantities.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
@@ -388,7 +465,7 @@ def on_the_plate(plate: Plate, damper: Damper | None, release: Release | None) -
 
 def _on_a_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
     length, width = sides
-    key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.at)
+    key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.on_plate)
     x, y = (length, 0.0) if at is None else at
     if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
         raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
@@ -456,25 +533,38 @@ _OF_A_PLATE = {
 """Keys that a scene without a plate leaves as they are, and why."""
 
 
+_OF_A_MESH = {
+    "excitation.pressure": "modes know no surface that a pressure acts on: expected force or base",
+    "damper.housing": "the modes are those of the structure as it is, whatever it carries: leave this out",
+    "design.place": "the place is free on a plate alone: leave this out",
+}
+"""Keys that a structure of known modes leaves as they are, and why."""
+
+
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
     title: Annotated[Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
     plate: Plate | None = Field(None, description="the plate")
     material: Material | None = Field(None, description="what the plate is made of")
-    structure: Structure | None = Field(None, description="what carries the damper, instead of a plate")
+    structure: AnyStructure | None = Field(None, description="what carries the damper, instead of a plate")
     rotor: Rotor = Field(description="how it spins")
     effects: Effects = Field(Effects(), description="which effects are simulated")
     damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
-    release: Release | None = Field(None, description="how a ring-down begins")
+    release: Release | None = Field(None, description="how a ring-down begins; left out beside a damper: by default")
     excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
     accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
     design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
 
     @model_validator(mode="before")
     @classmethod
-    def _carrier(cls, data: Any) -> Any:
-        """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other."""
+    def _tables(cls, data: Any) -> Any:
+        """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other.
+
+        A damper without a [release] has the default one.
+        """
+        if isinstance(data, Mapping) and data.get("damper") is not None and data.get("release") is None:
+            data = {**data, "release": {}}
         if isinstance(data, Mapping) and data.get("structure") is not None:
             if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
                 raise fault(
@@ -488,8 +578,10 @@ class Scene(Table):
     @model_validator(mode="after")
     def _together(self) -> Self:
         """Which tables belong together, which exclude each other, and whether what they describe fits together."""
-        if self.structure is not None:
-            self._without_a_plate(self.structure)
+        if self.given is not None:
+            self._without_a_plate(self.given)
+        elif self.known is not None:
+            self._of_known_modes()
         else:
             self._with_a_plate()
         self._with_a_damper()
@@ -512,18 +604,61 @@ class Scene(Table):
             raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
         return self
 
+    @property
+    def given(self) -> Structure | None:
+        """The structure of which frequency and mass are given."""
+        return self.structure if isinstance(self.structure, Structure) else None
+
+    @property
+    def known(self) -> KnownModes | None:
+        """The structure of which the modes are known."""
+        return self.structure if isinstance(self.structure, KnownModes) else None
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the structure lies in space, its floor across the load wherever the damper is."""
+        return self.known is not None
+
+    def _of_known_modes(self) -> None:
+        """What a structure of known modes takes, and what it leaves out."""
+        if self.rotor.radius is not None:
+            raise fault("rotor.radius", "the file of modes knows where its nodes are: give origin, a point on the axis")
+        for key, instead in _OF_A_MESH.items():
+            table, name = key.split(".")
+            given = getattr(self, table)
+            if given is not None and getattr(given, name) != type(given).model_fields[name].default:
+                raise fault(key, instead)
+        if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
+            raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
+        if self.damper is not None and self.damper.at is None:
+            raise fault(
+                "damper.at",
+                "missing: a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm'], a set of"
+                " its nodes or a node's number",
+            )
+
     def _with_a_plate(self) -> None:
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [structure] instead of a plate)")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
+        self._not_in_space()
+        at = None if self.damper is None else self.damper.at
+        if at is not None and (not isinstance(at, tuple) or len(at) != 2):
+            raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
+
+    def _not_in_space(self) -> None:
+        """The keys of structures in space alone are left out."""
+        for table, names in {"rotor": ("axis", "origin"), "damper": ("direction",)}.items():
+            for name in names:
+                if getattr(getattr(self, table), name, None) is not None:
+                    raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
     def _with_a_damper(self) -> None:
-        if (self.damper is None) != (self.release is None):
-            missing, present = ("release", "damper") if self.release is None else ("damper", "release")
-            raise fault(missing, f"the table is missing: [{present}] needs it")
-        if self.damper is not None and self.rotor.precone:
+        if self.damper is None and self.release is not None:
+            raise fault("damper", "the table is missing: [release] needs it")
+        if self.damper is not None and self.rotor.precone and not self.in_space:
             raise fault(
                 "rotor.precone",
                 "the load then slopes along the cavity's floor, which the damper model does not support: expected 0,"
@@ -535,6 +670,7 @@ class Scene(Table):
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
+        self._not_in_space()
         self._tilt(self.damper, structure.floor_tilt)
         weight(self.damper, structure.mass)
         for key, instead in _OF_A_PLATE.items():
@@ -554,9 +690,11 @@ class Scene(Table):
     @property
     def _turning_at(self) -> float | None:
         """The damper's distance from the axis [m]; None where it is known only once a mesh is read."""
+        if self.in_space:
+            return None
         if self.plate is None:
             return self.rotor.radius
-        at = self.damper.at if self.damper is not None else None
+        at = self.damper.on_plate if self.damper is not None else None
         x = self.plate.length if at is None else at[0]
         return None if self.plate.length is None or x is None else self.rotor.hub_radius + x
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
-    structure, rotor = scene.structure, scene.rotor
+    structure, rotor = scene.given, scene.rotor
     if structure is None or rotor.radius is None:
         raise ValueError("the scene has no [structure]")
     m2, f1 = structure.mass, structure.frequency[0]
@@ -59,16 +59,17 @@ def structure(
         raise ValueError("the structure is not known at the damper's place")
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
-    if scene.plate is not None and (tilts or hollow):
-        turning = {"rotation": point.omega, "stagger": scene.rotor.stagger}
+    if scene.given is None and (tilts or hollow):
+        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
+        turning = {"rotation": point.omega, "stagger": stagger}
     if effects["structural_modes"].on and point.cavity_modes:
         modes = taken(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilts) | turning
     both = (1.0, 1.0)
     tilt = (reduced.floor_tilt,) * 2
-    if scene.structure is not None:
-        both = (1.0, (scene.structure.frequency[1] / scene.structure.frequency[0]) ** 2)
-        tilt = scene.structure.floor_tilt
+    if scene.given is not None:
+        both = (1.0, (scene.given.frequency[1] / scene.given.frequency[0]) ** 2)
+        tilt = scene.given.floor_tilt
     return {
         "modal_mass": reduced.M2,
         "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
@@ -151,8 +152,24 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 
-def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
+def moves_from(system: damper.ParticleDamper) -> float:
+    """Amplitude along the bending direction above which a ball at rest begins to roll [m]; inf where it never does."""
+    left = abs(1 - system.tilt_share[0])
+    return math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
+
+
+OUT_OF_REACH = 1e3
+"""Amplitude [m] from which on a ball that would move there counts as one that never does."""
+
+_LET_GO = 1.5
+"""A scene that says nothing lets the structure go at so many times the amplitude above which the ball moves."""
+
+
+def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
     """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
+
+    Where the scene says nothing: by where the ball begins to roll; one that rolls from the start, or never, by where
+    it would reach a wall.
 
     Raises:
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
@@ -165,8 +182,11 @@ def released_at(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
         found = release.displacement
     elif release.acceleration is not None:
         found = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
+    elif release.ratio is not None:
+        found = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
-        found = (release.ratio or 0.0) * point.omega**2 * point.radius / squares[0], 0.0
+        begin, freely = moves_from(system), (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
+        found = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
@@ -198,8 +218,8 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     if reduced is None:
         raise ValueError("the structure is not known at the damper's place")
     first = (2 * math.pi * reduced.f1_hz) ** 2
-    if scene.structure is not None:
-        return first, (2 * math.pi * scene.structure.frequency[1]) ** 2
+    if scene.given is not None:
+        return first, (2 * math.pi * scene.given.frequency[1]) ** 2
     across = leading(point.cavity_modes, 1)
     if across is None:
         return first, first

@@ -81,9 +81,6 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
 _RESOLVING = 1e-3
 """Damping ratio at which a cycle resolves a cut-off to 0.6 %."""
 
-_OUT_OF_REACH = 1e3
-"""Amplitude [m] from which on a ball that would move there counts as one that never does."""
-
 _MOST_CYCLES, _MOST_LINEAR_CYCLES = 100_000, 10_000
 """Caps on cycles where a ball does not come to rest: on level floors, and on others, which are dearer."""
 
@@ -169,9 +166,8 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
     """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
     from damper import capacity, ringdown
 
-    left = abs(1 - system.tilt_share[0])
-    begin = math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
-    if not begin < _OUT_OF_REACH:
+    begin = coupling.moves_from(system)
+    if not begin < coupling.OUT_OF_REACH:
         return CutOff(None, None)
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
     found, load = capacity(motion).cutoff, point.omega**2 * point.radius
@@ -205,7 +201,7 @@ def particle_damper(
             **_terms(given, effects, point.omega),
         )
     except ValueError as error:
-        tilts = scene.structure is not None and str(error).startswith("floor_tilt")
+        tilts = scene.given is not None and str(error).startswith("floor_tilt")
         raise BadInput(str(error), key="[structure] floor_tilt" if tilts else "[damper]") from error
     if system.modes is None:
         error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
@@ -222,7 +218,7 @@ def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str,
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
     from damper import capacity, ringdown
 
-    release = coupling.released_at(scene, point)
+    release = coupling.released_at(scene, point, system)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     asked = None if isinstance(cycles, str) else cycles
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}

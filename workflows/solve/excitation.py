@@ -118,9 +118,9 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
 
     The floor of the cavity tilts, and a plate moves in its own modes.
     """
-    structure = source.scene.structure
+    structure = source.scene.given
     tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
-    modes: bool | str = True if source.scene.plate is not None else "auto"
+    modes: bool | str = True if source.scene.given is None else "auto"
     effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
     return source.changed(effects=effects)
 

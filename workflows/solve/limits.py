@@ -290,7 +290,7 @@ def _room(results: Results) -> float:
     damper, plate = results.scene.damper, results.scene.plate
     if damper is None or plate is None or plate.length is None or damper.housing is not None:
         return math.inf
-    return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.at is None else damper.at)
+    return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
 
 
 def _larger(reduced: Reduced, tilt_share: float, ease: float, *, grows: bool) -> float:
@@ -374,9 +374,9 @@ def root_strain(results: Results, amplitude: float) -> float | None:
 def _tip(results: Results, amplitude: float, length: float) -> float:
     """Amplitude at the tip for one at the cavity [m]."""
     damper = results.scene.damper
-    if damper is None or damper.at is None:
+    if damper is None or damper.on_plate is None:
         return amplitude
-    inward = min(max(_from_root(results, damper.at[0]) / length, 1e-3), 1.0)
+    inward = min(max(_from_root(results, damper.on_plate[0]) / length, 1e-3), 1.0)
     return amplitude * _shape(1.0) / _shape(inward)
 
 

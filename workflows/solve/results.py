@@ -597,6 +597,7 @@ class SpeedPoint:
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
+        stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
         pendulum: of a ball in a hollow floor.
     """
 
@@ -636,6 +637,7 @@ class SpeedPoint:
         ),
     ] = None
     tilted: CutOff | None = None
+    stagger: Annotated[float | None, KEPT] = None
     pendulum: Annotated[
         Pendulum | None,
         part(

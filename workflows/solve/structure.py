@@ -13,11 +13,12 @@ import numpy as np
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
 from workflows.errors import BadInput
-from workflows.progress import Stages, Step
+from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
+from workflows.solve.known_modes import SpaceStructure, space_structure
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
 from workflows.solve.results import Diagram, Discrete, Results, SpeedPoint, Surface, Theory
 
@@ -138,9 +139,12 @@ class StructureState:
 
     def pictured(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
-        if self.plate is None:
-            return self
         rotor, plate = self.source.scene.rotor, self.plate
+        if self.solver is not None and (space := self.solver.space) is not None:
+            speeds = [point.omega for point in self.points]
+            return replace(self, surface=space.surface(speeds, rotor.modes if shapes else 1), diagram=space.diagram())
+        if plate is None:
+            return self
         surface = plate.surface(modes=rotor.modes) if shapes else self.surface
         diagram = results.diagram_of(plate.discrete, plate.diagram, rotor.modes, rotor.speeds)
         return replace(self, surface=surface, diagram=diagram)
@@ -166,7 +170,14 @@ class StructureSolver:
         """
         self.source, self.stages = source, stages
         self.choice = choose_model(source, stages) if choice is None else choice
+        for name, effect in self.choice.effects.items():
+            LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
         self.discrete: Discrete | None = None
+        self.space: SpaceStructure | None = None
+        if source.scene.in_space:
+            with stages("modes"):
+                self.space = space_structure(source)
+            self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):
                 self.discrete = discretise(source, self.choice, stages, size)
@@ -197,6 +208,10 @@ class StructureSolver:
         if speeds is not None:
             update = {"speeds": tuple(float(speed) for speed in speeds)}
             source = source.changed(rotor=source.scene.rotor.model_copy(update=update))
+        if self.space is not None:
+            with translated_errors(source), self.stages("reduction"):
+                points = self.space.points(source, effects)
+            return StructureState(source, effects, points, mesh_sha256=self.space.sha256, solver=self)
         if self.discrete is None:
             points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
             return StructureState(source, effects, points, solver=self)
@@ -277,6 +292,7 @@ def discretise(
     described = plate_mesh.in_words(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
+    LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])
     return Discrete(choice, theory, described, layers, _left_out(effects))
 
 

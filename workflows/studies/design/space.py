@@ -173,7 +173,9 @@ def used(design: Design, scene: Scene, ball_mass: float) -> dict[str, float]:
         found["mass"] = ball_mass / design.mass
     damper, plate = scene.damper, scene.plate
     if damper is not None and plate is not None and damper.housing is None and plate.length is not None:
-        thickness = plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.at is None else damper.at)
+        thickness = plate_mesh.plate_thickness(
+            plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate
+        )
         found["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
     return found
 

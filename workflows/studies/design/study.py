@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-from dataclasses import replace
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from workflows.errors import BadInput
 from workflows.formatting import significant
-from workflows.io import provenance
+from workflows.io import folder, provenance
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
@@ -25,6 +29,7 @@ from workflows.studies.response.study import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     from workflows.studies.design.space import Floats
@@ -43,19 +48,43 @@ _LOCAL, _NEAR = 30, 0.08
 """Designs that the simplex may try for each range, and the size of its first, in shares."""
 
 
-def search(space: Space, score: Score, seed: int, progress: Callable[[str], None]) -> Found:
-    """The best design of a space."""
-    known = _Known(space, score, progress)
+def search(space: Space, score: Score, seed: int, progress: Callable[[str], None], kept: Kept | None = None) -> Found:
+    """The best design of a space; `kept`: the designs that were scored before."""
+    known = _Known(space, score, progress, kept)
     best, scored = _about(space, known, _everywhere(space, known, seed))
     return Found(best, scored, known.tried)
+
+
+class Kept:
+    """Scores in a file, a line each, by which a search that was stopped goes on.
+
+    The file is of one scene, seed and version of the program: another's is begun anew.
+    """
+
+    def __init__(self, path: Path, source: SceneFile, seed: int) -> None:
+        self._path, self.scores = path, dict[str, Scored]()
+        whose = (executor.digest(), versions(), source.scene.model_dump_json(), source.mesh_sha256, seed)
+        of = hashlib.sha256(repr(whose).encode()).hexdigest()
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        scored = TypeAdapter(Scored)
+        with suppress(ValueError):  # the last line may be cut off
+            for key, values in map(json.loads, lines[1:] if lines[:1] == [of] else []):
+                self.scores[key] = scored.validate_python(values)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(f"{line}\n" for line in [of, *lines[1 : len(self.scores) + 1]]), encoding="utf-8")
+
+    def add(self, scores: Mapping[str, Scored]) -> None:
+        """Keep further ones."""
+        with self._path.open("a", encoding="utf-8") as file:
+            file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
 
 
 class _Known:
     """Scores each design once: of choices, many shares mean the same."""
 
-    def __init__(self, space: Space, score: Score, progress: Callable[[str], None]) -> None:
-        self._space, self._score, self._progress = space, score, progress
-        self._scores: dict[tuple[object, ...], Scored] = {}
+    def __init__(self, space: Space, score: Score, progress: Callable[[str], None], kept: Kept | None) -> None:
+        self._space, self._score, self._progress, self._kept = space, score, progress, kept
+        self._scores: dict[str, Scored] = {}
 
     @property
     def tried(self) -> int:
@@ -63,10 +92,15 @@ class _Known:
         return len(self._scores)
 
     def __call__(self, shares: Floats, quick: bool) -> list[Scored]:
-        keys = [(quick, *self._space.values(row).values()) for row in shares]
+        keys = [repr((quick, *self._space.values(row).values())) for row in shares]
+        before = {} if self._kept is None else self._kept.scores
+        self._scores |= {key: before[key] for key in keys if key in before}
         new = {key: row for key, row in zip(keys, shares, strict=True) if key not in self._scores}
         if new:
-            self._scores |= zip(new, self._score(np.array(list(new.values())), quick), strict=True)
+            found = dict(zip(new, self._score(np.array(list(new.values())), quick), strict=True))
+            self._scores |= found
+            if self._kept is not None:
+                self._kept.add(found)
             self._progress(f"{self.tried} designs")
         return [self._scores[key] for key in keys]
 
@@ -144,6 +178,8 @@ def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
     return best, scored
 
 
+_GOES_ON = "the designs tried so far are kept; the same command goes on"
+
 _PART = 4
 """Designs that a worker takes at a time."""
 
@@ -160,8 +196,16 @@ def design(
     seed: int = 0,
     pool: AbstractContextManager[Workers] | None = None,
     stages: Stages | None = None,
+    partial_results: Path | None = None,
 ) -> Designed:
     """The damper that damps best within what a scene's [design] allows.
+
+    Args:
+        scene: with a table [design].
+        seed: of the search.
+        pool: the workers; default: the cores of this machine.
+        stages: the clock.
+        partial_results: a file of designs that were scored; a design that was stopped goes on from it.
 
     Raises:
         BadInput: the scene is wrong, has no [design], or no design keeps to its limits.
@@ -171,13 +215,18 @@ def design(
     resources.check(source)
     clock = stages or Stages()
     space = objectives.space(source, clock)
-    with pool or executor.local() as workers, clock("design") as step:
+    kept = None if partial_results is None else Kept(partial_results, source, seed)
+    resumed = nullcontext() if kept is None else folder.going_on(_GOES_ON)
+    with resumed, pool or executor.local() as workers, clock("design") as step:
         score = partial(scored, workers, executor.digest())
-        found = search(space, partial(score, space), seed, step.advance)
-        if found.scored.impossible:
-            raise _infeasible(space, found.scored)
-        held = report.holds(space, found, score)
-        grid = _around(space, found, partial(score, space))
+        found = search(space, partial(score, space), seed, step.advance, kept)
+        impossible = found.scored.impossible
+        held = () if impossible else report.holds(space, found, score)
+        grid = None if impossible else _around(space, found, partial(score, space))
+    if partial_results is not None:
+        partial_results.unlink()
+    if impossible:
+        raise _infeasible(space, found.scored)
     best = winner(space, found)
     if not found.scored.works:
         return Designed(space, found, held, best, "", grid, None)

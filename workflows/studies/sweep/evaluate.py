@@ -274,7 +274,7 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     damper = damper_stage.particle_damper(scene, state.effects, point)
     _fill(row, point)
     row["ball_mass"] = damper.ball_mass
-    return DamperCase(number, state, point, damper, coupling.released_at(scene, point))
+    return DamperCase(number, state, point, damper, coupling.released_at(scene, point, damper))
 
 
 def said(error: SpindampError, source: SceneFile) -> str:

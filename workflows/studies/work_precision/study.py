@@ -526,7 +526,7 @@ def _ball(source: SceneFile, decided: ModelChoice) -> tuple[ParticleDamper, tupl
     point = points[middle(points)]
     with read_from(source.name):
         system = level(damper.particle_damper(source.scene, decided.effects, point))
-        return system, coupling.released_at(source.scene, point), point
+        return system, coupling.released_at(source.scene, point, system), point
 
 
 def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:

@@ -1,0 +1,555 @@
+"""Files of modes: CalculiX's .frd in ASCII, and the neutral file that this package reads and writes, .npz or .json."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import re
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.cells import KINDS, cell
+from fem.modal_model import SAME_SPEED, ModalModel, ModesAtSpeed, chosen
+from fem.rotor import from_rpm, in_rpm
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Ints = NDArray[np.int64]
+
+
+class ModesFileError(ValueError):
+    """A file that holds no usable modes; the message says what is wrong and what would be right."""
+
+
+@dataclass(frozen=True, eq=False)
+class Raw:
+    """What a file holds, in its own units.
+
+    Attributes:
+        model: nodes, cells and modes; speeds of nan where the file does not say.
+        unit, mass_unit: what the file says of them; None: nothing.
+        turns: whether axis and origin are the file's.
+    """
+
+    model: ModalModel
+    unit: str | None = None
+    mass_unit: str | None = None
+    turns: bool = False
+
+
+def read(path: Path) -> Raw:
+    """Read a file of modes by the end of its name: .frd, .npz or .json, the first also packed as .frd.gz.
+
+    Raises:
+        ModesFileError: it holds no usable modes.
+        OSError: it cannot be read.
+    """
+    name = path.name.lower().removesuffix(".gz")
+    data = path.read_bytes()
+    if path.name.lower().endswith(".gz"):
+        try:
+            data = gzip.decompress(data)
+        except (OSError, EOFError) as error:
+            raise ModesFileError(f"not a whole .gz file: {error}") from error
+    if not data.strip():
+        raise ModesFileError("the file is empty")
+    if name.endswith(".frd"):
+        return _checked(Raw(_frd(data)))
+    if name.endswith(".npz"):
+        return _checked(_neutral(_npz(data)))
+    if name.endswith(".json"):
+        return _checked(_neutral(_json(data)))
+    problem = "expected a file of modes whose name ends in .frd, .npz or .json"
+    if name.endswith((".rst", ".op2", ".unv", ".csv")):
+        problem += ": the guide 'Modes from elsewhere' shows how to write .npz from this one"
+    raise ModesFileError(problem)
+
+
+def _checked(raw: Raw) -> Raw:
+    """The same, once all numbers are finite and make sense.
+
+    Raises:
+        ModesFileError: they do not.
+    """
+    model = raw.model
+    if not np.isfinite(model.points).all():
+        raise ModesFileError("coordinates of nodes are not numbers")
+    if not len(model.points) or not np.ptp(model.points, axis=0).any():
+        raise ModesFileError("expected nodes at different places")
+    for modes in model.speeds:
+        frequencies = modes.frequencies_hz
+        if not frequencies.size:
+            raise ModesFileError("it holds no modes")
+        if not np.isfinite(frequencies).all():
+            raise ModesFileError("frequencies are not numbers")
+        if frequencies.min() <= 0.0:
+            number = int(frequencies.argmin()) + 1
+            raise ModesFileError(
+                f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a structure that is held"
+                " and does not diverge"
+            )
+        for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
+            if values is not None and not np.isfinite(values).all():
+                raise ModesFileError(f"{what} hold values that are not numbers")
+        still = np.abs(modes.shapes).max(axis=(1, 2)) == 0.0
+        if still.any():
+            raise ModesFileError(f"nothing moves in mode {int(still.argmax()) + 1}")
+    return replace(raw, model=replace(model, speeds=tuple(_ascending(modes) for modes in model.speeds)))
+
+
+def _ascending(modes: ModesAtSpeed) -> ModesAtSpeed:
+    """Modes in the order of their frequencies."""
+    order = np.argsort(modes.frequencies_hz, kind="stable")
+    if (order == np.arange(order.size)).all():
+        return modes
+    return chosen(modes, order, np.ones(order.size))
+
+
+_ELEMENTS = {
+    1: ("hexahedron", 8),
+    2: ("wedge", 6),
+    3: ("tetra", 4),
+    4: ("hexahedron20", 20),
+    5: ("wedge15", 15),
+    6: ("tetra10", 10),
+    7: ("triangle", 3),
+    8: ("triangle6", 6),
+    9: ("quad", 4),
+    10: ("quad8", 8),
+}
+"""Kinds of element by their number in an .frd: meshio's name, and the number of nodes."""
+
+_ORDER = {
+    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
+    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
+}
+"""Places of meshio's nodes in an .frd: there the vertical mid-side nodes stand before those of the top."""
+
+_STATIC, _FREQUENCY = 0, 2
+"""Types of analysis in the line 100C of an .frd."""
+
+
+def _frd(data: bytes) -> ModalModel:
+    """The nodes, cells and modes of an .frd, as CalculiX 2.20 writes it in ASCII.
+
+    Raises:
+        ModesFileError: it holds no usable modes.
+    """
+    data = data.replace(b"\r\n", b"\n")
+    if not data.lstrip().startswith(b"1C"):
+        raise ModesFileError("not an .frd file: expected '1C' in its first line")
+    head = re.search(rb"^    2C.*$", data, re.M)
+    if head is None:
+        raise ModesFileError("no block of nodes (2C)")
+    if head[0].split()[-1] == b"2" or any(byte > 127 for byte in data[head.end() : head.end() + 4000]):
+        raise ModesFileError("a binary .frd: expected ASCII, which CalculiX writes unless the deck asks for OUTPUT=…")
+    if not re.search(rb"^ *9999\s*$", data[-200:], re.M):
+        raise ModesFileError("the file ends before its last line, '9999': it was cut off, or the analysis did not end")
+    labels, points = _table(data, head.end(), int(head[0].split()[1]), "the block of nodes")
+    order = np.argsort(labels, kind="stable")
+    if np.unique(labels).size < labels.size:
+        raise ModesFileError("two nodes have the same number")
+    lookup = labels[order], order
+    cells = _elements(data, lookup)
+    found = _results(data, labels, lookup)
+    return ModalModel(points, (found,), np.array([0.0, 0.0, 1.0]), np.zeros(3), cells, {}, labels)
+
+
+def _table(data: bytes, begin: int, count: int, what: str) -> tuple[Ints, Array]:
+    """Numbers (n,) and three values (n, 3) of the lines ' -1' after a header, up to ' -3'."""
+    begin = data.index(b"\n", begin) + 1
+    while data[begin : begin + 3] in (b" -4", b" -5"):
+        begin = data.index(b"\n", begin) + 1
+    end = data.find(b"\n -3", begin)
+    if end < 0:
+        raise ModesFileError(f"{what} has no end (' -3'): the file was cut off")
+    lines = data[begin : end + 1].split(b"\n")[:-1]
+    if len(lines) != count:
+        raise ModesFileError(f"{what} has {len(lines)} lines of the {count} that its header names: nodes are missing")
+    width = {len(line) for line in lines}
+    if len(width) != 1 or width.pop() < 49 or any(line[:3] != b" -1" for line in lines):
+        raise ModesFileError(f"{what} has lines that are not of 49 letters: ' -1', a number, three values")
+    letters = np.frombuffer(b"".join(line[:49] for line in lines), dtype="S1").reshape(count, 49)
+    try:
+        labels = np.ascontiguousarray(letters[:, 3:13]).view("S10")[:, 0].astype(np.int64)
+        values = np.ascontiguousarray(letters[:, 13:]).view("S12").astype(np.float64)
+    except ValueError as error:
+        raise ModesFileError(f"{what} holds what is not a number: {error}") from error
+    return labels, values
+
+
+def _rows(labels: Ints, lookup: tuple[Ints, Ints], what: str) -> Ints:
+    """Which rows of the nodes these labels are."""
+    known, order = lookup
+    at = np.minimum(np.searchsorted(known, labels), known.size - 1)
+    unknown = labels[known[at] != labels]
+    if unknown.size:
+        raise ModesFileError(f"{what} names node {int(unknown[0])}, which the file does not have")
+    return order[at]
+
+
+def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints], ...]:
+    """The cells of an .frd by kind; beams and what else has no surface are left out."""
+    head = re.search(rb"^    3C.*$", data, re.M)
+    if head is None:
+        return ()
+    end = data.find(b"\n -3", head.end())
+    if end < 0:
+        raise ModesFileError("the block of elements has no end (' -3'): the file was cut off")
+    by_kind: dict[str, list[list[int]]] = {}
+    try:
+        for part in data[head.end() : end].split(b"\n -1")[1:]:
+            lines = part.split(b"\n")
+            kind = int(lines[0].split()[1])
+            if kind not in _ELEMENTS:
+                continue
+            name, count = _ELEMENTS[kind]
+            nodes = [int(word) for line in lines[1:] for word in _words(line[3:])]
+            if len(nodes) != count:
+                raise ModesFileError(f"an element of type {kind} has {len(nodes)} nodes, expected {count}")
+            by_kind.setdefault(name, []).append(nodes)
+    except (ValueError, IndexError) as error:
+        if isinstance(error, ModesFileError):
+            raise
+        raise ModesFileError(f"the block of elements cannot be read: {error}") from error
+    found = []
+    for name, every in by_kind.items():
+        rows = _rows(np.array(every).ravel(), lookup, "an element").reshape(len(every), -1)
+        found.append((name, rows[:, _ORDER.get(name, slice(None))]))
+    return tuple(found)
+
+
+def _words(line: bytes) -> list[bytes]:
+    """Node numbers of a line, in fields of ten letters, which may touch."""
+    return [line[k : k + 10] for k in range(0, len(line.rstrip()), 10)]
+
+
+def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpeed:
+    """The modes of an .frd, and its static displacement."""
+    static: Array | None = None
+    frequencies: list[float] = []
+    shapes: list[Array] = []
+    steps: set[bytes] = set()
+    begin = 0
+    for head in re.finditer(rb"^  100C.*\n -4  (\S+)", data, re.M):
+        before, begin = data[begin : head.start()], head.end()
+        line, name = head[0].split(b"\n")[0], head[1]
+        kind = int(line[57:58] or b"0") if line[57:58].isdigit() else -1
+        if name == b"DISPI" and kind == _FREQUENCY:
+            raise ModesFileError(
+                "complex modes (a block DISPI): a damper takes real modes, of *FREQUENCY without CORIOLIS or friction"
+            )
+        if name != b"DISP":
+            continue
+        try:
+            value = float(line[12:24])
+        except ValueError as error:
+            raise ModesFileError(f"columns 13 to 24 of a header hold no frequency: {line[12:24]!r}") from error
+        what = f"the block of mode {len(frequencies) + 1}" if kind == _FREQUENCY else "the block of displacements"
+        if kind not in (_STATIC, _FREQUENCY):
+            continue
+        own, moved = _table(data, head.end(), len(labels), what)
+        placed = np.full((len(labels), 3), np.nan)
+        placed[_rows(own, lookup, what)] = moved
+        if np.isnan(placed).any():
+            raise ModesFileError(f"{what} holds values that are not numbers, or lacks nodes")
+        if kind == _STATIC:
+            static = placed
+            continue
+        steps.add(_parameter(before, b"1PSTEP", 2) or b"1")
+        frequencies.append(value)
+        shapes.append(placed / _norm(before, value, len(frequencies)))
+    if not frequencies:
+        only = "only a static step" if static is not None else "no displacements"
+        raise ModesFileError(f"{only}: expected modes, of *FREQUENCY with *NODE FILE, U")
+    if len(steps) > 1:
+        raise ModesFileError(
+            f"modes of {len(steps)} steps: expected one *FREQUENCY step in a file; a file for each speed"
+        )
+    return ModesAtSpeed(np.nan, np.array(frequencies), np.array(shapes), static)
+
+
+def _norm(before: bytes, frequency: float, number: int) -> float:
+    """Root of the modal mass that an .frd says a mode has, once stiffness and frequency belong together."""
+    mass, stiffness = _parameter(before, b"1PGM", 0), _parameter(before, b"1PGK", 0)
+    if mass is None or stiffness is None:
+        raise ModesFileError(f"mode {number} has no modal mass (1PGM) and stiffness (1PGK): its shape has no scale")
+    m, k = float(mass), float(stiffness)
+    if not (np.isfinite([m, k]).all() and m > 0.0):
+        raise ModesFileError(f"mode {number} has a modal mass of {m:g}: expected more than 0")
+    square = (2.0 * np.pi * frequency) ** 2
+    if frequency > 0.0 and abs(k / m - square) > _AGREE * square:
+        raise ModesFileError(
+            f"mode {number}: modal stiffness over mass, {k / m:g}, is not the square of {frequency:g} Hz, {square:g}"
+        )
+    return float(np.sqrt(m))
+
+
+_AGREE = 1e-3
+"""Relative difference between a frequency and what modal mass and stiffness make of it."""
+
+
+def _parameter(before: bytes, name: bytes, place: int) -> bytes | None:
+    """A word of the last parameter line of this name."""
+    found = re.findall(rb"^    " + name + rb" +(.*)$", before, re.M)
+    words = found[-1].split() if found else []
+    return words[place] if len(words) > place else None
+
+
+FORMAT = "spindamp modes 1"
+"""What the neutral file says in its key `format`."""
+
+_REQUIRED = ("format", "unit", "mass_unit", "speeds_rpm", "nodes", "frequencies_hz", "shapes", "modal_masses")
+_OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ratios", "frequency_errors", "drawn")
+
+
+def _npz(data: bytes) -> dict[str, Any]:
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
+        raise ModesFileError(f"not a whole .npz file of plain arrays: {error}") from error
+
+
+def _json(data: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise ModesFileError(f"not valid JSON: {error}") from error
+    if not isinstance(found, dict):
+        raise ModesFileError("expected an object with the keys of the neutral file")
+    return found
+
+
+def _neutral(data: Mapping[str, Any]) -> Raw:
+    """What the neutral file holds.
+
+    Raises:
+        ModesFileError: a key is missing, unknown or of another shape than it should be.
+    """
+    if str(data.get("format", "")) != FORMAT:
+        raise ModesFileError(f"key 'format': expected '{FORMAT}'")
+    for name in data:
+        if name not in (*_REQUIRED, *_OPTIONAL) and not name.startswith(("cells_", "set_")):
+            raise ModesFileError(
+                f"unknown key '{name}': expected {', '.join((*_REQUIRED, *_OPTIONAL))}, cells_…, set_…"
+            )
+    missing = [name for name in _REQUIRED if name not in data]
+    if missing:
+        raise ModesFileError(f"key '{missing[0]}' is missing" + _about(missing[0]))
+    points = _array(data, "nodes", (None, 3))
+    speeds = _array(data, "speeds_rpm", (None,))
+    frequencies = _array(data, "frequencies_hz", (speeds.size, None))
+    count, nodes = frequencies.shape[1], len(points)
+    if np.unique(speeds).size < speeds.size or speeds.size == 0 or not (speeds >= 0.0).all():
+        raise ModesFileError("key 'speeds_rpm': expected different speeds, 0 or above")
+    masses = _array(data, "modal_masses", (speeds.size, count))
+    if not (np.isfinite(masses).all() and masses.min(initial=1.0) > 0.0):
+        raise ModesFileError("key 'modal_masses': expected masses above 0, 1 of shapes that are mass-normalised")
+    norm = np.sqrt(masses)[:, :, None, None]
+    whole: dict[str, Any] = {
+        "shapes": _array(data, "shapes", (speeds.size, count, nodes, 3)) / norm,
+        "static": _array(data, "static", (speeds.size, nodes, 3)),
+        "rotations": _scaled(_array(data, "rotations", (speeds.size, count, nodes, 3)), norm),
+        "damping_ratios": _array(data, "damping_ratios", (speeds.size, count)),
+        "errors": _array(data, "frequency_errors", (speeds.size, count)),
+        "drawn": _scaled(_array(data, "drawn", (speeds.size, count, 3)), norm[..., 0]),
+    }
+    order = np.argsort(speeds)
+    known = tuple(
+        ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{n: v[k] for n, v in whole.items() if v is not None})
+        for k in order
+    )
+    axis, origin = _array(data, "axis", (3,)), _array(data, "origin", (3,))
+    if (axis is None) != (origin is None):
+        raise ModesFileError("keys 'axis' and 'origin': expected both or neither")
+    if axis is not None and not np.linalg.norm(axis) > 0.0:
+        raise ModesFileError("key 'axis': expected a direction")
+    labels = _numbers(data, "node_labels", nodes) if "node_labels" in data else None
+    model = ModalModel(
+        points,
+        known,
+        np.array([0.0, 0.0, 1.0]) if axis is None else axis / np.linalg.norm(axis),
+        np.zeros(3) if origin is None else origin,
+        _cells(data, nodes),
+        {name.removeprefix("set_"): _numbers(data, name, None, nodes) for name in data if name.startswith("set_")},
+        labels,
+    )
+    return Raw(model, str(data["unit"]), str(data["mass_unit"]), axis is not None)
+
+
+def _about(name: str) -> str:
+    """What a missing key is for."""
+    return {
+        "modal_masses": ": 1 for each mode whose shape is mass-normalised, its modal mass otherwise",
+        "mass_unit": ": of the modal masses, such as 'kg' or 't'",
+        "unit": ": of the coordinates, such as 'm' or 'mm'",
+        "speeds_rpm": ": the rotation speeds of the modes, such as [0]",
+    }.get(name, "")
+
+
+def _scaled(values: Array | None, norm: Array) -> Array | None:
+    return None if values is None else values / norm
+
+
+def _array(data: Mapping[str, Any], name: str, shape: tuple[int | None, ...]) -> Any:
+    """An array of the file, None where it is optional and not there; None in a shape is any number."""
+    if name not in data:
+        return None
+    if np.iscomplexobj(data[name]):
+        raise ModesFileError(f"key '{name}': complex values, expected real modes, of the undamped structure")
+    try:
+        found = np.asarray(data[name], dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ModesFileError(f"key '{name}': expected numbers, rows of the same length") from error
+    if found.ndim != len(shape) or any(
+        want is not None and have != want for have, want in zip(found.shape, shape, strict=True)
+    ):
+        wanted = " × ".join("any" if want is None else str(want) for want in shape)
+        have = " × ".join(map(str, found.shape))
+        raise ModesFileError(f"key '{name}': expected {wanted} numbers, found {have}")
+    if (
+        name in ("static", "rotations", "damping_ratios", "frequency_errors", "drawn", "axis", "origin")
+        and not np.isfinite(found).all()
+    ):
+        raise ModesFileError(f"key '{name}': expected finite numbers")
+    return found
+
+
+def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int | None = None) -> Ints:
+    """Whole numbers of the file."""
+    found = np.asarray(data[name])
+    if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer) or (count is not None and found.size != count):
+        raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
+    if below is not None and found.size and not (found.min() >= 0 and found.max() < below):
+        raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
+    return found.astype(np.int64)
+
+
+def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
+    found = []
+    for name in (name for name in data if name.startswith("cells_")):
+        kind = name.removeprefix("cells_")
+        if kind not in KINDS:
+            raise ModesFileError(f"key '{name}': expected cells_ and one of {', '.join(KINDS)}")
+        values = np.asarray(data[name])
+        wanted = len(cell(kind).nodes)
+        if values.ndim != 2 or values.shape[1] != wanted or not np.issubdtype(values.dtype, np.integer):
+            raise ModesFileError(f"key '{name}': expected rows of {wanted} whole numbers")
+        if values.size and not (values.min() >= 0 and values.max() < nodes):
+            raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {nodes - 1}")
+        found.append((kind, values.astype(np.int64)))
+    return tuple(found)
+
+
+def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
+    """The model in m and kg; length, mass: of the file's units in these."""
+    if length == 1.0 and mass == 1.0:
+        return raw.model
+
+    def times(values: Array | None, factor: float) -> Array | None:
+        return None if values is None else values * factor
+
+    root = float(np.sqrt(mass))
+    speeds = tuple(
+        replace(
+            modes,
+            shapes=modes.shapes / root,
+            static=times(modes.static, length),
+            rotations=times(modes.rotations, 1.0 / (length * root)),
+            drawn=times(modes.drawn, root),
+        )
+        for modes in raw.model.speeds
+    )
+    return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=speeds)
+
+
+def joined(models: Sequence[ModalModel]) -> ModalModel:
+    """One structure of several files, each with the modes of one speed, which is known; ascending.
+
+    Raises:
+        ModesFileError: their nodes are not the same, or two are of one speed.
+    """
+    first = models[0]
+    for other in models[1:]:
+        same = other.points.shape == first.points.shape
+        if not same or np.abs(other.points - first.points).max() > _SAME_PLACE * first.size:
+            raise ModesFileError(
+                "the files do not have the same nodes: expected one mesh at all speeds, with undeformed coordinates"
+            )
+    speeds = sorted((modes for model in models for modes in model.speeds), key=lambda modes: modes.omega)
+    for one, other_modes in pairwise(speeds):
+        if other_modes.omega - one.omega <= SAME_SPEED * max(other_modes.omega, 1.0):
+            raise ModesFileError(f"two files are of one speed, {in_rpm(one.omega):g} rpm")
+    return replace(first, speeds=tuple(speeds))
+
+
+_SAME_PLACE = 1e-5
+"""Difference of coordinates, relative to the structure, that digits of a file leave."""
+
+
+def document(model: ModalModel) -> dict[str, Any]:
+    """The neutral file of a model, key by key, in m and kg; shapes of modal mass 1.
+
+    Raises:
+        ValueError: what is known differs from speed to speed.
+    """
+    speeds = model.speeds
+    count = min(modes.frequencies_hz.size for modes in speeds)
+    found: dict[str, Any] = {
+        "format": FORMAT,
+        "unit": "m",
+        "mass_unit": "kg",
+        "axis": model.axis,
+        "origin": model.origin,
+        "speeds_rpm": np.array([_rpm(modes.omega) for modes in speeds]),
+        "nodes": model.points,
+        "frequencies_hz": np.array([modes.frequencies_hz[:count] for modes in speeds]),
+        "shapes": np.array([modes.shapes[:count] for modes in speeds]),
+        "modal_masses": np.ones((len(speeds), count)),
+    }
+    if model.labels is not None:
+        found["node_labels"] = model.labels
+    optional = ("static", "rotations", "damping_ratios", "errors", "drawn")
+    for name in optional:
+        parts = [getattr(modes, name) for modes in speeds]
+        if all(part is not None for part in parts):
+            cut = [part if name == "static" else part[:count] for part in parts]
+            found["frequency_errors" if name == "errors" else name] = np.array(cut)
+    found |= {f"cells_{name}": cells for name, cells in model.cells}
+    return found | {f"set_{name}": rows for name, rows in model.sets.items()}
+
+
+def _rpm(omega: float) -> float:
+    """Turns a minute that give back the speed in rad/s, bit for bit where there are any."""
+    rpm = float(in_rpm(omega))
+    tidy = float(f"{rpm:.13g}")
+    near = (tidy, rpm, np.nextafter(rpm, np.inf), np.nextafter(rpm, 0.0))
+    return next((float(each) for each in near if from_rpm(float(each)) == omega), rpm)
+
+
+def write(model: ModalModel, path: Path) -> None:
+    """Write the neutral file of a model, .npz or .json by the end of the name.
+
+    Raises:
+        ValueError: another end of the name.
+        OSError: it cannot be written.
+    """
+    found = document(model)
+    if path.suffix.lower() == ".npz":
+        with path.open("wb") as file:
+            np.savez_compressed(file, **found)
+    elif path.suffix.lower() == ".json":
+        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in found.items()}
+        path.write_text(json.dumps(plain, allow_nan=False) + "\n", encoding="utf-8")
+    else:
+        raise ValueError(f"expected a name that ends in .npz or .json, got {path.name}")

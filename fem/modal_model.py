@@ -1,0 +1,648 @@
+"""A structure that is known by its modes: nodes, perhaps cells, and per speed frequencies and mass-normalised shapes.
+
+Whatever gives such modes, a file or a mesh that was solved, what a damper needs is the same: how its place moves and
+turns in each mode, and the modes at speeds between those that are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.meshes.cells import cell
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Ints = NDArray[np.int64]
+
+
+class OffTheStructure(ValueError):
+    """A place that is not on the structure, or that its nodes do not determine; the message says which."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModesAtSpeed:
+    """Real modes at one speed, ascending.
+
+    Attributes:
+        omega: rotation speed [rad/s].
+        frequencies_hz: (k,), above 0.
+        shapes: displacements of the nodes, (k, n, 3), of modal mass 1 kg [kg^-1/2].
+        static: displacement of the nodes by the load of this speed, (n, 3) [m]; None: not known.
+        rotations: of the nodes in the modes, (k, n, 3) [rad/m kg^-1/2]; None: displacements alone are known.
+        damping_ratios: (k,) of critical; None: not known.
+        errors: relative errors of the frequencies, (k,), estimated; None: not known.
+        interpolation: what interpolation between speeds adds to them, (k,); None: not known; zeros where there is none.
+        drawn: force on each mode by a unit acceleration of the root along x, y and z, but for its sign, (k, 3)
+            [kg^1/2]; None: not known.
+        tracks: what the modes are called over the speeds, (k,): numbers from 0; None: their numbers here.
+    """
+
+    omega: float
+    frequencies_hz: Array
+    shapes: Array
+    static: Array | None = None
+    rotations: Array | None = None
+    damping_ratios: Array | None = None
+    errors: Array | None = None
+    interpolation: Array | None = None
+    drawn: Array | None = None
+    tracks: Ints | None = None
+
+    @property
+    def squares(self) -> Array:
+        """Squared circular frequencies (k,) [1/s²]: the modal stiffness."""
+        return np.asarray((2.0 * np.pi * self.frequencies_hz) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """A structure at the speeds at which its modes are known.
+
+    Attributes:
+        points: undeformed nodes, (n, 3) [m].
+        speeds: what is known at each, ascending.
+        axis: unit vector of the spin axis, (3,); origin: a point on it, (3,) [m].
+        cells: pairs of meshio's name and connectivity (c, nodes); may be empty.
+        sets: numbers (from 0) of the nodes in named sets.
+        labels: what the nodes are called in their file, (n,); None: by their numbers from 1 on.
+    """
+
+    points: Array
+    speeds: tuple[ModesAtSpeed, ...]
+    axis: Array
+    origin: Array
+    cells: tuple[tuple[str, Ints], ...] = ()
+    sets: Mapping[str, Ints] = field(default_factory=dict)
+    labels: Ints | None = None
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the nodes [m]."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def load(self, point: Array) -> Array:
+        """Vectors from the spin axis to points (..., 3) [m]: times Omega², the centrifugal acceleration there."""
+        arm = point - self.origin
+        return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
+
+    @cached_property
+    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], Array]:
+        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) of each."""
+        count = min(modes.frequencies_hz.size for modes in self.speeds)
+        followed = [chosen(self.speeds[0], np.arange(count), np.ones(count))]
+        least = np.ones(count)
+        for modes in self.speeds[1:]:
+            order, signs, alike = _matched(followed[-1], modes)
+            followed.append(chosen(modes, order, signs))
+            least = np.minimum(least, alike)
+        return tuple(followed), least
+
+    @property
+    def likeness(self) -> Array:
+        """Of each mode the least modal assurance criterion with its continuation at the next speed, (k,)."""
+        return self._followed[1]
+
+    def at(self, omega: float) -> ModesAtSpeed:
+        """The modes at a speed [rad/s]: those known there, or polynomials in its square through the speeds around.
+
+        The error of interpolation is what leaving out the nearest speed changes; of two speeds alone it is not known.
+
+        Raises:
+            ValueError: beyond the speeds known.
+        """
+        known = np.array([modes.omega for modes in self.speeds])
+        exact = np.flatnonzero(np.abs(known - omega) <= SAME_SPEED * max(known.max(), abs(omega)))
+        if not known.min() <= omega <= known.max() and not exact.size:
+            raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
+        followed, _ = self._followed
+        if exact.size:
+            found = followed[int(exact[0])]
+            found = replace(found, interpolation=np.zeros(found.frequencies_hz.size))
+        else:
+            found = _between(followed, omega)
+        order = np.argsort(found.frequencies_hz, kind="stable")
+        return replace(chosen(found, order, np.ones(order.size)), omega=omega, tracks=np.asarray(order))
+
+
+SAME_SPEED = 1e-9
+"""Relative difference of speeds that are the same."""
+
+_NEIGHBOURS = 4
+"""Speeds that a polynomial goes through, at most."""
+
+
+def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
+    """Some of the modes, in an order, with signs."""
+    turned = signs[:, None, None]
+    return replace(
+        modes,
+        frequencies_hz=modes.frequencies_hz[order],
+        shapes=modes.shapes[order] * turned,
+        rotations=None if modes.rotations is None else modes.rotations[order] * turned,
+        damping_ratios=None if modes.damping_ratios is None else modes.damping_ratios[order],
+        errors=None if modes.errors is None else modes.errors[order],
+        interpolation=None if modes.interpolation is None else modes.interpolation[order],
+        drawn=None if modes.drawn is None else modes.drawn[order] * signs[:, None],
+        tracks=None if modes.tracks is None else modes.tracks[order],
+    )
+
+
+def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, Array]:
+    """Which modes continue those before, with which signs, and how alike each pair is."""
+    from scipy.optimize import linear_sum_assignment
+
+    one, other = (each.shapes.reshape(each.frequencies_hz.size, -1) for each in (before, modes))
+    product = one @ other.T
+    alike = product**2 / np.outer((one**2).sum(axis=1), (other**2).sum(axis=1))
+    rows, order = linear_sum_assignment(-alike)
+    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), alike[rows, order]
+
+
+def _between(followed: Sequence[ModesAtSpeed], omega: float) -> ModesAtSpeed:
+    """Modes at a speed between those known, in the order of the first."""
+    near = sorted(sorted(followed, key=lambda modes: abs(modes.omega**2 - omega**2))[:_NEIGHBOURS], key=_omega)
+    squares = np.array([modes.omega**2 for modes in near])
+    weights = lagrange(squares, omega**2)
+    found = _mixed(near, weights, omega)
+    if len(near) < 3:
+        return found
+    away = int(np.argmin([abs(modes.omega**2 - omega**2) for modes in near]))
+    fewer = [modes for k, modes in enumerate(near) if k != away]
+    rough = _mixed(fewer, lagrange(np.delete(squares, away), omega**2), omega)
+    return replace(found, interpolation=np.abs(rough.frequencies_hz / found.frequencies_hz - 1.0))
+
+
+def _omega(modes: ModesAtSpeed) -> float:
+    return modes.omega
+
+
+def _mixed(near: Sequence[ModesAtSpeed], weights: Array, omega: float) -> ModesAtSpeed:
+    """A sum of modes at several speeds, squared frequencies for frequencies."""
+
+    def mixed(parts: Sequence[Array | None]) -> Array | None:
+        known = [part for part in parts if part is not None]
+        return np.tensordot(weights, np.array(known), axes=1) if len(known) == len(parts) else None
+
+    squares, shapes = mixed([modes.squares for modes in near]), mixed([modes.shapes for modes in near])
+    if squares is None or shapes is None or squares.min() <= 0.0:
+        raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
+    return ModesAtSpeed(
+        omega=omega,
+        frequencies_hz=np.sqrt(squares) / (2.0 * np.pi),
+        shapes=shapes,
+        static=mixed([modes.static for modes in near]),
+        rotations=mixed([modes.rotations for modes in near]),
+        damping_ratios=mixed([modes.damping_ratios for modes in near]),
+        errors=mixed([modes.errors for modes in near]),
+        drawn=mixed([modes.drawn for modes in near]),
+    )
+
+
+def lagrange(nodes: Array, at: float) -> Array:
+    """Weights (n,) of values at nodes (n,) in the polynomial through them at a place."""
+    off = nodes[:, None] - nodes[None, :] + np.eye(nodes.size)
+    part = (at - nodes[None, :]) / off
+    part[np.eye(nodes.size, dtype=bool)] = 1.0
+    return np.asarray(part.prod(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A place on the structure, and how the nodes around it give its motion.
+
+    Attributes:
+        point: (3,) [m]; distance: of it from what was asked for [m].
+        nodes: numbers of the nodes (k,); value: their weights in a displacement, (k,).
+        slopes: their weights in its derivatives by x, y and z, (3, k) [1/m]; other: the same, found another way.
+        tangent: (3, 3): what of a direction the nodes reach into; the identity, of a surface its tangent plane.
+        how: in words.
+    """
+
+    point: Array
+    distance: float
+    nodes: Ints
+    value: Array
+    slopes: Array
+    other: Array
+    tangent: Array
+    how: str
+
+    def displacement(self, shapes: Array) -> Array:
+        """Displacements (k, 3) of the place in shapes (k, n, 3)."""
+        return np.asarray(np.einsum("p,kpi->ki", self.value, shapes[:, self.nodes]))
+
+    def gradient(self, modes: ModesAtSpeed) -> tuple[Array, Array]:
+        """Gradients (k, 3, 3), the derivative of component i by x_j at [:, i, j], and their uncertainty (k, 3, 3).
+
+        Of surfaces and lines what leaves them turns with the nodes' rotations or, where these are not known, as fibres
+        that stay normal. The uncertainty is what another way of finding it changes.
+        """
+        moved = modes.shapes[:, self.nodes]
+        first, second = (self._complete(np.einsum("jp,kpi->kij", each, moved)) for each in (self.slopes, self.other))
+        if modes.rotations is not None:
+            x, y, z = np.einsum("p,kpi->ik", self.value, modes.rotations[:, self.nodes])
+            zero = np.zeros_like(x)
+            turned = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+            first = turned + self.tangent @ (first - turned) @ self.tangent
+        return first, np.abs(first - second)
+
+    def _complete(self, within: Array) -> Array:
+        normal = np.eye(3) - self.tangent
+        within = within @ self.tangent
+        return np.asarray(within - np.swapaxes(normal @ within, 1, 2))
+
+
+FAR = 0.05
+"""Distance from the structure, relative to its size, beyond which a place is not on it."""
+
+
+def place(model: ModalModel, point: Array) -> Place:
+    """The place of a structure nearest to a point (3,) [m]: in or on its cells; without cells, among its nodes.
+
+    Raises:
+        OffTheStructure: it is far away, or the nodes do not determine derivatives there.
+    """
+    distances = np.linalg.norm(model.points - point, axis=1)
+    inside = _in_cells(model, point)
+    if inside is None:
+        least = float(distances.min())
+        if least > FAR * model.size:
+            raise _far(model, point, least)
+        nodes, value, slopes, tangent, rough = _fitted(model.points, point)
+        how = f"fitted to {nodes.size} nodes around it"
+        return _on_a_node(model, Place(point, 0.0, nodes, value, slopes, rough, tangent, how))
+    found, where, distance = inside
+    if distance > FAR * model.size:
+        raise _far(model, point, distance)
+    nodes, value, slopes, tangent = _of_cells(model, found)
+    around, _, fit, _, _ = _fitted(model.points, where)
+    every = np.union1d(nodes, around)
+    own, mean, other = np.zeros(every.size), np.zeros((3, every.size)), np.zeros((3, every.size))
+    own[np.searchsorted(every, nodes)] = value
+    mean[:, np.searchsorted(every, nodes)], other[:, np.searchsorted(every, around)] = slopes, fit
+    if all(cell(name).powers.max() == 1 for name, _, _ in found):
+        mean, other = other, mean  # the slopes of linear cells jump from one to the next
+    how = "in one cell" if len(found) == 1 else f"where {len(found)} cells meet"
+    return _on_a_node(model, Place(where, distance, every, own, mean, other, tangent, how))
+
+
+def _on_a_node(model: ModalModel, at: Place) -> Place:
+    """A place that is a node's moves with this node, whether cells know of it or not."""
+    node = int(np.linalg.norm(model.points - at.point, axis=1).argmin())
+    if np.linalg.norm(model.points[node] - at.point) > _TOUCHING * model.size or node not in at.nodes:
+        return at
+    return replace(at, value=(at.nodes == node).astype(float))
+
+
+def _far(model: ModalModel, point: Array, distance: float) -> OffTheStructure:
+    low, high = model.points.min(axis=0), model.points.max(axis=0)
+    box = ", ".join(f"{a:.6g} to {b:.6g}" for a, b in zip(low, high, strict=True))
+    x, y, z = point
+    return OffTheStructure(
+        f"({x:.6g}, {y:.6g}, {z:.6g}) m lies {distance:.3g} m off the structure, whose x, y, z go from {box} m"
+    )
+
+
+_TOUCHING = 1e-6
+"""Distance, relative to a cell, within which a point belongs to it as well."""
+
+
+def _in_cells(model: ModalModel, point: Array) -> tuple[list[tuple[str, Ints, Array]], Array, float] | None:
+    """The cells that a point lies in, or the nearest, with the reference place in each; the place, and its distance."""
+    tried = []
+    for name, cells in model.cells:
+        corners = model.points[cells]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        off = np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0), axis=1)
+        tried += [(float(off[k]), name, cells[k]) for k in np.argsort(off)[:_TRIED]]
+    if not tried:
+        return None
+    nearest: list[tuple[float, str, Ints, Array]] = []
+    for off_box, name, nodes in sorted(tried, key=lambda each: each[0]):
+        if nearest and off_box > nearest[0][0] + _TOUCHING * model.size:
+            break
+        at, distance = cell(name).nearest(model.points[nodes], point)
+        nearest.append((distance, name, nodes, at))
+        nearest.sort(key=lambda each: each[0])
+    least, name, nodes, at = nearest[0]
+    where = cell(name).shape(at[None])[0] @ model.points[nodes]
+    if least > 0.0:  # the cells that meet at what is nearest, not those as far from the point
+        again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
+        found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
+    else:
+        found = [(name, nodes, at)]
+    return found, np.asarray(where), least
+
+
+_TRIED = 60
+"""Cells of a kind in which a place is looked for."""
+
+
+def _of_cells(model: ModalModel, found: Sequence[tuple[str, Ints, Array]]) -> tuple[Ints, Array, Array, Array]:
+    """Nodes, their weights in value and derivatives, means over cells, and what of directions these reach into."""
+    every = np.unique(np.concatenate([nodes for _, nodes, _ in found]))
+    value, slopes, tangent = np.zeros(every.size), np.zeros((3, every.size)), np.zeros((3, 3))
+    for name, nodes, at in found:
+        kind, columns = cell(name), np.searchsorted(every, nodes)
+        gradients, size = kind.gradients(model.points[nodes][None], at[None])
+        if not np.isfinite(size).all() or size[0, 0] == 0.0:
+            raise OffTheStructure("a cell at this place has no size")
+        value[columns] += kind.shape(at[None])[0] / len(found)
+        slopes[:, columns] += gradients[0, 0].T / len(found)
+        tangent += (model.points[nodes].T @ gradients[0, 0]) / len(found)
+    return every, value, slopes, np.eye(3) if cell(found[0][0]).dimension == 3 else _projector(tangent)
+
+
+def _projector(rough: Array) -> Array:
+    """The projector onto the two strongest directions of a symmetric matrix that is nearly one."""
+    _, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
+    return np.asarray(vectors[:, 1:] @ vectors[:, 1:].T)
+
+
+_FLAT = 0.05
+"""What a coordinate of nodes keeps beside a quadratic function of the others, relative to its own spread, where the
+nodes lie on a surface or a line."""
+
+_THIN = 1e-4
+"""The same relative to the longest spread."""
+
+_PER_TERM = 4
+"""Nodes to a coefficient of a fit, where there are so many."""
+
+
+def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Array]:
+    """A weighted fit of quadratic polynomials to the nodes around a point.
+
+    Returns:
+        Nodes (k,), their weights in value (k,) and derivatives (3, k), the projector on directions that the nodes reach
+        into, and the derivatives by a fit that is otherwise weighted (3, k).
+
+    Raises:
+        OffTheStructure: fewer nodes than a slope takes.
+    """
+    distances = np.linalg.norm(points - point, axis=1)
+    order = np.argsort(distances, kind="stable")
+    if order.size < 2:
+        raise OffTheStructure("one node alone has no slope: two at least are needed, or rotations")
+    near = order[: min(order.size, _PER_TERM * 10)]
+    frame, spread = _local_frame(points[near])
+    dimension = spread.size
+    terms = [6, 15, 40][dimension - 1]
+    near = near[: max(terms, 2)]
+    local = (points[near] - point) @ frame[:, :dimension] / spread
+    reach = float(np.linalg.norm(local, axis=1).max()) * (1.0 + 1e-3)
+    value, slopes = _polynomial(local, reach, sharp=2.0)
+    _, rough = _polynomial(local, reach, sharp=0.5)
+    back = frame[:, :dimension] / spread
+    tangent = frame[:, :dimension] @ frame[:, :dimension].T
+    return near, value, back @ slopes, tangent, back @ rough
+
+
+def _local_frame(points: Array) -> tuple[Array, Array]:
+    """Axes (3, 3) of some nodes by their spread, and the spreads along as many as the nodes fill."""
+    middle = points - points.mean(axis=0)
+    frame = np.linalg.svd(middle, full_matrices=True)[2].T
+    local = middle @ frame
+    spread = np.abs(local).max(axis=0)
+    if spread[0] == 0.0:
+        raise OffTheStructure("all nodes around it lie in one point")
+    dimension = 3
+    while dimension > 1:
+        others, last = local[:, : dimension - 1], local[:, dimension - 1]
+        terms = _terms(others / spread[: dimension - 1], 2)
+        left = last - terms @ np.linalg.lstsq(terms, last, rcond=None)[0]
+        own = max(_FLAT * spread[dimension - 1], _THIN * spread[0])
+        if len(points) > terms.shape[1] and np.abs(left).max() > own:
+            break
+        dimension -= 1
+    return frame, spread[:dimension]
+
+
+def _terms(local: Array, degree: int) -> Array:
+    """Monomials (k, terms) at places (k, d), the linear ones after the constant."""
+    columns = [np.ones(len(local)), *local.T]
+    if degree > 1:
+        columns += [local[:, i] * local[:, j] for i in range(local.shape[1]) for j in range(i, local.shape[1])]
+    return np.column_stack(columns)
+
+
+def _polynomial(local: Array, reach: float, sharp: float) -> tuple[Array, Array]:
+    """Weights of nodes in the value (k,) and the derivatives (d, k) of a weighted fit at the origin of their places."""
+    dimension = local.shape[1]
+    terms = _terms(local, 2)
+    if len(local) < terms.shape[1]:
+        terms = _terms(local, 1)
+    if len(local) <= dimension:
+        raise OffTheStructure(f"{len(local)} nodes do not determine a slope")
+    weights = (1.0 - (np.linalg.norm(local, axis=1) / reach) ** 2) ** sharp
+    solved = np.linalg.pinv(terms * weights[:, None], rcond=1e-8) * weights
+    return solved[0], solved[1 : 1 + dimension]
+
+
+_SAMPLES = 48
+"""Places on the way from the root to a place at which its shortening is added up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """What the load of 1 kg at a place does to the structure.
+
+    Attributes:
+        arm: vector from the axis to the place, (3,) [m]; axis: the spin axis, (3,).
+        nodes: numbers of nodes (k,); line: their weights in the displacements of places on the straight way from the
+            innermost nodes' radius to the place, (places, k).
+        length: of that way [m].
+    """
+
+    place: Place
+    arm: Array
+    axis: Array
+    nodes: Ints
+    line: Array
+    length: float
+
+    def stiffness(self, modes: ModesAtSpeed) -> Array:
+        """What it adds to the modal stiffness, over Omega², (k, k) [1].
+
+        It softens as all mass that moves across the axis does. And it pulls on the structure outwards: as this bends,
+        the line to the place shortens by half the square of its turn, and the load moves inwards. Source: potential
+        energy of a constant force at the end of an inextensible line.
+        """
+        moved = self.place.displacement(modes.shapes)
+        flat = moved - np.outer(moved @ self.axis, self.axis)
+        softened = np.asarray(-flat @ flat.T)
+        radius = float(np.linalg.norm(self.arm))
+        if radius == 0.0 or self.length == 0.0:
+            return softened
+        outwards = self.arm / radius
+        turned = np.diff(np.einsum("sp,kpi->ski", self.line, modes.shapes[:, self.nodes]), axis=0)
+        turned -= (turned @ outwards)[..., None] * outwards
+        shortened = np.einsum("ski,sli->kl", turned, turned) * (len(turned) / self.length)
+        return np.asarray(radius * shortened + softened)
+
+
+def pull(model: ModalModel, at: Place) -> Pull:
+    """What the load of 1 kg at a place does."""
+    arm = model.load(at.point)
+    radius = float(np.linalg.norm(arm))
+    outwards = arm / radius if radius > 0.0 else arm
+    length = max(0.0, -float(((model.points - at.point) @ outwards).min()))
+    weights = [_weights(model, at.point + step * outwards) for step in np.linspace(-length, 0.0, _SAMPLES + 1)]
+    every = np.unique(np.concatenate([nodes for nodes, _ in weights]))
+    line = np.zeros((len(weights), every.size))
+    for row, (nodes, value) in zip(line, weights, strict=True):
+        row[np.searchsorted(every, nodes)] = value
+    return Pull(at, arm, model.axis, every, line, length)
+
+
+def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array]:
+    """Nodes (k,) and their weights (k,) in the displacement of what of the structure is nearest to a point (3,)."""
+    inside = _in_cells(model, point)
+    if inside is None:
+        nodes, value, _, _, _ = _fitted(model.points, point)
+        return nodes, value
+    name, cells, at = inside[0][0]
+    order = np.argsort(cells)
+    return cells[order], cell(name).shape(at[None])[0][order]
+
+
+def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
+    """Density that makes the modal mass of each mode 1 kg, (k,) [kg/m³], were it the same everywhere.
+
+    None where not all nodes that move belong to cells with a volume.
+    """
+    squares, _, _ = _integrals(model, modes)
+    return None if squares is None else 1.0 / squares
+
+
+def drawn_by(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
+    """Force on each mode by a unit acceleration of the root, but for its sign, (k, 3), with the density of the first.
+
+    None where that is not known.
+    """
+    squares, means, _ = _integrals(model, modes)
+    return None if squares is None or means is None else means / squares[:, None] ** 0.5 / squares[0] ** 0.5
+
+
+def volume(model: ModalModel) -> float:
+    """Of all cells that have one [m³]."""
+    return _integrals(model, model.speeds[0])[2]
+
+
+def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
+    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume."""
+    count = modes.frequencies_hz.size
+    squares, means, whole = np.zeros(count), np.zeros((count, 3)), 0.0
+    covered = np.zeros(len(model.points), dtype=bool)
+    for name, cells in model.cells:
+        kind = cell(name)
+        if kind.dimension != 3:
+            continue
+        covered[cells] = True
+        points, weights = kind.rule
+        shape = kind.shape(points)
+        for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
+            sizes = np.abs(kind.gradients(model.points[chunk], points)[1]) * weights
+            moved = np.einsum("pn,kcni->kcpi", shape, modes.shapes[:, chunk])
+            squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
+            means += np.einsum("kcpi,cp->ki", moved, sizes)
+            whole += float(sizes.sum())
+    loose = np.abs(modes.shapes[:, ~covered]).max(initial=0.0) > 0.0
+    return (None, None, whole) if loose or whole == 0.0 or squares.min() <= 0.0 else (squares, means, whole)
+
+
+_CHUNK = 2000
+"""Cells whose integrals are taken at once."""
+
+
+def faces(model: ModalModel) -> Ints:
+    """Triangles (m, 3) of the structure's surface, mid-side nodes among their corners; none without cells."""
+    rings: dict[int, list[Ints]] = {}
+    for name, cells in model.cells:
+        for ring in cell(name).faces:
+            rings.setdefault(len(ring), []).append(cells[:, ring])
+    triangles = []
+    for parts in rings.values():
+        every = np.concatenate(parts)
+        _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
+        outer = every[first[times == 1]]
+        triangles.append(np.concatenate([outer[:, list(part)] for part in _triangles(outer.shape[1])]))
+    return np.concatenate(triangles) if triangles else np.zeros((0, 3), dtype=np.int64)
+
+
+def _triangles(ring: int) -> list[tuple[int, int, int]]:
+    """A face of so many nodes around as triangles: its corners are cut off, and a fan fills the rest."""
+    if ring <= 4:
+        return [(0, k, k + 1) for k in range(1, ring - 1)]
+    middles = list(range(1, ring, 2))
+    cut = [(k, (k + 1) % ring, (k - 1) % ring) for k in range(0, ring, 2)]
+    return cut + [(middles[0], middles[k], middles[k + 1]) for k in range(1, len(middles) - 1)]
+
+
+_SHARP = 0.8
+"""Cosine of the angle between two triangles up to which their common edge is one of the structure's."""
+
+
+def edges(points: Array, triangles: Ints) -> Ints:
+    """Edges (k, 2) of a surface: those of one triangle alone, and those at which it turns sharply."""
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
+    normals = np.cross(one, other)
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    found, first, inverse, times = np.unique(sides, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    last = np.zeros(len(found), dtype=np.int64)
+    last[inverse.ravel()] = np.arange(len(sides))
+    turn = np.abs((normals[first // 3] * normals[last // 3]).sum(axis=1))
+    return np.asarray(found[(times != 2) | (turn < _SHARP)])
+
+
+_SECTIONS = 12
+"""Parts of the span in which motions are taken apart."""
+
+FAMILIES = ("flap", "twist", "chord", "lag", "axial")
+
+
+def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
+    """Name each mode by the largest share of its motion, one of `FAMILIES`.
+
+    In each of the sections along the longest extent the nodes' mean motion through the thickness is flap, along the
+    chord lag, along the span axial; the turn about the span is twist, and what is left bends chords. All nodes count
+    alike.
+    """
+    middle = model.points - model.points.mean(axis=0)
+    span = np.linalg.svd(middle, full_matrices=False)[2][0]
+    along = middle @ span
+    section = np.searchsorted(np.quantile(along, np.linspace(0, 1, _SECTIONS + 1)[1:-1]), along)
+    energy = np.zeros((len(FAMILIES), modes.frequencies_hz.size))
+    for number in np.unique(section):
+        here = section == number
+        around = middle[here] - middle[here].mean(axis=0)
+        flat = around - np.outer(around @ span, span)
+        chord = np.linalg.svd(flat, full_matrices=False)[2][0] if len(flat) > 1 else _across(span)
+        moved = modes.shapes[:, here]
+        mean = moved.mean(axis=1)
+        weight = float(len(flat))
+        through = np.cross(span, chord)
+        energy[0] += weight * (mean @ through) ** 2
+        energy[3] += weight * (mean @ chord) ** 2
+        energy[4] += weight * (mean @ span) ** 2
+        turned, inertia = np.cross(span, flat), float((flat**2).sum())
+        twist = np.einsum("kpi,pi->k", moved, turned) ** 2 / inertia if inertia > 0.0 else 0.0
+        energy[1] += twist
+        across = moved - mean[:, None]
+        across = across - (across @ span)[..., None] * span
+        energy[2] += np.maximum((across**2).sum(axis=(1, 2)) - twist, 0.0)
+    return [FAMILIES[k] for k in energy.argmax(axis=0)]
+
+
+def _across(direction: Array) -> Array:
+    """A unit vector across a direction."""
+    other = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
+    return np.asarray(other / np.linalg.norm(other))

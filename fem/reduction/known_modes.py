@@ -1,0 +1,187 @@
+"""A structure known by its modes, reduced to what a damper on it feels: its floor's motion and slope, M2, K2, f1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.modes.real import Divergence
+from fem.reduction.modal import ModesAtPlace
+from fem.reduction.single_mode import Reduced, check_mass
+from fem.sweep.laws import check_reduced
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
+
+    Array = NDArray[np.float64]
+
+
+class NoMotion(ValueError):
+    """No mode moves the place as asked; the message says how."""
+
+
+STILL = 1e-6
+"""Displacement of a place, relative to the largest of its mode, that counts as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """The cavity's floor at a speed. It faces the axis: its normal is along the load.
+
+    Attributes:
+        normal: unit vector along the load, (3,); axes: of the floor, unit vectors (2, 3).
+        radius: of the place, from the axis [m].
+        moved: displacement of the place along the axes in each mode, (2, k).
+        slope: of the floor along them, (2, k) [1/m]; spread: what of it is uncertain, (2, k).
+    """
+
+    normal: Array
+    axes: Array
+    radius: float
+    moved: Array
+    slope: Array
+    spread: Array
+
+    def stagger(self, axis: Array) -> float:
+        """Angle [rad] from axis 1 of the floor to the spin axis, towards axis 2, as of a plate."""
+        angle = float(np.arctan2(*(self.axes @ axis)[::-1]))
+        quarters = round(angle / (0.5 * np.pi))
+        return quarters * 0.5 * np.pi if abs(angle - quarters * 0.5 * np.pi) <= STILL else angle
+
+
+def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array) -> Floor:
+    """The floor of a cavity at a place, its axis 1 along a direction (3,) less what of that is along the load.
+
+    The structure is deformed by the static displacement, where that is known: place, load and slopes are those of the
+    deformed structure.
+
+    Raises:
+        NoMotion: there is no load's direction there, or the direction given is along it.
+    """
+    deformed = np.eye(3)
+    point = at.point
+    if modes.static is not None:
+        still = type(modes)(modes.omega, np.ones(1), modes.static[None])
+        deformed = deformed + at.gradient(still)[0][0]
+        point = point + at.displacement(still.shapes)[0]
+    arm = model.load(point)
+    radius = float(np.linalg.norm(arm))
+    if radius <= STILL * model.size:
+        raise NoMotion("the place is on the spin axis, where there is no load and no floor faces it")
+    normal = arm / radius
+    axes = frame(normal, direction)
+    gradient, spread = at.gradient(modes)
+    moved = axes @ at.displacement(modes.shapes).T
+    slope = -np.einsum("i,kij,aj->ak", normal, gradient @ np.linalg.inv(deformed), axes)
+    unsure = np.einsum("i,kij,aj->ak", np.abs(normal), spread, np.abs(axes))
+    return Floor(normal, axes, radius, moved, slope, unsure)
+
+
+def frame(normal: Array, direction: Array) -> Array:
+    """Axes (2, 3) of a floor with a normal, the first along a direction as far as the floor reaches into it.
+
+    Raises:
+        NoMotion: it is along the normal.
+    """
+    first = direction - (direction @ normal) * normal
+    length = float(np.linalg.norm(first))
+    if length <= STILL * float(np.linalg.norm(direction)):
+        raise NoMotion("the direction is along the load, in which the floor has no axis")
+    first = first / length
+    return np.array([first, np.cross(first, normal)])
+
+
+def bending_direction(model: ModalModel, at: Place, modes: ModesAtSpeed) -> Array:
+    """The direction (3,) in which the first mode moves a place, less what of it is along the load.
+
+    Its largest component is positive.
+
+    Raises:
+        NoMotion: the place does not move so in this mode.
+    """
+    moved = at.displacement(modes.shapes[:1])[0]
+    arm = model.load(at.point)
+    square = float(arm @ arm)
+    across = moved - (moved @ arm) / square * arm if square > 0.0 else moved
+    if np.linalg.norm(across) <= _HARDLY * np.linalg.norm(modes.shapes[0], axis=1).max():
+        raise NoMotion("the first mode does not move this place across the load: no axis of the cavity follows from it")
+    largest = across[np.abs(across).argmax()]
+    across = np.where(np.abs(across) <= STILL * abs(largest), 0.0, across) * np.sign(largest)
+    return np.asarray(across / np.linalg.norm(across))
+
+
+_HARDLY = 1e-3
+"""Displacement of a place, relative to the largest of its mode, from which on its direction is taken from it."""
+
+
+def reduced_modes(
+    modes: ModesAtSpeed,
+    at: Floor,
+    pull: Pull,
+    *,
+    ball_mass: float | None = None,
+    mass_ratio: float | None = None,
+) -> tuple[Reduced, ModesAtPlace]:
+    """Reduced parameters at a place in the mode that yields most along axis 1, and all modes as the cavity feels them.
+
+    The ball's inertia and its pull mix the modes that are known; what others would add is of second order in the ratio
+    of its mass to theirs.
+
+    Args:
+        modes: at a speed.
+        at: the floor at this speed.
+        pull: what the load of 1 kg does.
+        ball_mass: of all balls [kg], or
+        mass_ratio: the same over M2.
+
+    Raises:
+        ValueError: unless exactly one of ball_mass and mass_ratio is given and not negative.
+        NoMotion: no mode moves the place along axis 1.
+        Divergence: where the pull takes the stiffness of a mode.
+    """
+    check_mass(ball_mass, mass_ratio)
+    squares = modes.squares
+    index = int((at.moved[0] ** 2 / squares).argmax())
+    lift = float(at.moved[0, index])
+    if abs(lift) <= STILL * float(np.abs(modes.shapes[index]).max()):
+        raise NoMotion("no mode moves the place along axis 1 of the cavity")
+    mass = lift**-2
+    ball = mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
+    stiffness = np.diag(squares) + modes.omega**2 * ball * pull.stiffness(modes)
+    free, turned = np.linalg.eigh(stiffness)
+    if free[0] <= 0.0:
+        raise Divergence(modes.omega, float(free[0]))
+    stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
+    found = Reduced(
+        f1_hz=float(np.sqrt(stuck) / (2.0 * np.pi)),
+        M1=mass + ball,
+        K1=stuck * (mass + ball),
+        f2_hz=float(modes.frequencies_hz[index]),
+        M2=mass,
+        K2=float(squares[index]) * mass,
+        ball_mass=ball,
+        mode_index=index,
+        slope=float(at.slope[0, index] / lift),
+        floor_tilt=modes.omega**2 * at.radius * float(at.slope[0, index] / lift) / stuck,
+    )
+    check_reduced(found)
+    drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
+    motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
+    moved, slope, drawn = (np.asarray(part) for part in motion)
+    pressed = np.zeros((1, squares.size))
+    return found, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
+
+
+def _stuck(stiffness: Array, ball: float, pull: Pull, modes: ModesAtSpeed, index: int) -> float:
+    """Squared frequency of the mode of this number with a ball that moves with its place."""
+    from scipy.linalg import eigh
+
+    moved = pull.place.displacement(modes.shapes)
+    mass = np.eye(len(moved)) + ball * moved @ moved.T
+    values, vectors = eigh(stiffness, mass)
+    alike = int(np.abs((mass @ vectors)[index]).argmax())
+    return float(values[alike])

@@ -1,0 +1,574 @@
+"""A structure in space that is known by its modes: read from files, with the damper on it at every speed asked for."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.rotor import in_rpm
+from workflows.effects.definition import Effect
+from workflows.errors import BadInput, did_you_mean
+from workflows.formatting import percent, significant
+from workflows.scene.load import SceneFile
+from workflows.scene.materials import LIGHTEST, OSMIUM
+from workflows.scene.scene import KnownModes
+from workflows.solve.results import (
+    SHAPES_AT_MOST,
+    CavityMode,
+    Diagram,
+    ErrorParts,
+    Floats,
+    Mode,
+    Reduced,
+    SpeedPoint,
+    Surface,
+    rounded_rpm,
+)
+
+if TYPE_CHECKING:
+    from fem.modal_files import Raw
+    from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
+    from fem.reduction.known_modes import Floor
+
+
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the load, its pull."""
+
+    place: Place
+    direction: Floats
+    pull: Pull
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceStructure:
+    """A structure in space.
+
+    Attributes:
+        model: its nodes, cells, spin axis.
+        modes: gives its modes at a speed [rad/s].
+        seat: of the damper; None without one.
+        described: in words; remarks: on what was made of it.
+        sha256: of the files.
+    """
+
+    model: ModalModel
+    modes: Callable[[float], ModesAtSpeed]
+    seat: Seat | None
+    described: str
+    remarks: tuple[str, ...]
+    sha256: str | None
+
+    def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
+        """The structure at the speeds of a scene, as its damper meets it.
+
+        Raises:
+            BadInput: no mode moves the damper's place along axis 1 of its cavity.
+            Divergence: the ball's pull takes the stiffness of a mode.
+        """
+        return tuple(self._point(source, effects, omega) for omega in source.scene.rotor.speeds)
+
+    def _point(self, source: SceneFile, effects: dict[str, Effect], omega: float) -> SpeedPoint:
+        from fem.modal_model import families
+        from fem.reduction.known_modes import NoMotion, reduced_modes
+
+        scene, modes = source.scene, self.modes(omega)
+        radius = float(np.linalg.norm(self.model.load(self.model.points), axis=1).max())
+        names = families(self.model, modes)[: scene.rotor.modes]
+        point = SpeedPoint(
+            omega=omega,
+            rpm=rounded_rpm(omega),
+            radius=radius,
+            load_g=omega**2 * radius / scene.rotor.gravity,
+            modes=tuple(_mode(modes, k, name) for k, name in enumerate(names)),
+        )
+        damper = scene.damper
+        if damper is None or self.seat is None:
+            return point
+        try:
+            floor = self.floor(modes)
+            found, every = reduced_modes(
+                modes, floor, self.seat.pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio
+            )
+        except NoMotion as error:
+            raise BadInput(str(error), file=source.name, key="[damper] direction") from error
+        reduced = Reduced(found.f1_hz, found.M1, found.K1, found.f2_hz, found.M2, found.K2, found.slope)
+        at_cavity = tuple(
+            CavityMode(
+                number=k + 1,
+                stiffness=float(every.stiffness[0, k]),
+                shape=(float(every.shape[0, 0, k]), float(every.shape[0, 1, k])),
+                slope=(float(every.slope[0, 0, k]), float(every.slope[0, 1, k])),
+                drawn=(float(every.drawn[0, 0, k]), float(every.drawn[0, 1, k])),
+            )
+            for k in range(every.stiffness.shape[1])
+        )
+        return replace(
+            point,
+            radius=floor.radius,
+            load_g=omega**2 * floor.radius / scene.rotor.gravity,
+            reduced=reduced,
+            cavity_modes=at_cavity if effects["structural_modes"].on else (),
+            stagger=floor.stagger(self.model.axis),
+        )
+
+    def floor(self, modes: ModesAtSpeed) -> Floor:
+        """The cavity's floor at a speed.
+
+        Raises:
+            ValueError: there is no damper.
+            NoMotion: the load there gives it no axes.
+        """
+        from fem.reduction.known_modes import floor
+
+        if self.seat is None:
+            raise ValueError("the scene has no [damper]")
+        return floor(self.model, self.seat.place, modes, self.seat.direction)
+
+    def surface(self, speeds: Sequence[float], count: int) -> Surface:
+        """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
+        from fem.modal_model import edges, faces
+
+        kept = range(len(speeds))
+        if len(speeds) > SHAPES_AT_MOST:
+            kept = np.unique(np.linspace(0, len(speeds) - 1, SHAPES_AT_MOST).round().astype(int)).tolist()
+        points, triangles = self.model.points, faces(self.model)
+        shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in kept])
+        used = np.unique(triangles)
+        if used.size:
+            points, shapes, triangles = points[used], shapes[:, :, used], np.searchsorted(used, triangles)
+        else:
+            marks = _MARK * self.model.size * _TETRAHEDRON
+            triangles = (4 * np.arange(len(points))[:, None, None] + _SIDES).reshape(-1, 3)
+            points = (points[:, None] + marks).reshape(-1, 3)
+            shapes = np.repeat(shapes, 4, axis=2)
+        outline = edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
+        largest = np.abs(shapes).max(axis=(2, 3), keepdims=True)
+        still = (np.abs(shapes) <= _HELD * largest).all(axis=(0, 1, 3))
+        root = outline[still[outline].all(axis=1)] if used.size else outline
+        return Surface(points, ("triangle", triangles), outline, root, shapes, tuple(kept))
+
+    def diagram(self) -> Diagram:
+        """What modes over speed have beyond the modes themselves."""
+        return Diagram(self.described, 0.0, (), (), (), None)
+
+
+_HELD = 1e-9
+"""Displacement over the largest of its mode that counts as none."""
+
+_MARK = 0.006
+"""Half of what a node's mark measures, in sizes of the structure."""
+
+_TETRAHEDRON = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)])
+_SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
+
+
+def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
+    """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
+    between = modes.interpolation
+    parts = ErrorParts(
+        mesh=None if modes.errors is None else float(modes.errors[k]),
+        layers=0.0,
+        basis=float("nan") if between is None else float(between[k]),
+        theory=0.0,
+        large_deflection=None,
+        coriolis=None,
+    )
+    return Mode(
+        frequency_hz=float(modes.frequencies_hz[k]),
+        family=family,
+        error_parts=parts,
+        damping_ratio=None if modes.damping_ratios is None else float(modes.damping_ratios[k]),
+        branch=k if modes.tracks is None else int(modes.tracks[k]),
+    )
+
+
+def space_structure(source: SceneFile) -> SpaceStructure:
+    """The structure of a scene that names files of modes, with the scene's damper on it.
+
+    Raises:
+        BadInput: a file, its units, its speeds or the damper's place is no good; the message says what would be right.
+    """
+    known, damper = source.scene.known, source.scene.damper
+    if known is None:
+        raise ValueError("the scene names no modes")
+    stamps = [_stamp(source, name) for name in known.files.values()]
+    speeds = source.scene.rotor.speeds if None in known.files else ()
+    rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
+    seat = None if damper is None else (damper.at, damper.direction)
+    found = _built(_Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    for omega in source.scene.rotor.speeds:
+        found.modes(omega)
+    return replace(found, remarks=(*found.remarks, *_interpolation_remarks(source, found.model)))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A scene, the same as another where what its structure depends on is."""
+
+    key: str
+    source: SceneFile = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _built(asked: _Asked) -> SpaceStructure:
+    """The structure of a scene, kept for other dampers at its place."""
+    from fem.modal_model import chosen
+
+    source = asked.source
+    known = source.scene.known
+    if known is None:
+        raise ValueError("the scene names no modes")
+    model, remarks, sha256 = _model(source, known)
+    names = ", ".join(dict.fromkeys(known.files.values()))
+    described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
+    count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
+    seat, seated = (None, ()) if source.scene.damper is None else seat_of(source, model)
+
+    def modes_at(omega: float) -> ModesAtSpeed:
+        _check_speed(source, model, omega)
+        return chosen(model.at(omega), np.arange(count), np.ones(count))
+
+    return SpaceStructure(model, modes_at, seat, described, (*remarks, *seated), sha256)
+
+
+def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
+    """The structure in m and kg about the scene's axis; remarks; the digest of the files."""
+    from fem.modal_files import ModesFileError, joined
+
+    models, remarks, digests = [], list[str](), []
+    for omega, name in known.files.items():
+        raw, sha256 = _read(source, name)
+        digests.append(sha256)
+        model = _in_si(source, known, name, raw)
+        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _set(source):
+            problem = (
+                "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
+                " hub_radius, from the axis to the smallest x)"
+            )
+            raise BadInput(problem, file=source.name, key="[rotor] origin")
+        if omega is not None and len(model.speeds) > 1:
+            problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
+            raise BadInput(problem, file=source.name, key="[structure] modes")
+        if omega is None and np.isnan(model.speeds[0].omega):
+            omega = _only_speed(source, name)
+            remarks.append(f"{name} does not say at what speed its modes are: they are taken for those of the scene's.")
+        if omega is not None:
+            model = replace(model, speeds=(replace(model.speeds[0], omega=omega),))
+        models.append(model)
+        if (remark := _density_remark(name, model)) is not None:
+            remarks.append(remark)
+    try:
+        model = joined(models)
+    except ModesFileError as error:
+        raise BadInput(str(error), file=source.name, key="[structure] modes") from error
+    whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
+    return _turning(source, model), tuple(remarks), whole
+
+
+def _set(source: SceneFile) -> set[str]:
+    """The keys of [rotor] that the scene has."""
+    return source.scene.rotor.model_fields_set
+
+
+@lru_cache(maxsize=8)
+def _kept(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
+    """A file that is read again and again, as long as it stays the same."""
+    from fem.modal_files import read
+
+    return read(path), hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
+    """Time and size of a file, once it is seen to be one.
+
+    Raises:
+        BadInput: it is none.
+    """
+    from workflows.scene.load import unfit
+
+    path, key = source.folder / name, "[structure] modes"
+    try:
+        if problem := unfit(path):
+            raise BadInput(f"expected a file of modes, found {problem}", file=source.name, key=key, value=name)
+        found = path.stat()
+    except FileNotFoundError:
+        raise BadInput("no such file beside the scene", file=source.name, key=key, value=name) from None
+    except (OSError, ValueError) as error:
+        problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        raise BadInput(problem, file=source.name, key=key, value=name) from error
+    return found.st_mtime_ns, found.st_size
+
+
+def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
+    from fem.modal_files import ModesFileError
+
+    try:
+        return _kept(source.folder / name, _stamp(source, name))
+    except (ModesFileError, OSError, MemoryError) as error:
+        problem = "larger than the memory that is there" if isinstance(error, MemoryError) else str(error)
+        raise BadInput(problem, file=source.name, key="[structure] modes", value=name) from error
+
+
+def _only_speed(source: SceneFile, name: str) -> float:
+    speeds = source.scene.rotor.speeds
+    if len(speeds) > 1:
+        problem = (
+            f"{name} holds the modes of one speed, and {len(speeds)} are asked for: expected that one speed, or files"
+            f" for several, such as {{ '0 rpm' = '{name}', '{in_rpm(max(speeds)):.6g} rpm' = … }}"
+        )
+        raise BadInput(problem, file=source.name, key="[structure] modes")
+    return speeds[0]
+
+
+_SYSTEMS = (("m", "kg"), ("mm", "t"), ("mm", "kg"), ("mm", "g"), ("m", "t"), ("cm", "g"), ("in", "lb"))
+"""Units that files have, by which one that does not fit may be meant."""
+
+_USUAL = (500.0, 20000.0)
+"""Densities [kg/m³] of what blades are made of."""
+
+_LARGE = 20.0
+"""Size [m] beyond which a structure is more likely one in mm."""
+
+_UNLIKE = 2.0
+"""Ratio of densities that the modes of a structure imply from which on their shapes are not normalised to mass."""
+
+
+def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalModel:
+    """The model of a file in m and kg, once its units and the scale of its shapes make sense.
+
+    Raises:
+        BadInput: they do not; the message asks for those that would.
+    """
+    from fem.modal_files import in_si
+    from fem.modal_model import densities
+
+    for key in ("unit", "mass_unit"):
+        own, given = getattr(raw, key), getattr(known, key)
+        if own is not None and given is not None and own != given:
+            problem = f"{name} says '{own}': leave this out, or mend the file"
+            raise BadInput(problem, file=source.name, key=f"[structure] {key}", value=given)
+    try:
+        model = in_si(raw, *known.scale(raw.unit, raw.mass_unit))
+    except ValueError as error:
+        problem = f"{name}: unit '{raw.unit}' or mass_unit '{raw.mass_unit}' is none: {error}"
+        raise BadInput(problem, file=source.name, key="[structure] modes") from error
+    found = [densities(model, modes) for modes in model.speeds]
+    if any(each is None for each in found):
+        _without_density(source, known, name, raw, model)
+        return model
+    every = np.concatenate([each for each in found if each is not None])
+    spread = float(every.max() / every.min())
+    if spread > _UNLIKE:
+        raise BadInput(
+            f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
+            f" {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3: expected shapes of modal"
+            " mass 1, or their modal masses",
+            file=source.name,
+            key="[structure] modes",
+        )
+    density = float(np.median(every))
+    if not LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
+        raise BadInput(_units(name, raw, model.size, density), file=source.name, key="[structure] unit, mass_unit")
+    return model
+
+
+def _units(name: str, raw: Raw, size: float, density: float) -> str:
+    """What is wrong with the units of a file, and which would make sense."""
+    from fem.modal_files import in_si
+    from fem.modal_model import densities
+
+    plain = in_si(raw, 1.0, 1.0)
+    own = densities(plain, plain.speeds[0])
+    fitting = []
+    for unit, mass_unit in _SYSTEMS:
+        length, mass = KnownModes(modes=name, unit=unit, mass_unit=mass_unit).scale(None, None)
+        there = 0.0 if own is None else float(np.median(own)) * mass / length**3
+        if _USUAL[0] <= there <= _USUAL[1] and plain.size * length <= _LARGE:
+            fitting.append(f"unit = '{unit}', mass_unit = '{mass_unit}' ({significant(there)} kg/m^3)")
+    meant = f": {' or '.join(fitting)}?" if fitting else ": say what they are"
+    return (
+        f"in these units {name} describes a structure {significant(size)} m large of {significant(density)} kg/m^3,"
+        f" by the scale of its shapes{meant}"
+    )
+
+
+def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, model: ModalModel) -> None:
+    """Of a structure without volumes the units have to be said, and shapes of displacement 1 have no mass.
+
+    Raises:
+        BadInput: they are not said; the structure is too large; the shapes are scaled to displacements.
+    """
+    key = "[structure] unit, mass_unit"
+    if (known.unit or raw.unit) is None or (known.mass_unit or raw.mass_unit) is None:
+        problem = f"missing: {name} has no solid elements by which the units of its shapes could be checked"
+        raise BadInput(problem, file=source.name, key=key)
+    if model.size > _LARGE:
+        problem = f"{name} would describe a structure {significant(model.size)} m large: was another unit meant?"
+        raise BadInput(problem, file=source.name, key=key)
+    largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
+    if largest.size > 1 and np.ptp(largest) <= 1e-6 * largest.max():
+        raise BadInput(
+            f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
+            " expected shapes of modal mass 1, or their modal masses",
+            file=source.name,
+            key="[structure] modes",
+        )
+
+
+_UNEVEN = 1.05
+"""Ratio of densities from which on it is said."""
+
+
+def _density_remark(name: str, model: ModalModel) -> str | None:
+    """What mass the shapes say that the structure has, where it is not that of one density."""
+    from fem.modal_model import densities
+
+    found = densities(model, model.speeds[0])
+    if found is None or found.max() <= _UNEVEN * found.min():
+        return None
+    return (
+        f"By its shapes {name} has densities from {significant(float(found.min()))} to"
+        f" {significant(float(found.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
+        " normalised to mass."
+    )
+
+
+def _turning(source: SceneFile, model: ModalModel) -> ModalModel:
+    """The model about the scene's axis, or the file's where the scene has none; with forces by the root's motion."""
+    from fem import Rotor
+    from fem.modal_model import drawn_by
+
+    rotor = source.scene.rotor
+    axis, origin = model.axis, model.origin
+    own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
+    if _set(source) & {"axis", "origin", "hub_radius", "stagger", "precone"}:
+        axis = own.axis if rotor.axis is None else np.array(rotor.axis) / np.linalg.norm(rotor.axis)
+        innermost = np.array([model.points[:, 0].min(), 0.0, 0.0])
+        origin = innermost - rotor.hub_radius * own.outwards if rotor.origin is None else np.array(rotor.origin)
+    speeds = tuple(
+        modes if modes.drawn is not None else replace(modes, drawn=drawn_by(model, modes)) for modes in model.speeds
+    )
+    return replace(model, axis=axis, origin=origin, speeds=speeds)
+
+
+_ALIKE = 0.7
+"""Modal assurance criterion from which on a mode is followed from one speed to the next."""
+
+
+def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
+    """A speed lies among those known, and the modes are followed where it lies between two.
+
+    Raises:
+        BadInput: it does not, or they cannot be.
+    """
+    from fem.modal_model import SAME_SPEED
+
+    known = np.array([modes.omega for modes in model.speeds])
+    slack, key = SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
+    if not known.min() - slack <= omega <= known.max() + slack:
+        have = f"{in_rpm(known.min()):.6g} to {in_rpm(known.max()):.6g} rpm"
+        problem = f"the modes are known from {have}: expected speeds among them, not {in_rpm(omega):.6g} rpm"
+        raise BadInput(problem, file=source.name, key=key)
+    lost = np.flatnonzero(model.likeness[: source.scene.rotor.modes] < _ALIKE)
+    if np.abs(known - omega).min() > slack and lost.size:
+        number = int(lost[0]) + 1
+        problem = (
+            f"mode {number} cannot be followed from one speed of the files to the next (likeness"
+            f" {model.likeness[lost[0]]:.2f}), and {in_rpm(omega):.6g} rpm lies between them: expected files at"
+            f" speeds closer together{f', or [rotor] modes = {number - 1}' if number > 1 else ''}"
+        )
+        raise BadInput(problem, file=source.name, key=key)
+
+
+def _interpolation_remarks(source: SceneFile, model: ModalModel) -> list[str]:
+    """What is said of speeds between those of the files."""
+    known = np.array([modes.omega for modes in model.speeds])
+    between = [omega for omega in source.scene.rotor.speeds if known.min() < omega < known.max()]
+    between = [omega for omega in between if np.abs(known - omega).min() > 1e-9 * known.max()]
+    if not between:
+        return []
+    said = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
+    count = source.scene.rotor.modes
+    errors = [model.at(omega).interpolation for omega in between]
+    worst = [float(each[:count].max()) for each in errors if each is not None]
+    if not worst:
+        return [f"{said}: with two speeds alone, how good that is is not known."]
+    return [f"{said}: leaving out the nearest one changes frequencies by up to {percent(max(worst))} %."]
+
+
+def seat_of(source: SceneFile, model: ModalModel) -> tuple[Seat, tuple[str, ...]]:
+    """Where the damper of a scene sits on a structure in space, with remarks.
+
+    Raises:
+        BadInput: the place is not on the structure, or does not move.
+    """
+    from fem.modal_model import OffTheStructure, place, pull
+    from fem.reduction.known_modes import NoMotion, bending_direction, floor
+
+    damper = source.scene.damper
+    if damper is None:
+        raise ValueError("the scene has no [damper]")
+    asked = _asked_place(source, model)
+    value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
+    try:
+        at = place(model, asked)
+    except OffTheStructure as error:
+        raise BadInput(str(error), file=source.name, key="[damper] at", value=value) from error
+    modes = model.speeds[0]
+    try:
+        given = damper.direction
+        direction = bending_direction(model, at, modes) if given is None else np.array(given, dtype=np.float64)
+        seen = floor(model, at, modes, direction)
+    except NoMotion as error:
+        key = "[damper] at" if damper.direction is None else "[damper] direction"
+        raise BadInput(str(error), file=source.name, key=key, value=value) from error
+    remarks = []
+    if at.distance > _OFF * model.size:
+        there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
+        remarks.append(
+            f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
+            f" {significant(1e3 * at.distance)} mm from it."
+        )
+    lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
+    if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
+        remarks.append(
+            f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"
+            f" uncertain by {percent(abs(spread / slope))} %: it is {at.how}."
+        )
+    return Seat(at, direction, pull(model, at)), tuple(remarks)
+
+
+_OFF = 1e-4
+"""Distance from the place asked for, relative to the structure, from which on it is said."""
+
+_UNSURE = 0.02
+"""Relative uncertainty of a slope from which on it is said."""
+
+
+def _asked_place(source: SceneFile, model: ModalModel) -> Floats:
+    """The point that `at` means: itself, a node, or the middle of a set of nodes."""
+    damper = source.scene.damper
+    at = None if damper is None else damper.at
+    if isinstance(at, tuple):
+        return np.array(at, dtype=np.float64)
+    key = "[damper] at"
+    if isinstance(at, str):
+        if at not in model.sets:
+            names = list(model.sets)
+            there = f"expected one of its sets of nodes: {', '.join(names)}" if names else "the file has no sets"
+            problem = f"{there}{did_you_mean(at, names)}"
+            raise BadInput(problem, file=source.name, key=key, value=at)
+        return np.asarray(model.points[model.sets[at]].mean(axis=0))
+    labels = np.arange(1, len(model.points) + 1) if model.labels is None else model.labels
+    found = np.flatnonzero(labels == at)
+    if not found.size:
+        problem = f"no such node: expected a number from {labels.min()} to {labels.max()}"
+        raise BadInput(problem, file=source.name, key=key, value=at)
+    return np.asarray(model.points[int(found[0])])
