@@ -10,6 +10,7 @@ import pytest
 
 from damper import (
     Formulation,
+    Mode,
     Outcome,
     ParticleDamper,
     capacity,
@@ -363,3 +364,44 @@ def test_a_start_on_a_wall_with_spin_into_it(side: int, tilt: float) -> None:
     assert abs(run.rows["s"]).max() <= 1e-3
     assert run.energy.slip == pytest.approx(0.5 * 0.4 * 0.01 * 0.3**2, rel=1e-12)
     assert abs(run.energy.residual) <= 1e-13 * run.energy.initial
+
+
+@pytest.mark.parametrize("series", [False, True])
+def test_restitution_by_impact_speed(series: bool) -> None:
+    """A free ball between heavy walls: each hit takes from its speed what the pairs say, whatever flights are.
+
+    Between the pairs e is linear in the logarithm of the speed, above the last it falls as v^(-1/4).
+    """
+    pairs, first = ((0.5, 0.9), (1.0, 0.7), (4.0, 0.6)), 9.0
+    damper = heavy(1e-4, 1.0, restitution=0.9, restitution_by_speed=pairs)
+    modes = tuple(Mode(HEAVY, damper.stiffness[0], shape) for shape in ((1.0, 0.0), (0.0, 1.0)))
+    damper = dataclasses.replace(damper, modes=modes) if series else damper
+    run = ringdown(damper, (0.0, 0.0), 1e-3, ball_velocity=(first, 0.0), keep_events=True)
+    hits, speed = run.rows[run.rows["kind"] == HIT], first
+    assert hits["w_before"][-1] ** 2 < 0.5**2 < 4.0**2 < first**2
+    for k, hit in enumerate(hits):
+        if speed > 4.0:
+            e = 0.6 * (4.0 / speed) ** 0.25
+        elif speed > 1.0:
+            e = 0.7 - 0.1 * math.log(speed) / math.log(4.0)
+        else:
+            e = 0.9 - 0.2 * math.log2(speed / 0.5) if speed > 0.5 else 0.9
+        speed *= e
+        assert hit["w"] == pytest.approx(-speed if k % 2 == 0 else speed, rel=1e-9)
+    assert run.energy.impact == pytest.approx(0.5 * (first**2 - speed**2), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "message"),
+    [
+        (((2.0, 0.5), (1.0, 0.4)), "in ascending order"),
+        (((0.0, 0.5),), "in ascending order"),
+        (((1.0, 0.5), (2.0, 1.1)), "between 0 and 1"),
+        (((1.0, 0.4),), "up to its first speed"),
+        (((1.0,),), "two numbers"),
+        (0.5, "at most 16 pairs"),
+    ],
+)
+def test_pairs_that_make_no_sense(pairs: object, message: str) -> None:
+    with pytest.raises(ValueError, match=f"restitution_by_speed must be .*{message}"):
+        heavy(1.0, 1.0, restitution_by_speed=pairs)
