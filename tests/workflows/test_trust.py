@@ -27,7 +27,7 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     scene = _plate(paper, accuracy__frequency=accuracy)
     said = remarks.sentence(workflows.run(scene))
     assert said is not None
-    assert said.endswith(f'asked for; [plate] theory = "{theory}" would do.')
+    assert said.endswith(f'was asked for; [plate] theory = "{theory}" would do.')
     mended = workflows.run(changed(scene, plate__theory=theory))
     assert remarks.met(mended)
     assert "would do" not in str(remarks.sentence(mended))
@@ -39,7 +39,7 @@ def test_the_effects_that_would_do_do(paper: Scene) -> None:
     scene = changed(scene, rotor__speeds=["17500 rpm"], effects={"coriolis": False})
     said = remarks.sentence(workflows.run(scene))
     assert said is not None
-    assert said.endswith("asked for; [effects] coriolis = true and [effects] large_deflection = true would do.")
+    assert said.endswith("was asked for; [effects] coriolis = true and [effects] large_deflection = true would do.")
     assert remarks.met(workflows.run(changed(scene, effects={"coriolis": True, "large_deflection": True})))
 
 
@@ -87,7 +87,7 @@ def test_at_rest_nothing_of_spinning_is_advised() -> None:
     """What has no part in an error is no cure of it."""
     said = remarks.sentence(_laden(1e-3))
     assert said is not None
-    assert "more than the 0.1 % asked for" in said
+    assert "0.1 % was asked for; " in said
     assert "[effects]" not in said
 
 

@@ -524,11 +524,11 @@ def errors(results: Results) -> str | None:
     if not modes:
         return None
     last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
-    verdict = "within" if met(results) else "more than"
-    first = f"The first frequency is good to {percent(modes[0].whole)} %"
-    others = "" if len(modes) == 1 else f", the worst of {len(modes)}, number {last.number}, to {percent(last.whole)} %"
-    remedy = "" if met(results) else f"; {cure(results)}"
-    return f"{first}{others} ({_largest(last)}): {verdict} the {significant(100 * asked)} % asked for{remedy}."
+    wanted = f"{significant(100 * asked)} %"
+    verdict = f"within the {wanted} asked for" if met(results) else f"{wanted} was asked for; {cure(results)}"
+    first = f"Mode {modes[0].number} is accurate to {percent(modes[0].whole)} %"
+    others = "" if last is modes[0] else f", mode {last.number}, the least accurate, to {percent(last.whole)} %"
+    return f"{first}{others} ({_largest(last)}): {verdict}."
 
 
 def cure(results: Results) -> str:
