@@ -280,7 +280,7 @@ def check_hits(run: RingDown, rows: Records) -> None:
     from damper.impacts import restitutions
 
     e = np.empty_like(before)
-    restitutions(before, balls_of(run.damper.parameters, np.zeros(1))[0], e)
+    restitutions(np.asarray(before), balls_of(run.damper.parameters, np.zeros(1))[0], e)
     error = np.where((kind == HIT) & ~rests, abs(after - e * before), 0.0)
     require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
     require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)
