@@ -84,6 +84,8 @@ class SpaceStructure:
         seat: of the damper; None without one.
         described: in words; remarks: on what was made of it.
         sha256: of the files.
+        coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
+            not known.
     """
 
     model: ModalModel
@@ -92,6 +94,7 @@ class SpaceStructure:
     described: str
     remarks: tuple[str, ...]
     sha256: str | None
+    coriolis: Callable[[float], Floats] | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -108,12 +111,13 @@ class SpaceStructure:
 
         scene, modes = source.scene, self.modes(omega)
         names = families(self.model, modes)[: scene.rotor.modes]
+        turned = None if self.coriolis is None else self.coriolis(omega)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name) for k, name in enumerate(names)),
+            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names)),
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -260,7 +264,7 @@ def _both(pair: Floats) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
+def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
     """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
     between = modes.interpolation
     parts = ErrorParts(
@@ -269,7 +273,7 @@ def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
         large_deflection=None,
-        coriolis=None,
+        coriolis=None if turned is None else float(turned[k]),
     )
     return Mode(
         frequency_hz=float(modes.frequencies_hz[k]),
@@ -360,7 +364,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     except ModesFileError as error:
         raise BadInput(str(error), file=source.name, key="[structure] modes") from error
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return _turning(source, model), tuple(remarks), whole
+    return turning(source, model), tuple(remarks), whole
 
 
 def _set(source: SceneFile) -> set[str]:
@@ -531,7 +535,7 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def _turning(source: SceneFile, model: ModalModel) -> ModalModel:
+def turning(source: SceneFile, model: ModalModel) -> ModalModel:
     """The model about the scene's axis, or the file's where the scene has none; with forces by the root's motion."""
     from fem import Rotor
     from fem.modal_model import drawn_by
