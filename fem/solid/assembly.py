@@ -163,8 +163,8 @@ def _dissected(row: Indices, column: Indices, n: int) -> Indices:
         return np.asarray(np.argsort(order))
     apart = row != column
     begin = np.concatenate([[0], np.cumsum(np.bincount(row[apart], minlength=n))])
-    graph = pymetis.CSRAdjacency(begin.astype(np.int32), column[apart].astype(np.int32))
-    ordered = pymetis.nested_dissection(graph)
+    neighbours = pymetis.CSRAdjacency(begin.astype(np.int32), column[apart].astype(np.int32))
+    ordered = pymetis.nested_dissection(neighbours)
     return np.asarray(np.argsort(np.asarray(ordered[0], dtype=np.int64)))
 
 
