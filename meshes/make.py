@@ -152,8 +152,8 @@ def solid(shape: Airfoil, cells: tuple[int, int, int] = (12, 6, 1), grade: float
     grade: how many times longer the cells at the tip are than those at the root, about.
     """
     n = [2 * count + 1 for count in cells]
-    steps = np.geomspace(1.0, grade, cells[0])
-    ends = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+    even = np.linspace(0.0, 1.0, cells[0] + 1)
+    ends = even if grade == 1.0 else (grade**even - 1.0) / (grade - 1.0)
     span = np.empty(n[0])
     span[::2], span[1::2] = ends, 0.5 * (ends[1:] + ends[:-1])
     grid = np.meshgrid(span, np.linspace(-1.0, 1.0, n[1]), np.linspace(-1.0, 1.0, n[2]), indexing="ij")
