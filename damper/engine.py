@@ -14,7 +14,7 @@ import numpy as np
 
 from damper.compiled import by_flights, kernel
 from damper.events import account, look, schedule, seek, strongest_drive
-from damper.flight import begin, expand, increment, increments, rates, slope, structure, travel, velocity, viscous_loss
+from damper.flight import begin, expand, increment, increments, rates, structure, travel, velocity, viscous_loss
 from damper.impacts import let_go, level_hit, level_rub, level_settle, read, resolve, roll, roll_on, slip
 from damper.slip import spend
 from damper.state import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
@@ -155,7 +155,7 @@ def _twice_the_energy(it: Record, time: float) -> float:
                 twice += system.spring[m, m] * q * q + system.mass[m, m] * (rate / span) ** 2
                 for n in range(low, m):
                     if system.inertia[n] > 0.0:
-                        twice += 2.0 * system.mass[m, n] * rate * slope(c[n - low], x) / (span * span)
+                        twice += 2.0 * system.mass[m, n] * rate * increment(c[n - low], x)[1] / (span * span)
     return twice
 
 
@@ -167,7 +167,8 @@ def _linear_speed(it: Record, time: float) -> tuple[float, float]:
         span, cavity = system.span[g], system.high[g] - system.low[g]
         x = (time - it.motion.start[g]) / span
         for lane in range(cavity, cavity + system.last[g] - system.first[g]):
-            v, acceleration = rates(it.motion.series[g, lane], x)
+            c = it.motion.series[g, lane]
+            v, acceleration = (c[1], 2.0 * c[2]) if x == 0.0 else rates(c, x)
             square += v * v / (span * span)
             rate += v * acceleration / (span * span * span)
     return square, rate

@@ -20,7 +20,24 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from damper.compiled import fused, kernel
-from damper.flight import first_extremum, gather, rates, regimes, relative, third, wave
+from damper.flight import (
+    ALL,
+    FOURTH,
+    NTH,
+    REST,
+    SECOND,
+    THIRD,
+    first_extremum,
+    gather,
+    increment,
+    places,
+    rates,
+    regimes,
+    relative,
+    sizes,
+    third,
+    wave,
+)
 from damper.slip import MARGIN, SPIN_UP, drive, end_of_pressing, end_of_slip, first_exceed
 from damper.state import GRIP, HIT, NOTHING, PIECES, REVERSAL, ROLLING, SLIPPING, START, STUCK, TERMS
 
@@ -28,10 +45,14 @@ if TYPE_CHECKING:
     from damper.model import Floats, Record, Records
 
 
-_THIRD = tuple(float(k * (k - 1) * (k - 2)) for k in range(64))
-
 _STEPS = 200
 """Most steps to a zero: a guard that touches zero takes about 15, more is rounding."""
+
+FAR = 1.25
+"""Over the end up to which a flight is looked at: how far off a guess is worth a look."""
+
+_SURE = 1e-4
+"""Share of its slope by which a guard must fall towards a root that is not known to its last digits."""
 
 _ROUNDING = 4.5e-16
 """Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
@@ -41,21 +62,75 @@ _ROUNDING = 4.5e-16
 def first_zero(guard: Floats, end: float) -> float:
     """First x in [0, end] at which the guard with these coefficients reaches zero, inf if it stays above.
 
-    A guard that begins at zero has just been there and counts from its second zero on, if it rises; below zero, or
-    about to be, it is at zero now.
+    A guard that begins at zero has just been there and counts from its second zero on, if it rises: it is divided by
+    x, in place. Below zero, or about to be, it is at zero now.
     """
     first = 0
-    while first < len(guard) and guard[first] == 0.0:
+    while first < TERMS and guard[first] == 0.0:
         first += 1
-    if first == len(guard):
+    if first == TERMS:
         return np.inf
     if guard[first] < 0.0:
         return 0.0
-    bound, size = _bounds(guard, first)
-    noise = _ROUNDING * size
-    x, f = 0.0, guard[first]
-    f1 = guard[first + 1] if first + 1 < len(guard) else 0.0
-    f2 = 2.0 * guard[first + 2] if first + 2 < len(guard) else 0.0
+    if first > 0:
+        for k in range(TERMS):
+            guard[k] = guard[k + first] if k + first < TERMS else 0.0
+    x, certain = certain_zero(guard, end, _root(guard[0], guard[1], 2.0 * guard[2]))
+    return x if certain else _searched(guard, end)
+
+
+@fused
+def certain_zero(guard: Floats, end: float, guess: float) -> tuple[float, bool]:
+    """The same of a guard that begins above zero, near a guess, and whether a bound proves it."""
+    if guess < FAR * end:
+        x, last, slope, bend = polished(guard, 1.0, -guard[0], guess)
+        if not x > 0.0:
+            return x, False
+        if x <= end:  # over y = x - last the guard is at least y (-slope + bend y / 2 - bound y² / 6), least at an end
+            return x, slope < 0.0 and slope - 0.5 * bend + sizes(guard, THIRD, last) / 6.0 < _SURE * slope
+    return np.inf, stays(guard, end)
+
+
+@fused
+def stays(guard: Floats, x: float) -> bool:
+    """Whether a guard that begins above zero is proved to stay there up to x.
+
+    It is at least c0 + c1 y + c2 y² - rest y³ at y x, y from 0 to 1: positive where that is at its ends and in a dip.
+    """
+    c0, c1, c2, rest = guard[0], x * guard[1], x * x * guard[2], sizes(guard, REST, x)
+    if c0 + c1 + c2 <= rest:
+        return False
+    if c1 >= 0.0 or c2 <= 0.0:
+        return True
+    root = c2 * c2 + 3.0 * c1 * rest
+    dip = -c1 / (c2 + math.sqrt(root)) if root > 0.0 else 1.0
+    return dip >= 1.0 or c0 + dip * (c1 + dip * (c2 - dip * rest)) > 0.0
+
+
+@fused
+def polished(c: Floats, d: float, level: float, x: float) -> tuple[float, float, float, float]:
+    """Where d times the gain of a series reaches a level, by Halley's method from x; nan where that does not converge.
+
+    Also the place before its last step, and there, times d, the slope times x and the second derivative times x².
+    """
+    for _ in range(6):
+        gain, slope, bend = places(c, x)
+        inverse = 1.0 / slope
+        step = (d * level - gain) * inverse
+        curve = 0.5 * step * bend * inverse
+        if not (abs(curve) < 0.25 and abs(step) < 0.5):
+            break
+        last, x = x, x + x * step * (1.0 - curve * (1.0 - curve))
+        if abs(step) * (curve * curve + step * step) <= 1e-17:
+            return x, last, d * slope, d * bend
+    return np.nan, x, 0.0, 0.0
+
+
+@kernel
+def _searched(guard: Floats, end: float) -> float:
+    """First zero of a guard that begins above zero, by steps that no zero can lie in."""
+    bound, noise = sizes(guard, THIRD, 1.0), _ROUNDING * sizes(guard, ALL, 1.0)
+    x, f, f1, f2 = 0.0, guard[0], guard[1], 2.0 * guard[2]
     for _ in range(_STEPS):
         left = end - x
         if _safe(f, f1, f2, bound, left) > left:
@@ -70,21 +145,10 @@ def first_zero(guard: Floats, end: float) -> float:
             x += h
             if bound * h * h * h <= 6e-17 * abs(f1 + f2 * h) * x:
                 return x
-        f, f1, f2 = _at(guard, first, x)
+        f, (f1, f2) = guard[0] + increment(guard, x)[0], rates(guard, x)
         if f <= noise:
             return x
     return x
-
-
-@fused
-def _bounds(guard: Floats, first: int) -> tuple[float, float]:
-    """Bound on the third derivative over [0, 1] of what is left of a guard divided by x**first, and on itself."""
-    bound = size = 0.0
-    for k in range(len(guard) - first):
-        term = abs(guard[first + k])
-        size += term
-        bound += _THIRD[k] * term
-    return bound, size
 
 
 @fused
@@ -118,17 +182,6 @@ def _root(f: float, f1: float, f2: float) -> float:
         return (f1 + math.sqrt(square)) / -f2 if f2 < 0.0 else np.inf
     slope = math.sqrt(square) - f1
     return 2.0 * f / slope if slope > 0.0 else np.inf
-
-
-@fused
-def _at(guard: Floats, first: int, x: float) -> tuple[float, float, float]:
-    """The guard over x**first, and its first two derivatives."""
-    f = f1 = half = 0.0
-    for k in range(len(guard) - 1, first - 1, -1):
-        half = half * x + f1
-        f1 = f1 * x + f
-        f = f * x + guard[k]
-    return f, f1, 2.0 * half
 
 
 @kernel
@@ -229,11 +282,36 @@ def seek(g: int, it: Record) -> None:
 
 @kernel
 def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
-    """Hit of the wall ahead, or a zero of the relative velocity before it."""
+    """Hit of the wall ahead, or a zero of the relative velocity before it.
+
+    As long as the velocity is positive the ball nears the wall: that it stays positive up to a root proves that neither
+    a hit nor a reversal comes before. Nearly every flight ends by Halley's method and that bound.
+    """
     d = axis.direction
+    gap, begins = axis.half_gap - d * s[0], s[1] == 0.0
     axis.heading = d
+    _velocity(s, guard, d, begins)
+    if gap > 0.0 and guard[0] > 0.0:
+        turn, hit = _root(guard[0], guard[1], 2.0 * guard[2]), _guess(s, d, gap)
+        if turn < hit:
+            x, certain = certain_zero(guard, end, turn)
+            if certain and d * increment(s, min(x, end))[0] < gap:
+                return x, REVERSAL
+        else:
+            x = polished(s, d, gap, hit)[0] if hit < FAR * end else np.inf
+            if 0.0 < x <= end and stays(guard, x):
+                return x, HIT
+            if x > end and d * increment(s, end)[0] < gap and stays(guard, end):
+                return np.inf, NOTHING
+    return _searched_end(s, guard, axis, end)
+
+
+@kernel
+def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
+    """The end of a roll by its two guards, each for itself."""
+    d = axis.direction
     x = _hit(s, guard, d, axis.half_gap, end)
-    _velocity(s, guard, d)
+    _velocity(s, guard, d, False)
     if guard[0] == 0.0:  # just set off: it accelerates along its direction, whatever rounding says
         guard[1] = max(guard[1], 0.0)
     turn = first_zero(guard, min(x, end))
@@ -241,10 +319,25 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
 
 
 @fused
-def _velocity(s: Floats, guard: Floats, d: int) -> None:
-    """Into the guard: d times the relative velocity."""
-    for k in range(TERMS - 1):
-        guard[k] = d * (k + 1) * s[k + 1]
+def _guess(s: Floats, d: int, gap: float) -> float:
+    """About where a ball comes by a gap, inf if it hardly does."""
+    p1, p2, p3, p4 = d * s[1], d * s[2], d * s[3], d * s[4]
+    x = _root(gap, -p1, -2.0 * p2)
+    if p1 == 0.0 and p3 * x > 4.0 * p2:  # just set off: the jerk carries the ball
+        x = min(x, (gap / p3) ** (1.0 / 3.0))
+    if x < np.inf:
+        miss = gap - x * (p1 + x * (p2 + x * (p3 + x * p4)))
+        x += miss / (p1 + x * (2.0 * p2 + x * (3.0 * p3 + x * 4.0 * p4)))
+    return x
+
+
+@fused
+def _velocity(s: Floats, guard: Floats, d: int, begins: bool) -> None:
+    """Into the guard: d times the relative velocity, over x where it begins at zero."""
+    first = 2 if begins else 1
+    for k in range(TERMS - 2):
+        guard[k] = d * NTH[k + first] * s[k + first]
+    guard[TERMS - 2] = 0.0 if begins else d * NTH[TERMS - 1] * s[TERMS - 1]
     guard[TERMS - 1] = 0.0
 
 
@@ -300,7 +393,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
         hit = _hit(s, guard, side, axis.half_gap, min(x, end))
         if hit < x:
             x, axis.heading = hit, side
-    _velocity(s, guard, d)
+    _velocity(s, guard, d, False)
     guard[0] = d * (it.motion.rate[system.place[i]] - axis.spin) * span
     guard[1] -= SPIN_UP * it.ball.grip * span * span
     grip = first_zero(guard, min(x, end))
@@ -325,31 +418,33 @@ def account(s: Floats, x: float, span: float, axis: Record, ball: Record) -> Non
     """
     share, resistance = ball.spin_mass / ball.mass, axis.direction * ball.threshold
     square = 1.0 / (span * span)
-    most = 0.0
-    for k in range(TERMS - 1, 1, -1):
-        most = most * x + k * (k - 1) * abs(s[k])
-    if share * most * square + abs(resistance) <= axis.demand:
+    if x > 0.0 and share * sizes(s, SECOND, x) * square <= (axis.demand - abs(resistance)) * x * x:
         return
     here, there = 2.0 * s[2] * square, rates(s, x)[1] * square
     axis.demand = max(axis.demand, abs(share * here + resistance), abs(share * there + resistance))
-    crest = rates(s, _crest(s, x))[1] * square
-    axis.demand = max(axis.demand, abs(share * crest + resistance))
+    between = max(abs(here), abs(there)) * x * x + 0.125 * sizes(s, FOURTH, x) * square
+    if share * between > (axis.demand - abs(resistance)) * x * x:
+        crest = rates(s, _crest(s, x))[1] * square
+        axis.demand = max(axis.demand, abs(share * crest + resistance))
 
 
 @kernel
 def _crest(s: Floats, end: float) -> float:
     """Where the second derivative of a series is extreme within a step; its end where it is monotone."""
-    low, high = 0.0, end
-    rises = third(s, low) > 0.0
-    if rises == (third(s, high) > 0.0):
+    low, high, j_low, j_high = 0.0, end, third(s, 0.0), third(s, end)
+    if (j_low > 0.0) == (j_high > 0.0):
         return end
+    x = end
     for _ in range(24):
-        middle = 0.5 * (low + high)
-        if (third(s, middle) > 0.0) == rises:
-            low = middle
+        x = high - j_high * (high - low) / (j_high - j_low)
+        j = third(s, x)
+        if j == 0.0 or abs(high - low) < 1e-6 * end:
+            break
+        if (j > 0.0) == (j_high > 0.0):
+            high, j_high, j_low = x, j, 0.5 * j_low
         else:
-            high = middle
-    return low
+            low, j_low, high, j_high = high, j_high, x, j
+    return x
 
 
 Motion: TypeAlias = tuple[float, float, float, float]

@@ -20,6 +20,7 @@ import numba as nb
 import numpy as np
 from llvmlite import ir
 from numba.core import types
+from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
@@ -206,6 +207,17 @@ if TYPE_CHECKING or nb.config.DISABLE_JIT:
         """Sum of the eight."""
         return float(((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7])))
 
+    def positive(a: Floats) -> Floats:
+        """Absolute values."""
+        return np.abs(a)
+
+    def powers(x: float) -> Floats:
+        """From the zeroth to the seventh."""
+        power = np.array([1.0, x] * 4)
+        power[[2, 3, 6, 7]] *= x * x
+        power[4:] *= (x * x) * (x * x)
+        return power
+
 else:
 
     @intrinsic
@@ -258,15 +270,48 @@ else:
 
     @intrinsic
     def total(_, a):
-        """Sum up."""
+        """Sum up: halves onto each other."""
 
         def code(context, builder, signature, values):
-            sums = [builder.extract_element(values[0], _INDEX(k)) for k in (0, 4, 2, 6, 1, 5, 3, 7)]
-            while len(sums) > 1:
-                sums = [builder.fadd(*two) for two in zip(sums[::2], sums[1::2], strict=True)]
-            return sums[0]
+            (each,) = values
+            for half in (4, 2, 1):
+                nothing = ir.Constant(ir.VectorType(ir.DoubleType(), 2 * half), ir.Undefined)
+                low, high = (
+                    builder.shuffle_vector(each, nothing, ir.Constant(ir.VectorType(_INDEX, half), list(places)))
+                    for places in (range(half), range(half, 2 * half))
+                )
+                each = builder.fadd(low, high)
+            return builder.extract_element(each, _INDEX(0))
 
         return types.float64(a), code
+
+    @intrinsic
+    def positive(_, a):
+        """Take absolute values."""
+
+        def code(context, builder, signature, values):
+            name = f"llvm.fabs.v{WIDTH}f64"
+            of_vectors = get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), name)
+            return builder.call(of_vectors, values)
+
+        return _EIGHT(a), code
+
+    @intrinsic
+    def powers(_, x):
+        """Multiply by the first, the second and the fourth power where they are part."""
+
+        def code(context, builder, signature, values):
+            (power,) = values
+            nothing, result = ir.Constant(_VECTOR, ir.Undefined), ir.Constant(_VECTOR, [1.0] * WIDTH)
+            for bit in range(3):
+                two = builder.insert_element(nothing, ir.Constant(ir.DoubleType(), 1.0), _INDEX(0))
+                two = builder.insert_element(two, power, _INDEX(1))
+                parts = ir.Constant(ir.VectorType(_INDEX, WIDTH), [k >> bit & 1 for k in range(WIDTH)])
+                result = builder.fmul(result, builder.shuffle_vector(two, nothing, parts))
+                power = builder.fmul(power, power)
+            return result
+
+        return _EIGHT(types.float64), code
 
 
 @fused
@@ -334,51 +379,90 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
     store(c, 16, three)
 
 
+NTH = np.arange(TERMS + 0.0)
+_FACTORS = np.array([NTH > 0, NTH, NTH * (NTH - 1), NTH * (NTH - 1) * (NTH - 2)])
+"""Factors of the terms of a series: in what it gains from its start on, and in its first three derivatives."""
+
+_LAST = TERMS - WIDTH
+_LEFT = np.array(
+    [
+        np.append(row[m : m + _LAST], np.where(_LAST + m > NTH, 0.0, row)[_LAST:])
+        for m, row in zip((1, 1, 2, 3), _FACTORS, strict=True)
+    ]
+)
+"""The same from the first term on that does not vanish; the last row of eight has the last terms."""
+
+
 @fused
-def value(c: Floats, x: float) -> float:
-    """A series at x."""
-    f = 0.0
-    for k in range(TERMS - 1, -1, -1):
-        f = f * x + c[k]
-    return f
+def _summed(c: Floats, which: int, x: float) -> float:
+    """Sum of a series' terms times their factors, the powers of x that all of them have left out."""
+    square = x * x
+    fourth = square * square
+    eighth = fourth * fourth
+    first = max(which, 1)
+    last = eighth * fourth * (x if first == 3 else square)
+    if first == 1:
+        last *= x
+    terms = times(load(c, first), load(_LEFT[which], 0))
+    terms = add_times(terms, times(load(c, first + WIDTH), load(_LEFT[which], WIDTH)), fill(eighth))
+    terms = add_times(terms, times(load(c, _LAST), load(_LEFT[which], _LAST)), fill(last))
+    return total(times(terms, powers(x)))
 
 
 @fused
 def increment(c: Floats, x: float) -> tuple[float, float]:
     """What a series gains from 0 to x, and its slope there."""
-    f = rate = 0.0
-    for k in range(TERMS - 1, 0, -1):
-        rate = rate * x + f
-        f = f * x + c[k]
-    return f * x, rate * x + f
-
-
-@fused
-def slope(c: Floats, x: float) -> float:
-    """Slope of a series."""
-    rate = 0.0
-    for k in range(TERMS - 1, 0, -1):
-        rate = rate * x + k * c[k]
-    return rate
+    return x * _summed(c, 0, x), _summed(c, 1, x)
 
 
 @fused
 def rates(c: Floats, x: float) -> tuple[float, float]:
     """First and second derivative of a series."""
-    first = second = 0.0
-    for k in range(TERMS - 1, 0, -1):
-        second = second * x + first
-        first = first * x + k * c[k]
-    return first, second
+    return _summed(c, 1, x), _summed(c, 2, x)
+
+
+ALL, SECOND, THIRD, FOURTH, REST = range(5)
+"""What `sizes` bounds: a series, its derivatives times powers of x, its terms from the third on."""
+
+_SIZES = np.array([NTH >= 0, *_FACTORS[2:], _FACTORS[3] * (NTH - 3), NTH > 2])
+
+
+@fused
+def sizes(c: Floats, which: int, x: float) -> float:
+    """Sum of the sizes of a series' terms at x, each times its factor."""
+    low, middle, high = positive(load(c, 0)), positive(load(c, 8)), positive(load(c, 16))
+    return total(times(_horner(low, middle, high, _SIZES[which], fill(_eighth(x))), powers(x)))
+
+
+@fused
+def places(c: Floats, x: float) -> tuple[float, float, float]:
+    """What a series gains from 0 to x, its slope there times x and its second derivative times x²."""
+    power, eighth = powers(x), fill(_eighth(x))
+    low, middle, high = load(c, 0), load(c, 8), load(c, 16)
+    return (
+        total(times(_horner(low, middle, high, _FACTORS[0], eighth), power)),
+        total(times(_horner(low, middle, high, _FACTORS[1], eighth), power)),
+        total(times(_horner(low, middle, high, _FACTORS[2], eighth), power)),
+    )
+
+
+@fused
+def _eighth(x: float) -> float:
+    fourth = (x * x) * (x * x)
+    return fourth * fourth
+
+
+@fused
+def _horner(low: Floats, middle: Floats, high: Floats, factors: Floats, eighth: Floats) -> Floats:
+    """Rows of eight terms, times their factors, as a polynomial in the eighth power."""
+    beyond = add_times(times(middle, load(factors, 8)), times(high, load(factors, 16)), eighth)
+    return add_times(times(low, load(factors, 0)), beyond, eighth)
 
 
 @fused
 def third(c: Floats, x: float) -> float:
     """Third derivative of a series."""
-    jerk = 0.0
-    for k in range(TERMS - 1, 2, -1):
-        jerk = jerk * x + k * (k - 1) * (k - 2) * c[k]
-    return jerk
+    return _summed(c, 3, x)
 
 
 _POINTS = 8
@@ -419,16 +503,17 @@ def travel(g: int, x: float, it: Record) -> None:
         for m in range(low, high):
             motion.gain[m] = 0.0
         return
-    motion.power[0], motion.power[1] = 1.0, x
-    for k in range(2, WIDTH):
-        motion.power[k] = motion.power[k // 2] * motion.power[k - k // 2]
-    eighth = fill(motion.power[4] * motion.power[4])
-    one = load(motion.power, 0)
+    one, eighth = powers(x), fill(_eighth(x))
     two = times(one, eighth)
     three = times(two, eighth)
     time, squares, first = x * system.span[g], fill(0.0), 0.0
     for m in range(low, high):
         series, dashpot = c[m - low], system.dashpot[m]
+        if dashpot == 0.0:
+            motion.gain[m], rate = increment(series, x)
+            motion.z[m] += motion.gain[m]
+            motion.rate[m] = rate / system.span[g]
+            continue
         _scale(series, one, two, three, scaled)
         at = _at_points(scaled, _SLOPES)
         squares, first = add_times(squares, times(at, at), fill(dashpot)), first + dashpot * scaled[1] * scaled[1]

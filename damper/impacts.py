@@ -1,12 +1,16 @@
 """What an event does to the motion: hits, wall friction, sticking, setting off, slip.
 
+The law of impact is `restitution`, `sticks` and `rubbing`: both kinds of flights have their hits from these.
 Functions whose name begins with `level` act on an axis in closed form. The others act on linear flights, where an
 impulse along one axis moves the cavity along the other too if a mode couples them; `resolve` is their entry.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from damper.compiled import kernel
 from damper.events import departure, level_departure
@@ -15,6 +19,41 @@ from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, START, STUCK
 
 if TYPE_CHECKING:
     from damper.model import Floats, Record, Records
+
+
+@kernel
+def restitution(speed: float, ball: Record) -> float:
+    """Ratio of the normal relative speeds after and before a hit at this speed."""
+    pairs = ball.restitution_by_speed
+    if speed <= pairs[0, 0]:
+        return float(ball.restitution)
+    last = 0
+    while last + 1 < len(pairs) and speed > pairs[last + 1, 0]:
+        last += 1
+    v, e = pairs[last, 0], pairs[last, 1]
+    if last + 1 < len(pairs) and pairs[last + 1, 0] < np.inf:
+        return float(e + (pairs[last + 1, 1] - e) * math.log(speed / v) / math.log(pairs[last + 1, 0] / v))
+    return float(e * math.sqrt(math.sqrt(v / speed)))
+
+
+@kernel
+def restitutions(speeds: Floats, ball: Record, ratios: Floats) -> None:
+    """The same of many hits, into `ratios`."""
+    for k in range(len(speeds)):
+        ratios[k] = restitution(speeds[k], ball)
+
+
+@kernel
+def sticks(axis: Record, ball: Record) -> bool:
+    """Whether a ball that was just hit stays on the wall."""
+    return bool(abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor))
+
+
+@kernel
+def rubbing(w: float, normal: float, mass: float, ball: Record) -> float:
+    """Relative velocity along a wall after a hit with this normal impulse: friction at most ends it, eq. (11)."""
+    change = ball.friction * normal / mass
+    return 0.0 if change >= abs(w) else w - math.copysign(change, w)
 
 
 @kernel
@@ -46,6 +85,14 @@ def slip(axis: Record) -> None:
 
 
 @kernel
+def slip_or_press(axis: Record) -> None:
+    """The same; a ball at rest on a wall spins against it until something pulls it off."""
+    slip(axis)
+    if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:
+        axis.regime, axis.direction = STUCK, 0
+
+
+@kernel
 def level_hit(axis: Record, ball: Record, books: Record) -> float:
     """Impact of the ball with the wall on the side `heading`, first two of eqs. (10), then sticking or rebound.
 
@@ -53,14 +100,15 @@ def level_hit(axis: Record, ball: Record, books: Record) -> float:
     takes away is booked with the impact.
     """
     reduced = ball.mass * ball.host_mass / (ball.mass + ball.host_mass)
-    impulse = float(reduced * (1.0 + ball.restitution) * abs(axis.w))
+    e = restitution(abs(axis.w), ball)
+    impulse = float(reduced * (1.0 + e) * abs(axis.w))
     axis.s = axis.heading * axis.half_gap
-    _level_exchange(axis, -ball.restitution * axis.w, reduced, ball, books)
+    _level_exchange(axis, -e * axis.w, reduced, ball, books)
     if ball.grip > 0.0:
         spin = rubbed(axis.spin, impulse, ball)
         books.impact += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
         axis.spin = spin
-    if abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor):
+    if sticks(axis, ball):
         _level_exchange(axis, 0.0, reduced, ball, books)
         axis.regime, axis.direction = STUCK, 0
     elif ball.grip > 0.0:
@@ -74,13 +122,11 @@ def level_hit(axis: Record, ball: Record, books: Record) -> float:
 def level_rub(axis: Record, normal_impulse: float, laws: Records, ball: Record, books: Record) -> None:
     """Tangential part of an impact, last two of eqs. (10), friction capped by eq. (11)."""
     reduced = ball.mass * ball.host_mass / (ball.mass + ball.host_mass)
-    change = ball.friction * normal_impulse / reduced
-    way = 1 if axis.w > 0.0 else -1
-    capped = change >= abs(axis.w)
-    _level_exchange(axis, 0.0 if capped else axis.w - way * change, reduced, ball, books)
+    after = rubbing(axis.w, normal_impulse, reduced, ball)
+    _level_exchange(axis, after, reduced, ball, books)
     if ball.grip > 0.0 and axis.w != axis.spin:
         slip(axis)
-    elif capped:
+    elif after == 0.0:
         level_settle(axis, laws, ball)
 
 
@@ -110,12 +156,12 @@ def let_go(it: Record, flow: Floats) -> None:
         read(i, it)
     for i in range(2):
         if it.ball.grip > 0.0 and it.axes[i].spin != it.axes[i].w:
-            slip(it.axes[i])
+            slip_or_press(it.axes[i])
         elif it.axes[i].w != 0.0:
             roll_on(it.axes[i])
     for _ in range(_ROUNDS):
         for i in range(2):
-            if it.axes[i].regime != SLIPPING and it.axes[i].w == 0.0:
+            if it.axes[i].w == 0.0 and (it.ball.grip == 0.0 or it.axes[i].spin == 0.0):
                 settle(i, 0.0, it, flow)
 
 
@@ -167,9 +213,10 @@ def settle(i: int, time: float, it: Record, flow: Floats) -> None:
 def hit(i: int, it: Record) -> float:
     """Impact with the wall on the side `heading`; returns the normal impulse [N s]."""
     axis, ball = it.axes[i], it.ball
-    impulse = float(reduced(i, it) * (1.0 + ball.restitution) * abs(axis.w))
+    e = restitution(abs(axis.w), ball)
+    impulse = float(reduced(i, it) * (1.0 + e) * abs(axis.w))
     it.motion.z[it.system.place[i]] = axis.heading * axis.half_gap
-    _exchange(i, -ball.restitution * axis.w, it)
+    _exchange(i, -e * axis.w, it)
     if ball.grip > 0.0:
         _follow(axis, rubbed(axis.spin, impulse, ball), it)
     return impulse
@@ -179,7 +226,7 @@ def hit(i: int, it: Record) -> float:
 def rebound(i: int, it: Record) -> None:
     """Sticking to the wall after an impact, or the flight from it."""
     axis, ball = it.axes[i], it.ball
-    if abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor):
+    if sticks(axis, ball):
         _exchange(i, 0.0, it)
         axis.regime, axis.direction = STUCK, 0
     elif ball.grip > 0.0:
@@ -192,15 +239,11 @@ def rebound(i: int, it: Record) -> None:
 def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     """Friction at the wall of the other axis, at most what ends the sliding along it, eq. (11) of the paper."""
     axis, ball = it.axes[i], it.ball
-    change = ball.friction * normal / reduced(i, it)
-    way = 1 if axis.w > 0.0 else -1
-    capped = change >= abs(axis.w)
-    _exchange(i, 0.0 if capped else axis.w - way * change, it)
+    after = rubbing(axis.w, normal, reduced(i, it), ball)
+    _exchange(i, after, it)
     if ball.grip > 0.0 and axis.w != axis.spin:
-        slip(axis)
-        if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:  # pressed against a wall, unless something pulls it off
-            axis.regime, axis.direction = STUCK, 0
-    elif capped:
+        slip_or_press(axis)
+    elif after == 0.0:
         settle(i, it.clock.time, it, flow)
 
 

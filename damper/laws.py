@@ -17,7 +17,7 @@ from damper.damping_curve import BINS
 from damper.equations import load_of, structures_by
 from damper.model import half_gap
 from damper.motion import COUPLED, Outcome, RingDown, kinds
-from damper.state import HIT, LOCKED, PERIODIC, ROLLING, RUB, STUCK, TIRED
+from damper.state import HIT, LOCKED, PERIODIC, ROLLING, RUB, STUCK, TIRED, balls_of
 
 if TYPE_CHECKING:
     from damper.damping_curve import Working
@@ -277,7 +277,11 @@ def check_hits(run: RingDown, rows: Records) -> None:
     def where(index: tuple[int, ...]) -> str:
         return f"a ring-down at {rows['time'][index[0]]:.6g} s"
 
-    error = np.where((kind == HIT) & ~rests, abs(after - run.damper.restitution * before), 0.0)
+    from damper.impacts import restitutions
+
+    e = np.empty_like(before)
+    restitutions(np.asarray(before), balls_of(run.damper.parameters, np.zeros(1))[0], e)
+    error = np.where((kind == HIT) & ~rests, abs(after - e * before), 0.0)
     require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
     require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)
     require("a stuck ball has no speed", "speed [m/s]", np.where(rests, w, 0.0), 0.0, where)

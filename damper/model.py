@@ -22,6 +22,9 @@ Record: TypeAlias = np.record
 Records: TypeAlias = npt.NDArray[np.record]
 
 
+PAIRS = 16
+"""Most pairs of impact speed and restitution."""
+
 PARAMETERS = np.dtype(
     [
         ("modal_mass", "f8"),
@@ -31,6 +34,7 @@ PARAMETERS = np.dtype(
         ("cavity", "f8", 2),
         ("centrifugal_acceleration", "f8"),
         ("restitution", "f8"),
+        ("restitution_by_speed", "f8", (PAIRS, 2)),  # beyond the last pair: infinite speeds
         ("friction", "f8"),
         ("rolling_friction", "f8"),
         ("damping_ratio", "f8"),
@@ -151,6 +155,16 @@ def validate(rows: Parameters) -> None:
         _require(rows[name] <= 1e6, name, rows[name], "at most 1e6")
     e, zeta = rows["restitution"], rows["damping_ratio"]
     _require((e >= 0) & (e <= 1), "restitution", e, "between 0 and 1")
+    speeds, ratios = np.moveaxis(rows["restitution_by_speed"], 2, 0)
+    given = speeds < np.inf
+    rises = np.diff(np.where(given, speeds, 0.0), axis=1, prepend=0.0) > 0
+    for holds, values, rule in (
+        (rises, speeds, "in ascending order of positive, finite speeds"),
+        ((ratios >= 0) & (ratios <= 1), ratios, "restitutions between 0 and 1"),
+        (ratios[:, :1] == e[:, None], ratios[:, :1], "restitution up to its first speed"),
+    ):
+        here = given[:, : values.shape[1]]
+        _require(holds | ~here, "restitution_by_speed", np.where(here, values, 0.0), rule)
     _require(zeta < 1, "damping_ratio", zeta, "at least 0 and below 1")
     fits = rows["cavity"] >= 2 * rows["ball_radius"][:, None] * (1 - 1e-12)
     _require(fits, "cavity", rows["cavity"], "at least the ball's diameter")
@@ -327,6 +341,10 @@ class ParticleDamper:
         cavity: l1 and l2, the cavity's length along x and width along y [m].
         centrifugal_acceleration: Omega**2 R, what presses the ball onto the floor [m/s^2].
         restitution: e, ratio of the normal relative speeds after and before a wall hit [-].
+        restitution_by_speed: pairs of impact speed [m/s] and e, speeds ascending, the first with `restitution`, which
+            holds up to that speed. Between two pairs e is linear in the logarithm of the speed; above the last it falls
+            as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
+            One pair thus stands for a yield speed; none: e is the same at all speeds.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
@@ -369,9 +387,11 @@ class ParticleDamper:
     rotation: float = 0.0
     stagger: float = 0.0
     modes: tuple[Mode, ...] | None = None
+    restitution_by_speed: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
+        object.__setattr__(self, "restitution_by_speed", _speed_pairs(self.restitution_by_speed))
         Formulation(self.formulation)
         if self.floor_friction is not None and not number("floor_friction", self.floor_friction) > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
@@ -469,12 +489,25 @@ class ParticleDamper:
         return float(spin_mass(self.parameters)[0])
 
 
+def _speed_pairs(given: object) -> tuple[tuple[float, float], ...]:
+    """Pairs of impact speed and restitution."""
+    name = "restitution_by_speed"
+    if not isinstance(given, tuple | list | np.ndarray) or len(given) > PAIRS:
+        raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {given!r}")
+    return tuple(pair(name, each) for each in given)
+
+
 def _row(damper: ParticleDamper) -> Parameters:
     """The fields of a damper as one row, shape (1,)."""
     rows = np.zeros(1, PARAMETERS)
     for name in PARAMETERS.names or ():
         if name == "printed" or (name in ("floor_friction", "floor_radius") and getattr(damper, name) is None):
             rows[name] = _ABSENT[name]
+            continue
+        if name == "restitution_by_speed":
+            rows[name] = (math.inf, 0.0)
+            for k, each in enumerate(damper.restitution_by_speed):
+                rows[name][0, k] = each
             continue
         rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(damper, name))
     rows["printed"] = damper.formulation == Formulation.PRINTED

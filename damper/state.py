@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from damper.model import inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+from damper.model import PAIRS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
     from damper.model import Floats, Parameters, Records
@@ -49,6 +49,7 @@ BALL = record(
     ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
     ("grip", "f8"),  # deceleration by sliding on the floor; 0: the spin follows the rolling velocity at once
     ("restitution", "f8"),
+    ("restitution_by_speed", "f8", (PAIRS, 2)),
     ("friction", "f8"),
     ("sticking_ratio", "f8"),
     ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
@@ -188,7 +189,7 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
     balls["push"] = np.where(rows["printed"], 1.0, beta) * rows["ball_mass"] * threshold
     balls["relative_push"] = beta * threshold
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
-    for name in ("restitution", "friction", "sticking_ratio"):
+    for name in ("restitution", "restitution_by_speed", "friction", "sticking_ratio"):
         balls[name] = rows[name]
     balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
     return balls
@@ -252,7 +253,6 @@ MOTION = record(
     ("settled", "i8", 2),  # 1: nothing will ever happen of itself
     ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
     ("guard", "f8", TERMS),  # a guard's series
-    ("power", "f8", 8),  # of a place in a step
     ("scaled", "f8", TERMS),  # a series times these
     ("gain", "f8", _N),  # what z gained on the last flight
 )

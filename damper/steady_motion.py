@@ -166,6 +166,9 @@ NEARER = 0.5
 _CALMER = 0.8
 """By which the variance of the amplitudes of a motion that calms down falls within half a window."""
 
+_ALIKE = 1e-5
+"""Share of the mean by which amplitudes may vary in a motion without hits that counts as periodic."""
+
 _STILL = 1e-12
 """Variance over square below which an amplitude is constant, but for rounding."""
 
@@ -185,6 +188,9 @@ def judge(trace: Record, window: Record, length: int, accuracy: float) -> None:
     elif not closer and _steady(trace, window, accuracy * mean):
         balanced = abs(window.stored) <= accuracy * abs(window.work)
         trace.verdict = APERIODIC if balanced else GOES_ON
+        varied = (window.greatest - window.least) / mean
+        if balanced and window.impacts == 0.0 and varied <= _ALIKE:  # only the ball's place creeps
+            trace.verdict, trace.left, trace.repeats = PERIODIC, varied, 1
 
 
 @kernel

@@ -197,7 +197,8 @@ def _freely(damper: ParticleDamper) -> float:
     Two symmetric hits a cycle exist from rho / sqrt(1 + rho^2) on, rho = (2/pi) (1 - e)/(1 + e), for a free ball
     (Weidemann, Bergman, Vakakis and Krack 2025, doi 10.1007/s11071-025-10928-4); a rolling one feels beta times that.
     """
-    e, beta = damper.restitution, float(inertia_ratio(damper.parameters)[0])
+    e = max([damper.restitution, *(ratio for _, ratio in damper.restitution_by_speed)])
+    beta = float(inertia_ratio(damper.parameters)[0])
     rho = 2 / math.pi * (1 - e) / (1 + e)
     return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
 

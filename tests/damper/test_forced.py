@@ -66,6 +66,21 @@ def test_a_locked_ball_from_anywhere() -> None:
     assert found.cycles[0, 2] > 0
 
 
+@needs_compiler
+@pytest.mark.parametrize("excess", [1e-9, 1e-3])
+def test_a_ball_that_only_creeps_is_periodic(excess: float) -> None:
+    """Just above the force that moves it: the textbook's amplitude, cycle by cycle, without a hit."""
+    damper = paper(damping_ratio=2e-3, floor_tilt=(6.8, 6.8))
+    nu = 0.97 * damper.stuck_frequency
+    force = (1 + excess) * forced(damper, [Harmonic(nu, (1.0, 0.0))], [Start.UP]).moves_from[0]
+    found = forced(damper, [Harmonic(nu, (force, 0.0))])
+    assert (found.hits_per_cycle == 0).all()
+    assert (found.regime == Regime.PERIODIC).all()
+    assert (found.repeats == 1).all()
+    assert found.mean[0] == pytest.approx(force * abs(textbook(damper, nu)), rel=1e-3)
+    assert (found.error < 1e-5 * found.mean).all()
+
+
 def test_locked_on_several_modes_and_a_moving_base() -> None:
     """Against a solution of the matrices M + m Phi'Phi, C, K, assembled here."""
     modes = (

@@ -10,6 +10,7 @@ import pytest
 
 from damper import (
     Formulation,
+    Mode,
     Outcome,
     ParticleDamper,
     capacity,
@@ -336,3 +337,71 @@ def test_a_sliding_ball_goes_from_wall_to_wall() -> None:
     hits = run.rows[run.rows["kind"] == HIT]
     assert hits["s"] == pytest.approx([gap, -gap, gap, -gap, gap], rel=1e-12)
     assert hits["time"] == pytest.approx([(2 * k + 1) * gap / speed for k in range(5)], rel=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-9])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_start_on_a_wall_with_spin_into_it(side: int, tilt: float) -> None:
+    """Sliding friction presses the ball onto the wall until its spin is spent, after |spin| / (5/2 mu G)."""
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(1e6, 1e6),
+        ball_mass=0.01,
+        ball_radius=1e-3,
+        cavity=(4e-3, 4e-3),
+        centrifugal_acceleration=1e4,
+        restitution=0.5,
+        friction=0.3,
+        rolling_friction=1e-5,
+        floor_friction=0.1,
+        floor_tilt=(tilt, tilt),
+    )
+    place, spin = (side * 1e-3, 0.0), (side * 0.3, 0.0)
+    run = ringdown(damper, (1e-4, 0.0), 5, ball_position=place, ball_spin=spin, keep_events=True)
+    grip = run.rows[run.rows["kind"] == GRIP][0]
+    assert grip["time"] == pytest.approx(0.3 / (2.5 * 0.1 * 1e4), rel=1e-12)
+    assert grip["s"] == place[0]
+    assert abs(run.rows["s"]).max() <= 1e-3
+    assert run.energy.slip == pytest.approx(0.5 * 0.4 * 0.01 * 0.3**2, rel=1e-12)
+    assert abs(run.energy.residual) <= 1e-13 * run.energy.initial
+
+
+@pytest.mark.parametrize("series", [False, True])
+def test_restitution_by_impact_speed(series: bool) -> None:
+    """A free ball between heavy walls: each hit takes from its speed what the pairs say, whatever flights are.
+
+    Between the pairs e is linear in the logarithm of the speed, above the last it falls as v^(-1/4).
+    """
+    pairs, first = ((0.5, 0.9), (1.0, 0.7), (4.0, 0.6)), 9.0
+    damper = heavy(1e-4, 1.0, restitution=0.9, restitution_by_speed=pairs)
+    modes = tuple(Mode(HEAVY, damper.stiffness[0], shape) for shape in ((1.0, 0.0), (0.0, 1.0)))
+    damper = dataclasses.replace(damper, modes=modes) if series else damper
+    run = ringdown(damper, (0.0, 0.0), 1e-3, ball_velocity=(first, 0.0), keep_events=True)
+    hits, speed = run.rows[run.rows["kind"] == HIT], first
+    assert hits["w_before"][-1] ** 2 < 0.5**2 < 4.0**2 < first**2
+    for k, hit in enumerate(hits):
+        if speed > 4.0:
+            e = 0.6 * (4.0 / speed) ** 0.25
+        elif speed > 1.0:
+            e = 0.7 - 0.1 * math.log(speed) / math.log(4.0)
+        else:
+            e = 0.9 - 0.2 * math.log2(speed / 0.5) if speed > 0.5 else 0.9
+        speed *= e
+        assert hit["w"] == pytest.approx(-speed if k % 2 == 0 else speed, rel=1e-9)
+    assert run.energy.impact == pytest.approx(0.5 * (first**2 - speed**2), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "message"),
+    [
+        (((2.0, 0.5), (1.0, 0.4)), "in ascending order"),
+        (((0.0, 0.5),), "in ascending order"),
+        (((1.0, 0.5), (2.0, 1.1)), "between 0 and 1"),
+        (((1.0, 0.4),), "up to its first speed"),
+        (((1.0,),), "two numbers"),
+        (0.5, "at most 16 pairs"),
+    ],
+)
+def test_pairs_that_make_no_sense(pairs: object, message: str) -> None:
+    with pytest.raises(ValueError, match=f"restitution_by_speed must be .*{message}"):
+        heavy(1.0, 1.0, restitution_by_speed=pairs)

@@ -43,11 +43,13 @@ def integrate(
     """Follow a ring-down for some vibration cycles.
 
     Raises:
-        ValueError: the damper slips on the floor.
+        ValueError: the damper slips on the floor, or its restitution depends on the speed.
         ArithmeticError: the integrator gives up, or events without end.
     """
     if damper.floor_friction is not None:
         raise ValueError("slip on the floor is not part of this integration")
+    if damper.restitution_by_speed:
+        raise ValueError("restitution_by_speed is not part of this integration")
     return _Integration(damper, release, method, rtol).run(2 * math.pi * cycles)
 
 
