@@ -5,17 +5,22 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import workflows
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
+from workflows.report.verdict import answer
 from workflows.scene.load import parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
 from workflows.solve.results import Results
+from workflows.studies.design import report
+from workflows.studies.design.study import design
 
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 
@@ -40,10 +45,13 @@ def test_every_material_has_a_source_and_sense() -> None:
     for name, known in KNOWN.items():
         assert len(known.source) > 10, name
         assert 1000 < known.density < 22_600
-        if known.youngs_modulus is not None and known.poissons_ratio is not None:
+        if known.plate and known.youngs_modulus is not None and known.poissons_ratio is not None:
             assert 4.5e3 < math.sqrt(known.youngs_modulus / known.density) < 5.3e3
             assert 0.25 < known.poissons_ratio < 0.35
-    assert KNOWN["tungsten carbide"].density == pytest.approx(1e3 / (0.94 / 15.6 + 0.06 / 8.86), rel=2e-3)
+        if known.hardness is not None and known.yield_strength is not None:  # 3 Y, more where a metal hardens
+            assert 2.5 < known.hardness / known.yield_strength < 6
+            assert len(known.strength) > 10
+    assert KNOWN["tungsten carbide"].density == pytest.approx(1e3 / (0.94 / 15.6 + 0.06 / 8.86), rel=5e-3)
     psi = 0.45359237 * 9.80665 / 0.0254**2
     assert KNOWN["Inconel 718"].youngs_modulus == pytest.approx(29.0e6 * psi, rel=1e-3)
     assert KNOWN["Inconel 718"].density == pytest.approx(0.297 * 0.45359237 / 0.0254**3, rel=1e-3)
@@ -51,15 +59,23 @@ def test_every_material_has_a_source_and_sense() -> None:
 
 def test_the_guide_lists_the_same() -> None:
     text = (Path(__file__).parents[2] / "docs" / "guide" / "scenes.md").read_text(encoding="utf-8")
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.count("|") == 6]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.count("|") == 9]
     listed = {row[0].removesuffix(", for balls"): row[1:] for row in rows if row[3].isdigit()}
     assert list(listed) == list(KNOWN)
-    for name, (youngs_modulus, poissons_ratio, density, source) in listed.items():
+    for name, (*numbers, source, strength) in listed.items():
         known = KNOWN[name]
-        assert float(density) == known.density
-        assert source == known.source
-        assert (float(youngs_modulus) * 1e9 if youngs_modulus else None) == known.youngs_modulus
-        assert (float(poissons_ratio) if poissons_ratio else None) == known.poissons_ratio
+        assert (source, strength) == (known.source, known.strength)
+        values = [float(number) if number else None for number in numbers]
+        factors = (
+            ("youngs_modulus", 1e9),
+            ("poissons_ratio", 1),
+            ("density", 1),
+            ("yield_strength", 1e6),
+            ("hardness", 1e9),
+        )
+        for value, (key, factor) in zip(values, factors, strict=True):
+            given = getattr(known, key)
+            assert value == (None if given is None else pytest.approx(given / factor, rel=5e-3))
 
 
 def test_check_and_results_show_the_numbers_with_their_source(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
@@ -163,9 +179,69 @@ def test_wrong_materials(changes: dict[str, object], key: str, message: str, pap
     assert message in caught.value.problem
 
 
-def test_the_resolved_scene_has_no_names(paper: Scene) -> None:
-    scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material="lead"))
-    plain = provenance.resolved_scene(scene, selection.resolve(scene), None)
-    assert "name" not in plain["material"]
-    assert "ball_material" not in plain["damper"]
-    assert plain["damper"]["ball_density"] == 11_300.0
+def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper: Scene) -> None:
+    """Read again it says the same."""
+    for ball, density in (("tungsten", 19_300.0), ("lead", None)):
+        scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material=ball))
+        plain = provenance.resolved_scene(scene, selection.resolve(scene), None)
+        assert "name" not in plain["material"]
+        assert plain["damper"].get("ball_density") == density
+        assert plain["damper"].get("floor_material") == (None if density else "steel")
+        again = parse(plain).damper
+        assert again is not None
+        assert scene.damper is not None
+        assert again.balls == scene.damper.balls
+
+
+def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
+    """A ball of a material on a floor of titanium, on a structure of 0.5 kg at 236 Hz, in 1 mm of clearance."""
+    radius = float(diameter) / 2
+    damper = {
+        "ball_material": ball,
+        "floor_material": "Ti-6Al-4V",
+        "radius": f"{radius} mm",
+        "cavity": [f"{2 * radius + 1} mm"] * 2,
+        "restitution": 0.5,
+        "friction": 0.3,
+        "rolling_friction": "0.01 mm",
+    }
+    rotor = {"speeds": ["5000 rpm", "15000 rpm"], "radius": "20 cm"}
+    return {"structure": {"frequency": "236 Hz", "mass": "0.5 kg"}, "rotor": rotor, "damper": damper, **changes}
+
+
+def test_a_ball_that_flows_has_no_verdict() -> None:
+    """Lead of 6 mm at 5000 rpm becomes a flat of 0.7 mm radius; steel of 4 mm lies in a dent, and is said to."""
+    (slow, fast) = workflows.run(pressed("lead", "6")).speeds
+    assert (slow.verdict.grade, slow.verdict.reason) == ("inadmissible", "contact") == (fast.verdict.grade, "contact")
+    assert slow.contact.dent_radius == pytest.approx(0.7e-3, rel=0.02)
+    found = workflows.run(pressed("hardened steel", "4"))
+    assert [point.verdict.reason for point in found.speeds] == ["", ""]
+    load = 7800 * 4 / 3 * math.pi * 2e-3**3 * found.speeds[1].omega ** 2 * 0.2
+    dent = math.sqrt(load / (math.pi * 349 * 9.80665e6))
+    assert found.speeds[1].contact.dent_radius == pytest.approx(dent)
+    (said,) = (note for note in found.notes if "lies in a dent of at most" in note)
+    assert f"of at most {1e3 * dent:.2g} mm radius" in said
+    verdict = answer(workflows.run(pressed("lead", "6"))).verdict
+    assert verdict.startswith("No verdict: the contact of ball and floor flows, since its mean pressure is")
+
+
+@pytest.mark.parametrize(
+    ("limits", "diameter", "limit"), [({}, 4.0, ""), ({"yield_ratio": 9.0}, 2.0, "first yield"), ({}, 0.0, "")]
+)
+def test_designs_keep_to_what_the_floor_carries(limits: dict[str, Any], diameter: float, limit: str) -> None:
+    """Lead is denser and would win, but flows; a limit on first yield keeps the ball small; nothing but lead fails."""
+    balls = ["hardened steel", "lead"] if diameter else ["lead"]
+    free = {"ball_material": balls, "ball_diameter": ["2 mm", "3 mm", "4 mm"], "amplitude": ["3 mm", "5 mm"]}
+    scene = pressed("lead", "4", design=free | limits)
+    scene["damper"]["cavity"] = ["5 mm", "5 mm"]
+    if not diameter:
+        with pytest.raises(BadInput, match="the floor carries none of these balls"):
+            design(scene)
+        return
+    found = design(scene)
+    best = found.scene.scene.damper
+    assert (best.ball_material, 2e3 * best.radius) == ("hardened steel", pytest.approx(diameter))
+    assert all(share <= 1 for _, share in found.found.scored.used)
+    told = " ".join(report.sentences(found))
+    assert "Ball and floor carry the load at all speeds" in told
+    assert (f"of the {limit} allowed" in told) == bool(limit) or not limit

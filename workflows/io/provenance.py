@@ -24,10 +24,15 @@ if TYPE_CHECKING:
 
 
 def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
-    """The resolved scene as plain data; a material is its numbers, whatever its name."""
+    """The resolved scene as plain data; a material is its numbers, whatever its name, but for strengths of the contact."""
     data = given.model_dump(mode="json", exclude_none=True)
-    for table, name in (("material", "name"), ("damper", "ball_material")):
-        data.get(table, {}).pop(name, None)
+    name, damper = data.get("material", {}).pop("name", None), data.get("damper", {})
+    both = damper.get("ball_material"), damper.get("floor_material", name)
+    if None not in both and any(KNOWN[each].hardness for each in both):
+        damper["floor_material"] = both[1]
+        del damper["ball_density"]
+    else:
+        damper.pop("ball_material", None)
     data["effects"] = {name: effect.on for name, effect in effects.items()}
     if theory is not None:
         data["plate"]["theory"] = theory.name

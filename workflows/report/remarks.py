@@ -145,6 +145,38 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     )
 
 
+def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
+    """That the contact of the resting ball flows at some speeds, and how flat it becomes."""
+    pressed = [found for point in points if (found := limits.contact(results.scene, point)) is not None]
+    damper = results.scene.damper
+    if not pressed or damper is None:
+        return "ball or floor flows under the load"
+    last = max(pressed, key=lambda found: found.hardness_ratio)
+    times = span(min(found.hardness_ratio for found in pressed), last.hardness_ratio, 2)
+    return (
+        f"the contact of ball and floor flows, since its mean pressure is {times} times the hardness of the softer, and"
+        f" becomes up to {significant(2e3 * last.dent_radius, 2)} mm wide"
+    )
+
+
+def dents(results: Results) -> str | None:
+    """What the resting ball does to its floor where that yields, or the floor to the ball."""
+    damper, material = results.scene.damper, results.scene.material
+    every = [(point, limits.contact(results.scene, point)) for point in results.speeds]
+    pressed = [(point, c) for point, c in every if c is not None and c.yield_ratio > 1 and not c.hardness_ratio >= 1]
+    if not pressed or damper is None:
+        return None
+    point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
+    floor = damper.floor_material or (None if material is None else material.name)
+    return (
+        f"At rest the {damper.ball_material} ball presses its floor of {floor} with up to"
+        f" {significant(most.peak_pressure / 1e9, 3)} GPa ({at_load(point)}), {significant(most.yield_ratio, 2)} times"
+        " the load at which the weaker of the two yields: it lies in a dent of at most"
+        f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
+        f" whose rim slopes by at most {significant(most.dent_slope, 2)}."
+    )
+
+
 _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
 
@@ -415,6 +447,13 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     if scene.damper is not None:
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
+        plate = None if scene.material is None else scene.material.name
+        names = dict.fromkeys((scene.damper.ball_material, scene.damper.floor_material or plate))
+        found += [
+            (f"Yield strength and hardness of {name}.", KNOWN[name].strength)
+            for name in names
+            if name is not None and KNOWN[name].strength and limits.solids(scene) is not None
+        ]
         found += [
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
@@ -872,6 +911,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     leaning_load,
     level_floor,
     level_structure,
+    dents,
     still_across,
     root_stress,
     _rolling,

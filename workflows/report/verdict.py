@@ -164,6 +164,7 @@ _OUTSIDE: dict[str, Callable[[Results, Sequence[SpeedPoint]], str]] = {
         "the ball would slide, since rolling requires a friction of"
         f" {_frictions(results, points)} at the amplitude of its best"
     ),
+    Reason.CONTACT: lambda results, points: remarks.flows(results, points),
 }
 """Why the model does not hold at some speeds."""
 
@@ -417,6 +418,7 @@ _NO_ESTIMATE: dict[str, str] = {
     Reason.SLIP: "the ball would slide at the amplitude of its best",
     Reason.DENSITY: "no solid is as dense as this ball",
     Reason.ROOT_STRESS: "the centrifugal pull at the root is more than any blade metal bears",
+    Reason.CONTACT: "ball or floor flows under the load",
     Reason.OTHER_MODE: "another mode moves the cavity more; `spindamp response` computes the motion",
     Reason.SWINGS: "the ball swings freely in its hollow floor; `spindamp response` computes the motion",
 }

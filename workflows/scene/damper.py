@@ -59,6 +59,11 @@ class Damper(Table):
     ball_material: Annotated[str, *name_of(materials.BALLS)] | None = Field(
         None, description="a material whose density is known, instead of ball_density"
     )
+    floor_material: Annotated[str, *name_of(materials.BALLS)] | None = Field(
+        None,
+        description="a material whose strength is known, of the cavity's floor and walls; default: that of the plate,"
+        " where it has a name",
+    )
     count: Annotated[int, Field(ge=1, le=10**9)] = Field(
         1, description="number of balls: equal, each in a cavity of its own, moving in step"
     )

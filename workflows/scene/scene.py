@@ -396,6 +396,16 @@ class Design(Table):
     wall: Annotated[Length, NotNegative] = Field(
         0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
     )
+    hardness_ratio: Annotated[Number, Positive, Field(le=1)] = Field(
+        1.0,
+        description="mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1:"
+        " it flows. It takes materials known by name, dimensionless",
+    )
+    yield_ratio: Annotated[Number, Positive] | None = Field(
+        None,
+        description="load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default:"
+        " none",
+    )
     amplitude: LengthPair | None = Field(
         None,
         description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"

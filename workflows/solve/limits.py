@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from workflows.scene import plate_mesh
-from workflows.scene.materials import is_too_dense
+from workflows.scene.materials import KNOWN, is_too_dense
+from workflows.scene.scene import Scene
 from workflows.solve.results import (
+    ContactFigures,
     Floats,
     Grade,
     Pair,
@@ -24,7 +26,11 @@ from workflows.solve.results import (
     Surface,
     Verdict,
     VibrationReduction,
+    taken_over,
 )
+
+if TYPE_CHECKING:
+    from damper.contact import Contact, Solid
 
 STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
@@ -75,17 +81,51 @@ class Best:
 
 def with_verdicts(results: Results) -> Results:
     """The same results with a verdict at each speed at which the damper has figures."""
-    speeds = tuple(
-        point if point.working is None else replace(point, verdict=verdict(results, point)) for point in results.speeds
-    )
-    return replace(results, speeds=speeds)
+    speeds = []
+    for point in results.speeds:
+        found = contact(results.scene, point)
+        pressed = replace(point, contact=None if found is None else taken_over(ContactFigures, found))
+        speeds.append(pressed if point.working is None else replace(pressed, verdict=verdict(results, point)))
+    return replace(results, speeds=tuple(speeds))
+
+
+def solids(scene: Scene) -> tuple[Solid, Solid] | None:
+    """What ball and floor are made of; None where one has no name, or not all is known by it."""
+    from damper.contact import Solid
+
+    damper, plate = scene.damper, scene.material
+    if damper is None:
+        return None
+    names = damper.ball_material, damper.floor_material or (None if plate is None else plate.name)
+    known = [KNOWN[name] for name in names if name is not None]
+    found = [
+        Solid(each.youngs_modulus, each.poissons_ratio, each.yield_strength or math.nan, each.hardness or math.nan)
+        for each in known
+        if each.youngs_modulus is not None and each.poissons_ratio is not None
+    ]
+    return (found[0], found[1]) if len(found) == 2 else None
+
+
+def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
+    """Of the ball at rest on its floor; None without a load, or where the materials are not known.
+
+    A hollow floor is a sphere of the mean of its curvatures.
+    """
+    from damper.contact import resting
+
+    damper, made_of = scene.damper, solids(scene)
+    if damper is None or made_of is None or point.reduced is None or point.omega == 0:
+        return None
+    load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.radius
+    floor = math.inf if damper.floor_radius is None else 2 / sum(1 / radius for radius in damper.floor_radius)
+    return resting(load, damper.radius, *made_of, floor)
 
 
 def verdict(results: Results, point: SpeedPoint) -> Verdict:
     """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
 
     Unknown where the ball's weight is more than the load, or the ball would slide; inadmissible where the plate would
-    tear, no ball is as dense, or the equations do not conserve energy.
+    tear, ball or floor would flow, no ball is as dense, or the equations do not conserve energy.
     """
     if (reason := inadmissible(results, point)) is not None:
         return Verdict.without_figures(Grade.INADMISSIBLE, reason)
@@ -111,7 +151,10 @@ def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
         return Reason.PRINTED
     if is_too_dense(ball_density(results, point)):
         return Reason.DENSITY
-    return Reason.ROOT_STRESS if is_torn(results, point) else None
+    if is_torn(results, point):
+        return Reason.ROOT_STRESS
+    pressed = contact(results.scene, point)
+    return Reason.CONTACT if pressed is not None and pressed.hardness_ratio >= 1 else None
 
 
 def energy_loss(damping_ratio: float) -> float:

@@ -239,6 +239,23 @@ class OwnFigures(Figures):
         return taken_over(cls, measured, from_above=taken_over(Figures, measured.descending))
 
 
+@dataclass(frozen=True)
+class ContactFigures:
+    """The ball at rest on its floor, by Hertz; null where the strength of neither material is known."""
+
+    hertz_radius: Annotated[float, quantity("m", "of the contact, were it elastic")]
+    peak_pressure: Annotated[float, quantity("Pa", "at the middle of the contact, were it elastic")]
+    yield_ratio: Annotated[
+        Unknown, quantity("1", "load over that at which the weaker of ball and floor yields first", headline=True)
+    ]
+    hardness_ratio: Annotated[
+        Unknown, quantity("1", "mean pressure over the hardness of the softer; from 1 on it flows", headline=True)
+    ]
+    dent_radius: Annotated[Unknown, quantity("m", "at most; 0 where nothing yields")]
+    dent_depth: Annotated[Unknown, quantity("m", "at most")]
+    dent_slope: Annotated[Unknown, quantity("1", "of the dent's rim, which the ball climbs to leave it, at most")]
+
+
 class Grade(StrEnum):
     """How much a damper does, beside what the air does: as much, a tenth of it, less, nothing."""
 
@@ -265,6 +282,7 @@ class Reason(StrEnum):
     PRINTED = "printed_equations"
     DENSITY = "ball_density"
     ROOT_STRESS = "root_stress"
+    CONTACT = "contact"
     NOT_DRIVEN = "not_driven"
     OTHER_MODE = "other_mode"
     SWINGS = "ball_swings"
@@ -279,7 +297,8 @@ class Verdict:
         quantity(
             "",
             "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
-            " moves at what the plate endures; inadmissible: no such ball, plate or law; unknown: outside the model",
+            " moves at what the plate endures; inadmissible: no such ball, plate or law, or a contact that flows;"
+            " unknown: outside the model",
         ),
     ]
     damping_ratio: Annotated[
@@ -301,7 +320,8 @@ class Verdict:
             "",
             "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the plate"
             " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
-            " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress",
+            " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact"
+            " (ball or floor flows under the load)",
         ),
     ]
 
@@ -595,6 +615,7 @@ __all__ = [
     "SHAPES_AT_MOST",
     "BallPath",
     "CavityMode",
+    "ContactFigures",
     "CutOff",
     "Damping",
     "Diagram",
@@ -665,6 +686,10 @@ class SpeedPoint:
             "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
             " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
         ),
+    ] = None
+    contact: Annotated[
+        ContactFigures | None,
+        part("of the ball at rest on its floor, where their materials are known by name", prefix="contact_"),
     ] = None
     verdict: Annotated[
         Verdict | None,

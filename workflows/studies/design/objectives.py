@@ -568,12 +568,13 @@ def _one(space: Space, placed: list[DamperCase], *, quick: bool) -> Scored:
     mass = max(each.damper.ball_mass for each in placed)
     if (why := _no_verdict(space, placed)) is not None:
         return Scored(0.0, -NONE, mass=mass, why=why)
-    used = tuple(spaces.used(space.design, scene, mass).items())
-    over = spaces.misfit(space.design, scene, mass)
+    fastest = max(placed, key=lambda each: each.point.omega)
+    shares = spaces.used(space.design, scene, mass, fastest.point)
+    used, over = tuple(shares.items()), spaces.misfit(shares)
     if over is not None:
         name, ratio = over
         return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
-    endured = limits.endured(max(placed, key=lambda each: each.point.omega).results)
+    endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
     return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
 

@@ -317,12 +317,25 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
             f"No ball of this mass in this room can do more than {_percent(scored.bound)} % over the whole range: it"
             f" does {100 * scored.value / scored.bound:.0f} % of that."
         )
+    lines += _carried(scored)
     if space.source.scene.excitation is not None:
         lines.append(
             "[design] amplitude is what designs were compared by; without it, it is the amplitude at the crossings that"
             " [excitation] makes."
         )
     return lines
+
+
+def _carried(scored: Scored) -> list[str]:
+    """That ball and floor carry the load, where their materials are known."""
+    share = dict(scored.used).get("hardness")
+    if share is None:
+        return [
+            "Whether the floor carries the ball is not checked: that takes ball_material and [damper] floor_material."
+        ]
+    return [
+        f"Ball and floor carry the load at all speeds: its mean pressure is {_percent(share)} % of what is allowed."
+    ]
 
 
 def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[str]:

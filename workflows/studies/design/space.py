@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -12,6 +13,8 @@ from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
+from workflows.solve import limits
+from workflows.solve.results import SpeedPoint
 from workflows.studies.sweep.axes import SPEEDS, Axis, Value, find
 from workflows.studies.sweep.evaluate import DamperCase
 from workflows.studies.sweep.plan import Sample, drawn
@@ -159,15 +162,14 @@ class Space:
         return {axis.name: drawn(axis, np.array([share]))[0] for axis, share in pairs}
 
 
-def misfit(design: Design, scene: Scene, ball_mass: float) -> tuple[str, float] | None:
+def misfit(shares: Mapping[str, float]) -> tuple[str, float] | None:
     """The limit that a damper exceeds, and the ratio by which; None within all of them."""
-    ratios = used(design, scene, ball_mass)
-    over = [(name, ratio) for name, ratio in ratios.items() if ratio > 1 + 1e-9]
+    over = [(name, ratio) for name, ratio in shares.items() if ratio > 1 + 1e-9 or (name == "hardness" and ratio >= 1)]
     return max(over, key=lambda item: item[1], default=None)
 
 
-def used(design: Design, scene: Scene, ball_mass: float) -> dict[str, float]:
-    """How much of each limit a damper uses up: of osmium's density, of the mass, and of the plate's thickness."""
+def used(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
+    """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
     found = {}
     if scene.damper is not None and scene.damper.ball_density is None:
         found["density"] = scene.damper.density(ball_mass) / OSMIUM
@@ -179,6 +181,11 @@ def used(design: Design, scene: Scene, ball_mass: float) -> dict[str, float]:
             plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate
         )
         found["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
+    pressed = limits.contact(scene, fastest)
+    if pressed is not None and not math.isnan(pressed.hardness_ratio):
+        found["hardness"] = pressed.hardness_ratio / design.hardness_ratio
+    if pressed is not None and design.yield_ratio is not None and not math.isnan(pressed.yield_ratio):
+        found["first yield"] = pressed.yield_ratio / design.yield_ratio
     return found
 
 

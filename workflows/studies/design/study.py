@@ -243,6 +243,14 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     if name == "density":
         problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"
         return BadInput(problem, file=space.source.name, key="[damper]")
+    if name in ("hardness", "first yield"):
+        key = "hardness_ratio" if name == "hardness" else "yield_ratio"
+        value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
+        problem = (
+            f"no design keeps to it: the floor carries none of these balls, the best with {significant(share)} times"
+            f" the limit of {name}; smaller balls, or a harder ball_material or [damper] floor_material, press less"
+        )
+        return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
     key = "mass" if name == "mass" else "wall"
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
     what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"

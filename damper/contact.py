@@ -1,0 +1,162 @@
+"""Contact of a ball with its floor and walls: Hertz's pressure, first yield, dents, hits.
+
+Formulas from Johnson, Contact Mechanics (1985): Hertz, eqs. 4.22 to 4.24; first yield at a peak pressure of 1.60 Y (von
+Mises, Poisson's ratio 0.3), eqs. 6.8 and 6.9; full plasticity where the mean pressure reaches the hardness, section
+6.3; hits, sections 11.4 and 11.5; rolling by elastic hysteresis, section 9.1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from damper.model import number
+
+ONSET = 1.60
+"""Peak pressure over the yield strength at first yield."""
+
+HYSTERESIS = 0.016
+"""Share of the elastic work lost in a cycle: the geometric mean of 0.005 and 0.05, between which metals are."""
+
+
+@dataclass(frozen=True)
+class Solid:
+    """What presses on what.
+
+    Attributes:
+        youngs_modulus: [Pa].
+        poissons_ratio: [-].
+        yield_strength: in tension, Y [Pa]; nan where it is not known.
+        hardness: mean pressure under an indenter at which the solid flows, H [Pa]; nan where it is not known.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    yield_strength: float = math.nan
+    hardness: float = math.nan
+
+    def __post_init__(self) -> None:
+        """Refuse what has no physical sense."""
+        if not 0 < number("youngs_modulus", self.youngs_modulus) < math.inf:
+            raise ValueError(f"youngs_modulus must be positive, got {self.youngs_modulus:g}")
+        if not -1 < number("poissons_ratio", self.poissons_ratio) < 0.5:
+            raise ValueError(f"poissons_ratio must be between -1 and 0.5, got {self.poissons_ratio:g}")
+        for name in ("yield_strength", "hardness"):
+            if number(name, getattr(self, name)) <= 0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name):g}")
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A ball under a load on its floor; what the strength of the weaker solid decides is nan where it is not known.
+
+    Attributes:
+        hertz_radius: of the contact, were it elastic [m].
+        peak_pressure: at its middle [Pa].
+        yield_ratio: the load over that of first yield [-].
+        hardness_ratio: the elastic mean pressure over the hardness [-]; from 1 on the contact flows.
+        dent_radius: at most, sqrt(N / pi H) [m]; 0 below first yield.
+        dent_depth: at most, dent_radius² / 2r [m].
+        dent_slope: of its rim, at most: what a ball climbs to leave it, dent_radius / r [-].
+    """
+
+    hertz_radius: float
+    peak_pressure: float
+    yield_ratio: float
+    hardness_ratio: float
+    dent_radius: float
+    dent_depth: float
+    dent_slope: float
+
+
+def modulus(one: Solid, other: Solid) -> float:
+    """E* of two solids, 1/E* = (1 - nu1²)/E1 + (1 - nu2²)/E2 [Pa]."""
+    return 1 / sum((1 - each.poissons_ratio**2) / each.youngs_modulus for each in (one, other))
+
+
+def _weaker(one: Solid, other: Solid, name: str) -> float:
+    """The least that is known of the strengths of two solids [Pa]."""
+    known = [value for each in (one, other) if not math.isnan(value := getattr(each, name))]
+    return min(known, default=math.nan)
+
+
+def resting(load: float, radius: float, ball: Solid, floor: Solid, floor_radius: float = math.inf) -> Contact:
+    """The contact of a ball that a load presses on its floor.
+
+    Args:
+        load: N [N].
+        radius: of the ball, r [m].
+        ball: its material.
+        floor: that of the floor.
+        floor_radius: of a hollow floor [m]; inf: flat.
+
+    Raises:
+        ValueError: the load is negative, or the ball does not fit the floor.
+    """
+    if not 0 <= number("load", load) < math.inf:
+        raise ValueError(f"load must be at least 0 and finite, got {load:g}")
+    if not 0 < number("radius", radius) < floor_radius:
+        raise ValueError(f"radius must be positive and less than that of the floor, got {radius:g}")
+    relative = 1 / (1 / radius - 1 / floor_radius)
+    stiff = modulus(ball, floor)
+    strength, hardness = (_weaker(ball, floor, name) for name in ("yield_strength", "hardness"))
+    a = (3 * load * relative / (4 * stiff)) ** (1 / 3)
+    peak = 2 * a * stiff / (math.pi * relative)
+    yields = (peak / (ONSET * strength)) ** 3
+    dent = 0.0 if yields <= 1 else math.sqrt(load / (math.pi * hardness))
+    return Contact(a, peak, yields, 2 / 3 * peak / hardness, dent, dent**2 / (2 * radius), dent / radius)
+
+
+def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
+    """Speed of a hit on a flat wall from which on the contact yields [m/s]; nan where no strength is known.
+
+    (1/2) m v² = (2/5) N_y d_y: Hertz's work up to first yield, with the load N_y and the approach d_y there.
+
+    Args:
+        mass: of the ball [kg].
+        radius: of the ball [m].
+        ball: its material.
+        wall: that of the wall.
+    """
+    stiff = modulus(ball, wall)
+    peak = ONSET * _weaker(ball, wall, "yield_strength")
+    a = math.pi * radius * peak / (2 * stiff)
+    load, approach = 2 / 3 * peak * math.pi * a**2, a**2 / radius
+    return math.sqrt(0.8 * load * approach / mass)
+
+
+def restitution(speed: float, onset: float) -> float:
+    """Ratio of the normal speeds after and before a hit of elastic and perfectly plastic solids [-].
+
+    1 up to the speed of first yield, then Thornton's (J. Appl. Mech. 64 (1997) 383, eq. 37), which tends to Johnson's
+    1.18 (v_y / v)^(1/4).
+
+    Args:
+        speed: of the hit [m/s].
+        onset: of first yield, `yield_speed` [m/s].
+    """
+    if speed <= onset:
+        return 1.0
+    x = onset / speed
+    rest = x / (x + 2 * math.sqrt(1.2 - 0.2 * x * x))
+    return math.sqrt(1.2 * math.sqrt(3) * (1 - x * x / 6) * math.sqrt(rest))
+
+
+def hit_time(speed: float, mass: float, radius: float, ball: Solid, wall: Solid) -> float:
+    """How long an elastic hit on a flat wall lasts, 2.94 d/v with the greatest approach d [s]; eq. 11.24.
+
+    Args:
+        speed: of the hit [m/s].
+        mass: of the ball [kg].
+        radius: of the ball [m].
+        ball: its material.
+        wall: that of the wall.
+    """
+    stiff = modulus(ball, wall)
+    approach = math.pow(15 * mass * speed**2 / (16 * math.sqrt(radius) * stiff), 0.4)
+    return 2.94 * approach / speed
+
+
+def rolling_lever(contact: Contact) -> float:
+    """Lever of rolling resistance by elastic hysteresis, (3/16) alpha a [m]."""
+    return 3 / 16 * HYSTERESIS * contact.hertz_radius
