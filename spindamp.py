@@ -9,6 +9,7 @@
     spindamp.report(results, "report.html")      # the page alone
 
     spindamp.campbell("blade.toml")              # the plate alone
+    spindamp.modes("blade.toml", "blade.npz")    # its modes as a file that [structure] modes takes
     spindamp.ringdown("blade.toml", rpm=6000)    # the damper at one speed
     spindamp.response("paper")                   # forced response at the crossings of engine orders
     spindamp.accuracy("paper")                   # what accuracy costs in time
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
     import xarray
 
+    from fem.modal_model import ModalModel
     from workflows.solve.results import Results
     from workflows.studies.comparison.study import Comparison
     from workflows.studies.design.report import Designed
@@ -62,6 +64,7 @@ __all__ = [
     "effects",
     "load",
     "load_results",
+    "modes",
     "parse",
     "report",
     "reproduce",
@@ -98,6 +101,27 @@ def campbell(scene: SceneLike = DEFAULT) -> Results:
     from workflows.report import text
 
     return text.run(pipeline.plate_only(opened(scene)))
+
+
+@lawful()
+def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -> ModalModel:
+    """The structure's modes, and the neutral file of them (.npz or .json) that `[structure] modes` reads.
+
+    Args:
+        scene: see :func:`run`.
+        file: to write; None: nothing is written.
+
+    Raises:
+        BadInput: the scene has no modes, or complex ones; the file cannot be written.
+    """
+    from workflows import pipeline
+    from workflows.io.modes import save_modes
+    from workflows.progress import Stages
+
+    found = pipeline.modes(opened(scene), Stages(visible=False))
+    if file is not None:
+        save_modes(found, file)
+    return found
 
 
 @lawful()

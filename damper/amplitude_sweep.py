@@ -1,4 +1,4 @@
-"""Kernels of sweeps through the amplitudes: ring-downs led down cycle by cycle."""
+"""Kernels of sweeps through the amplitudes: ring-downs led down, or up, cycle by cycle."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from damper.state import Tables
 
 
-class Descent(NamedTuple):
-    """How ring-downs are led down, and what they show.
+class Ramp(NamedTuple):
+    """How ring-downs are led through the amplitudes, and what they show.
 
     After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
     ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
@@ -35,38 +35,38 @@ class Descent(NamedTuple):
 
 
 @kernel
-def run_level(block: tuple[int, int], runs: Records, tables: Tables, descent: Descent) -> None:
-    """Lead down ring-downs in closed form."""
+def run_level(block: tuple[int, int], runs: Records, tables: Tables, ramp: Ramp) -> None:
+    """Lead ring-downs in closed form."""
     for k in range(block[0], block[1]):
-        it, energies = runs[k], descent.energies[k]
+        it, energies = runs[k], ramp.energies[k]
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
                 engine.level_release(it, tables)
             else:
-                _scale_level(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_structure(it)), it)
+                _scale_level(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it)
             _open(it.books)
             before, swing = _stored_level(it), _of_the_structure(it)
-            if swing < descent.least or engine.level_run(it, tables, descent.budget - it.clock.events) != DONE:
+            if swing < ramp.least or engine.level_run(it, tables, ramp.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
             energies[n, 2], energies[n, 3] = before, lost(it.books)
 
 
 @kernel
-def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, descent: Descent) -> None:
-    """Lead down ring-downs in linear flights."""
+def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, ramp: Ramp) -> None:
+    """Lead ring-downs in linear flights."""
     for k in range(block[0], block[1]):
-        it, flow, energies = runs[k], flows[runs[k].system.flow], descent.energies[k]
+        it, flow, energies = runs[k], flows[runs[k].system.flow], ramp.energies[k]
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
                 engine.release(it, flow, tables)
             else:
-                _scale_linear(math.sqrt(energies[0, 0] * descent.factor**n / _of_the_modes(it)), it, flow)
+                _scale_linear(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_modes(it)), it, flow)
             _open(it.books)
             before, swing = stored(it), _of_the_modes(it)
-            if swing < descent.least or engine.run(it, flow, tables, descent.budget - it.clock.events) != DONE:
+            if swing < ramp.least or engine.run(it, flow, tables, ramp.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
             energies[n, 2], energies[n, 3] = before, lost(it.books)

@@ -168,7 +168,7 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
         damper: what is measured; the structure's own damping is set aside for it.
         threads: see :func:`damper.ringdowns`.
     """
-    found, bare = working(damper, threads=threads), undamped(damper)
+    found, bare = working(damper, threads=threads).descending, undamped(damper)
     still = np.array([damper.stuck_frequency])
     resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, found.cutoff))
     branches = [resting] if found.cutoff > 0 else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 BINS = 12
 """Points of the curve in an octave of amplitude."""
 
+_WIDTH = math.log(2) / BINS
+
 BINNED = 0.01
 """Relative error that reading a peak off bins may leave."""
 
@@ -23,6 +25,10 @@ _LEAST_STAY = 1.0
 
 _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
+
+
+_PARTED = 0.1
+"""Relative difference from which on a point of the way up is another motion's than that of the way down."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +40,17 @@ class Working:
         damping_ratio: -ln(1 - Psi) / (4 pi) at A, Psi being the share of the energy taken in a cycle, shape (n,) [-].
         cutoff: amplitude up to which the ball stays at rest in the middle, a_r / |omega_1^2 - E|, where E u is how the
             load pulls it down the tilting floor: a_r / omega_1^2 on a level one [m].
-        peak: largest damping ratio [-]; 0 where the ball takes nothing.
+        peak: largest damping ratio that lasts where the amplitude is held [-]; 0 where the ball takes nothing.
         peak_amplitude: A there [m].
-        range: amplitudes between which the damper works, from the cut-off (or, where nothing holds the ball, from half
-            the peak) to where the damping has fallen to half its peak [m].
         half: amplitudes between which the damping is at least half its peak [m].
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
-            peak, or both from what faster sweeps show, at most [-].
+            peak, or both from what faster sweeps show, or the peak from what it is where the first of the sweeps up
+            begins to bounce, and as far beyond the last of them, at most [-].
+        from_above: the same on the way down, where a ball in motion keeps bouncing; None: these are of that way.
+        folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and from
+            where on all of the sweeps up bounce [m]; nan where they do not differ.
+        jump: where the first and the last of the sweeps up begin to bounce [m]. Nothing brings a rolling ball back to
+            the middle of a level floor, so that this goes by how the vibration grows.
     """
 
     amplitude: Floats
@@ -48,9 +58,21 @@ class Working:
     cutoff: float
     peak: float
     peak_amplitude: float
-    range: tuple[float, float]
     half: tuple[float, float]
     error: float
+    from_above: Working | None = None
+    folds: tuple[float, float] = (math.nan, math.nan)
+    jump: tuple[float, float] = (math.nan, math.nan)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Amplitudes between which the damper works, with at least half its peak [m]."""
+        return self.half
+
+    @property
+    def descending(self) -> Working:
+        """The figures of the way down."""
+        return self if self.from_above is None else self.from_above
 
 
 def figures(samples: Floats, cutoff: float) -> Working | None:
@@ -58,18 +80,112 @@ def figures(samples: Floats, cutoff: float) -> Working | None:
     amplitude, ratio = _curve(samples, cutoff)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
+    return at_bin(Working(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0), int(np.argmax(ratio)))
+
+
+def at_bin(curve: Working, best: int) -> Working:
+    """The same curve with its peak at one of its points."""
+    amplitude, ratio = curve.amplitude, curve.damping_ratio
+    half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
+    return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
+
+
+def grown(above: Working, up: Floats) -> tuple[Working, tuple[int, int] | None]:
+    """The figures of a vibration that grows slowly, and the bins between which they are another motion's.
+
+    Where the sweeps up agree with those down both show one motion, and the many sweeps down give its figures; where
+    they differ, the least of the sweeps up counts.
+
+    Args:
+        above: figures of the way down.
+        up: samples of the sweeps up.
+    """
+    each = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
+    known = dict(zip(_bins(above.amplitude), zip(above.amplitude, above.damping_ratio, strict=True), strict=True))
+    merged, parted, spreads = dict(known), dict[int, float](), dict[int, float]()
+    edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else min(known) - 1  # bins that a cut-off shares
+    for k in sorted(set[int]().union(*each)):
+        seen = [curve[k] for curve in each if k in curve]
+        place, least = min(seen, key=lambda point: point[1])
+        if k <= edge if k in known else k > min(known):
+            continue
+        if k in known and least > (1 - _PARTED) * known[k][1]:
+            continue
+        merged[k] = place, least
+        spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 else 0.0
+        if k in known:
+            parted[k] = known[k][1] - least
+    amplitude, ratio = np.array([merged[k] for k in sorted(merged)]).T
     best = int(np.argmax(ratio))
-    below, above = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
-    return Working(
-        amplitude=amplitude,
-        damping_ratio=ratio,
-        cutoff=cutoff,
-        peak=float(ratio[best]),
-        peak_amplitude=float(amplitude[best]),
-        range=(cutoff if cutoff > 0 else below, above),
-        half=(below, above),
-        error=0.0,
+    error = max(above.error, spreads.get(_bins(amplitude)[best], 0.0))
+    curve = at_bin(Working(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
+    return curve, _largest(parted)
+
+
+def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats) -> Working:
+    """The same with its folds; on the way down a ball bounces no further than to where one of the sweeps falls off.
+
+    Args:
+        curve: figures of the way up, with those of the way down.
+        region: first and last of the bins in which they differ.
+        down: samples of slow sweeps down through these.
+        up: samples of the sweeps up.
+    """
+    above = curve.descending
+    leaves, joins = (
+        [_turn(curve, each[each[:, 2] == number], region) for number in np.unique(each[:, 2])] for each in (down, up)
     )
+    jump = min(joins), max(joins)
+    place, error = np.log(above.amplitude), curve.error
+    fallen = (place >= region[0] * _WIDTH) & (above.amplitude < max(leaves))
+    below = np.interp(place, np.log(curve.amplitude), curve.damping_ratio)
+    ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
+    if curve.peak_amplitude >= jump[1] > jump[0]:
+        wide = math.log(jump[1] / jump[0])
+        first, last = np.interp([math.log(jump[0]), math.log(jump[1]) + wide], place, above.damping_ratio)
+        error = max(error, float(first) / curve.peak - 1, curve.peak / float(last) - 1)
+    above = at_bin(replace(above, damping_ratio=ratio), int(np.argmax(ratio)))
+    folds = min(float(np.median(leaves)), jump[1]), jump[1]
+    return replace(curve, error=error, from_above=above, folds=folds, jump=jump)
+
+
+def _bins(amplitude: Floats) -> list[int]:
+    """Numbers of the bins in which amplitudes lie."""
+    return [math.floor(place) for place in np.log(amplitude) / _WIDTH]
+
+
+def _binned(samples: Floats, cutoff: float) -> dict[int, tuple[float, float]]:
+    """Amplitude and damping ratio by the bin's number."""
+    amplitude, ratio = _curve(samples, cutoff)
+    return dict(zip(_bins(amplitude), zip(amplitude.tolist(), ratio.tolist(), strict=True), strict=True))
+
+
+def _largest(parted: dict[int, float]) -> tuple[int, int] | None:
+    """Ends of the run of bins, one may be missing, over which two curves differ most in all; None: nowhere."""
+    runs: list[list[int]] = []
+    for k in sorted(parted):
+        if runs and k - runs[-1][-1] <= 2:
+            runs[-1].append(k)
+        else:
+            runs.append([k])
+    most = max(runs, key=lambda run: sum(parted[k] for k in run), default=None)
+    return None if most is None else (most[0], most[-1])
+
+
+def _turn(curve: Working, samples: Floats, region: tuple[int, int]) -> float:
+    """Amplitude at which a sweep changes from the lower of two motions to the upper, in or beside a region [m].
+
+    That splits it best: below it more cycles lose less than midway between the two, above it more lose more.
+    """
+    place = 0.5 * (samples[:, 0] + samples[:, 1])
+    inside = (place >= (region[0] - 1) * _WIDTH) & (place < (region[1] + 2) * _WIDTH)
+    order = np.argsort(place[inside])
+    place, lost = place[inside][order], (samples[inside, 0] - samples[inside, 1])[order] / (2 * math.pi)
+    if not place.size:
+        return math.exp((region[1] + 1) * _WIDTH)
+    upper, lower = (np.interp(place, np.log(each.amplitude), each.damping_ratio) for each in (curve.descending, curve))
+    rise = np.concatenate([[0.0], np.cumsum(2 * lost / (upper + lower) - 1)])
+    return float(math.exp(place[min(int(np.argmin(rise)), len(place) - 1)]))
 
 
 def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
@@ -84,8 +200,7 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
         before, after = before[moving], after[moving]
     if not before.size:
         return np.zeros(0), np.zeros(0)
-    width = math.log(2) / BINS
-    low, high = np.minimum(before, after) / width, np.maximum(before, after) / width
+    low, high = np.minimum(before, after) / _WIDTH, np.maximum(before, after) / _WIDTH
     origin = math.floor(low.min())
     size = math.floor(high.max()) - origin + 1
     cycles, lost, place = np.zeros(size), np.zeros(size), np.zeros(size)
@@ -100,7 +215,7 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
         np.add.at(lost, bins, share[inside] * ratio[inside])
         np.add.at(place, bins, share[inside] * 0.5 * (begin + end)[inside])
     met = cycles > _LEAST_STAY
-    return np.exp(place[met] / cycles[met] * width), lost[met] / cycles[met]
+    return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 
 
 def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
@@ -125,7 +240,9 @@ def spread(samples: Floats, whole: Working) -> float:
         selected: Floats = ratio[near]
         return selected
 
-    halves = [samples[samples[:, column] == value] for column in (2, 3) for value in (0, 1)]
+    number = samples[:, 2]
+    sweeps = number.max() + 1
+    halves = [samples[sides == side] for sides in (number % 2, number // (sweeps // 2)) for side in (0, 1)]
     seen = [part.mean() for half in halves if (part := around(*_curve(half, whole.cutoff))).size]
     mean = around(whole.amplitude, whole.damping_ratio).mean()
     return max(float(abs(one / mean - 1)) for one in seen) if len(seen) > 1 else 1.0
@@ -134,4 +251,4 @@ def spread(samples: Floats, whole: Working) -> float:
 def nothing(cutoff: float) -> Working:
     """Of a ball that takes nothing."""
     empty = np.zeros(0)
-    return Working(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), (math.nan, math.nan), 0.0)
+    return Working(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0)

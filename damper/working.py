@@ -3,7 +3,8 @@
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
 that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
-starts, slower where that changes them; what it still changes is in the error.
+starts, slower where that changes them, and on sweeps up from a ball at rest; what the pace still changes is in the
+error.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import BINNED, Working, figures, nothing, spread
+from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, nothing, spread
 from damper.model import inertia_ratio, whole
 from damper.motion import CLOSED_FORM, flights, kinds, prepare
 from damper.state import nothing_kept
@@ -33,6 +34,18 @@ _SLOWER = 4
 
 _SAME = 0.03
 """Relative difference of peaks, and of where half of them is left, up to which the pace does not move them."""
+
+_CLIMBS, _PACES = 3, (0.4, 0.6)
+"""Sweeps up through the amplitudes at each of two paces, and the shares of all cycles of sweeps down for each."""
+
+_SLOW = 3
+"""Sweeps down again, more slowly, through the amplitudes at which there are two motions."""
+
+_APART = (math.sqrt(5) - 1) / 2
+"""Cycles by which sweeps up begin apart, no two by a whole number: where a rolling ball meets a wall goes by that."""
+
+_ASIDE = 3
+"""Bins on either side of two motions that slow sweeps go through."""
 
 SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
@@ -73,37 +86,70 @@ def working(
 ) -> Working:
     """Measure the damper on sweeps through the amplitudes along x, the structure's own damping set aside.
 
-    A sweep comes from above, so that the ball is in motion: one that little holds may keep bouncing at amplitudes at
-    which it would not begin to. A ball at rest in the middle of its cavity then takes less, until it meets a wall.
+    A ball may have two steady motions at an amplitude: it keeps bouncing where the vibration comes down, and rolls to
+    and fro without a hit where it grows. Sweeps go down and up, and the figures are those of the way up, from a ball at
+    rest in the middle; `Working.from_above` has the others.
 
     Args:
         damper: what is measured; its damping ratio has no influence.
         threads: see :func:`damper.ringdowns`.
-        sweeps: through the amplitudes, from as many starts.
-        stay: cycles that a sweep takes for an octave, and four times as many where the pace moves the peak, as it does
-            where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the time, and move the peak by
-            less than 1 %, mostly.
+        sweeps: down through the amplitudes, from as many starts.
+        stay: cycles that a sweep down takes for an octave, and four times as many where the pace moves the peak, as it
+            does where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the time, and move the
+            peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
         reach: amplitude up to which the curve goes at least [m].
     """
-    pace = _Pace(sweeps, stay)
-    bare = undamped(damper)
+    above, samples, low, high = _down(damper, _Pace(sweeps, stay), reach, threads)
+    if above.peak == 0:
+        return above
+    bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
+    up = np.zeros((0, 3))
+    for number, part in enumerate(_PACES):
+        sweep = samples_up(bare, low, high, _CLIMBS, max(round(part * cycles / _CLIMBS), 1), threads)
+        sweep[:, 2] += number * _CLIMBS
+        up = np.vstack([up, sweep])
+    samples = np.vstack([samples, up])
+    growing, region = grown(above, up)
+    if region is not None:
+        first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
+        down = samples_of(bare, first, last, _SLOW, max(cycles // _SLOW, 1), threads)
+        growing = folded(growing, region, down, up)
+        samples = np.vstack([samples, down])
+    for curve in (growing, growing.descending):
+        laws.check_curve(bare, curve)
+        laws.check_readings(curve, samples)
+    return growing
+
+
+def falling(damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY) -> Working:
+    """The figures of the sweeps down alone; see :func:`working` for the arguments."""
+    return _down(damper, _Pace(sweeps, stay), 0.0, threads)[0]
+
+
+def _down(
+    damper: ParticleDamper, pace: _Pace, reach: float, threads: int | None
+) -> tuple[Working, Floats, float, float]:
+    """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
+    bare, none = undamped(damper), (np.zeros((0, 3)), 0.0, 0.0)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED:
-        return nothing(math.inf)
+        return nothing(math.inf), *none
     cutoff = bare.leaving_threshold / bare.stuck_frequency**2 / left
     laws.check_rest_amplitude(bare, cutoff)
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
-        return nothing(cutoff)
+        return nothing(cutoff), *none
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)
-    before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(stay // _SLOWER, 1)), threads)
+    before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(pace.stay // _SLOWER, 1)), threads)
     if before.peak == 0:
-        return before
-    found = _found(bare, cutoff, lowest, top, pace, threads)
+        return before, *none
+    found, samples = _found(bare, cutoff, lowest, top, pace, threads)
     if _moved(before, found) > _SAME:
-        before, found = found, _found(bare, cutoff, lowest, top, replace(pace, stay=_SLOWER * stay), threads)
-    return replace(found, error=max(found.error, _moved(before, found)))
+        slower = replace(pace, stay=_SLOWER * pace.stay)
+        before, (found, samples) = found, _found(bare, cutoff, lowest, top, slower, threads)
+    above = replace(found, error=max(found.error, _moved(before, found)))
+    return above, samples, max(cutoff, _LOWEST * gap / left), top
 
 
 def _moved(before: Working, found: Working) -> float:
@@ -119,22 +165,24 @@ def _falling(
 ) -> tuple[Working, float]:
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
-        found = _found(damper, cutoff, low, top, pace, threads)
+        found, _ = _found(damper, cutoff, low, top, pace, threads)
         if found.peak == 0 or found.damping_ratio[-1] < found.peak / 2 or top > low * 2**_MOST_OCTAVES:
             return found, top
         top *= 2**_OCTAVES
 
 
-def _found(damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None) -> Working:
-    """Figures of sweeps at a pace."""
+def _found(
+    damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
+) -> tuple[Working, Floats]:
+    """Figures of sweeps down at a pace, and their samples."""
     samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-    self_check.once("level curves" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear curves", working)
+    self_check.once("level curves" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear curves", falling)
     whole = figures(samples, cutoff)
     if whole is None:
-        return nothing(cutoff)
+        return nothing(cutoff), samples
     laws.check_curve(damper, whole)
     laws.check_readings(whole, samples)
-    return replace(whole, error=max(spread(samples, whole), BINNED))
+    return replace(whole, error=max(spread(samples, whole), BINNED)), samples
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
@@ -159,42 +207,68 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     """Samples on sweeps from high to low, a row for each cycle of each sweep.
 
     From cycle to cycle the structure is led to a little less motion, the ball keeps its own in its cavity. Columns: the
-    logarithms of the amplitude before a cycle and of what its losses would leave of that, and two by which the sweeps
-    fall into halves.
+    logarithms of the amplitude before a cycle and of what its losses would leave of that, and the sweep's number.
     """
+    each = np.arange(sweeps)
+    start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
+    place = damper.half_gap[0] * (1 - each / sweeps)
+    cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
+    return _rows(damper, _ramped(damper, start, place, cycles, 4 ** (-1 / stay), threads, low))
+
+
+def samples_up(damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None) -> Floats:
+    """The same on sweeps from low to high, whose balls begin at rest in the middle."""
+    start = low * 2 ** (-(SETTLING + _APART * np.arange(sweeps)) / stay)
+    cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
+    return _rows(damper, _ramped(damper, start, np.zeros(sweeps), cycles, 4 ** (1 / stay), threads))
+
+
+def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
+    """Samples of sweeps after they have settled."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
+        level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
+    number = np.repeat(np.arange(len(level)), level.shape[1])
+    rows: Floats = np.column_stack([level.reshape(-1, 2), number])
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _ramped(
+    damper: ParticleDamper,
+    amplitude: Floats,
+    place: Floats,
+    cycles: int,
+    factor: float,
+    threads: int | None,
+    least: float = 0.0,
+) -> Floats:
+    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.amplitude_sweep.Ramp`, `least` as an amplitude [m]."""
     from damper import amplitude_sweep
 
-    each = np.arange(sweeps)
+    sweeps = len(amplitude)
     start = np.zeros((sweeps, 5, 2))
-    start[:, 0, 0] = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
-    start[:, 2, 0] = damper.half_gap[0] * (1 - each / sweeps)
-    cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
+    start[:, 0, 0], start[:, 2, 0] = amplitude, place
     many = np.repeat(damper.parameters, sweeps)
     p = prepare(many, start, cycles, cycles)
     tables = nothing_kept()
     energy = np.full((sweeps, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
-    least = 0.5 * damper.stiffness[0] * low**2
-    descent = amplitude_sweep.Descent(_EVENTS * cycles, 4 ** (-1 / stay), float(least), energy)
+    below = 0.5 * damper.stiffness[0] * least**2
+    ramp = amplitude_sweep.Ramp(_EVENTS * cycles, factor, float(below), energy)
     closed = kinds(damper, damper.parameters)[0] == CLOSED_FORM
-    f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, start[:, 0, 0]))
+    f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, amplitude))
 
     def work(block: tuple[int, int]) -> None:
         if f is None:
-            amplitude_sweep.run_level(block, p.runs, tables, descent)
+            amplitude_sweep.run_level(block, p.runs, tables, ramp)
         else:
-            amplitude_sweep.run_linear(block, f.runs, f.systems.flows, tables, descent)
+            amplitude_sweep.run_linear(block, f.runs, f.systems.flows, tables, ramp)
 
     in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
     if f is not None:
         f.give_back(p)
     laws.check_sweeps(damper, energy, p.axes["excursion"])
     self_check.once("level sweeps" if closed else "linear sweeps", samples_of)
-    with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
-        level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
-    halves = np.repeat(np.column_stack([each % 2, each // (sweeps // 2)]), level.shape[1], axis=0)
-    rows: Floats = np.column_stack([level.reshape(-1, 2), halves])
-    return rows[np.isfinite(rows).all(axis=1)]
+    return energy
 
 
 def _in_one_mode(damper: ParticleDamper, displacement: Floats) -> Floats | None:

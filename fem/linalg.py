@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -40,6 +40,12 @@ PATIENCE = 6
 LARGEST = (200, 10)
 """Vectors at which a basis counts as too large: so many, and so many more for each mode."""
 
+LARGE = 2e7
+"""Numbers in a factor from which on it is too large for a second copy of it."""
+
+GLANCE = 0.05
+"""Residual with which their sign is known."""
+
 NULL = 1e-24
 """Squared weight of a unit direction that counts as nothing."""
 
@@ -67,12 +73,25 @@ class Factor:
 
     @property
     def negative(self) -> int:
-        """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester)."""
-        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
+
+        SuperLU gives its pivots with a copy of the whole factor: of a large one those are counted that are among the
+        inverse's largest, as they are where a matrix has just become indefinite.
+        """
+        if self.lu.nnz <= LARGE:
+            return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        from scipy.sparse import eye_array
+
+        n = self.lu.shape[0]
+        one = eye_array(n, format="csc")
+        found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE)
+        return int(np.count_nonzero(found < 0.0))
 
 
-def factorise(matrix: csc_array) -> Factor:
+def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
     """Factor of a symmetric matrix, (n, n).
+
+    ordered: its unknowns are in an order that leaves the factor thin.
 
     Raises:
         SingularMatrix: it is singular.
@@ -82,7 +101,8 @@ def factorise(matrix: csc_array) -> Factor:
     options = {"SymmetricMode": True}
     try:
         # relax=1: relaxed supernodes make some triangles' factors seven times dearer, none cheaper
-        return Factor(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options=options))
+        order: Literal["NATURAL", "MMD_AT_PLUS_A"] = "NATURAL" if ordered else "MMD_AT_PLUS_A"
+        return Factor(splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, relax=1, options=options))
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         if "singular" not in str(error):
             raise

@@ -405,11 +405,13 @@ def _array(data: Mapping[str, Any], name: str, shape: tuple[int | None, ...]) ->
     """An array of the file, None where it is optional and not there; None in a shape is any number."""
     if name not in data:
         return None
-    if np.iscomplexobj(data[name]):
-        raise ModesFileError(f"key '{name}': complex values, expected real modes, of the undamped structure")
     try:
+        if np.iscomplexobj(np.asarray(data[name])):
+            raise ModesFileError(f"key '{name}': complex values, expected real modes, of the undamped structure")
         found = np.asarray(data[name], dtype=np.float64)
     except (TypeError, ValueError) as error:
+        if isinstance(error, ModesFileError):
+            raise
         raise ModesFileError(f"key '{name}': expected numbers, rows of the same length") from error
     if found.ndim != len(shape) or any(
         want is not None and have != want for have, want in zip(found.shape, shape, strict=True)
@@ -425,14 +427,21 @@ def _array(data: Mapping[str, Any], name: str, shape: tuple[int | None, ...]) ->
     return found
 
 
+def _plain(data: Mapping[str, Any], name: str) -> Any:
+    try:
+        return np.asarray(data[name])
+    except ValueError as error:
+        raise ModesFileError(f"key '{name}': expected rows of the same length") from error
+
+
 def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int | None = None) -> Ints:
     """Whole numbers of the file."""
-    found = np.asarray(data[name])
+    found = _plain(data, name)
     if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer) or (count is not None and found.size != count):
         raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
     if below is not None and found.size and not (found.min() >= 0 and found.max() < below):
         raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
-    return found.astype(np.int64)
+    return np.asarray(found, dtype=np.int64)
 
 
 def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
@@ -441,7 +450,7 @@ def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
         kind = name.removeprefix("cells_")
         if kind not in KINDS:
             raise ModesFileError(f"key '{name}': expected cells_ and one of {', '.join(KINDS)}")
-        values = np.asarray(data[name])
+        values = _plain(data, name)
         wanted = len(cell(kind).nodes)
         if values.ndim != 2 or values.shape[1] != wanted or not np.issubdtype(values.dtype, np.integer):
             raise ModesFileError(f"key '{name}': expected rows of {wanted} whole numbers")

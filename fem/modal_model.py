@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -272,8 +273,10 @@ def place(model: ModalModel, point: Array) -> Place:
     distances = np.linalg.norm(model.points - point, axis=1)
     inside = _in_cells(model, point)
     if inside is None:
-        least = float(distances.min())
-        if least > FAR * model.size:
+        order = np.argsort(distances)
+        least = float(distances[order[0]])
+        apart = np.linalg.norm(model.points - model.points[order[0]], axis=1)
+        if least > max(FAR * model.size, float(apart[apart > 0.0].min(initial=np.inf))):
             raise _far(model, point, least)
         nodes, value, slopes, tangent, rough = _fitted(model.points, point)
         how = f"fitted to {nodes.size} nodes around it"
@@ -333,11 +336,8 @@ def _in_cells(model: ModalModel, point: Array) -> tuple[list[tuple[str, Ints, Ar
         nearest.sort(key=lambda each: each[0])
     least, name, nodes, at = nearest[0]
     where = cell(name).shape(at[None])[0] @ model.points[nodes]
-    if least > 0.0:  # the cells that meet at what is nearest, not those as far from the point
-        again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
-        found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
-    else:
-        found = [(name, nodes, at)]
+    again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
+    found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
     return found, np.asarray(where), least
 
 
@@ -382,7 +382,7 @@ def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Arr
 
     Returns:
         Nodes (k,), their weights in value (k,) and derivatives (3, k), the projector on directions that the nodes reach
-        into, and the derivatives by a fit that is otherwise weighted (3, k).
+        into, and weights in derivatives as far off as these may be (3, k).
 
     Raises:
         OffTheStructure: fewer nodes than a slope takes.
@@ -398,11 +398,15 @@ def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Arr
     near = near[: max(terms, 2)]
     local = (points[near] - point) @ frame[:, :dimension] / spread
     reach = float(np.linalg.norm(local, axis=1).max()) * (1.0 + 1e-3)
-    value, slopes = _polynomial(local, reach, sharp=2.0)
-    _, rough = _polynomial(local, reach, sharp=0.5)
+    value, slopes = _polynomial(local, reach, 2)
+    rough = slopes + _MARGIN * (_polynomial(local, reach, 3)[1] - slopes)
     back = frame[:, :dimension] / spread
     tangent = frame[:, :dimension] @ frame[:, :dimension].T
     return near, value, back @ slopes, tangent, back @ rough
+
+
+_MARGIN = 2.0
+"""Of the difference between a quadratic and a cubic fit, what counts as the uncertainty of the former."""
 
 
 def _local_frame(points: Array) -> tuple[Array, Array]:
@@ -413,13 +417,12 @@ def _local_frame(points: Array) -> tuple[Array, Array]:
     spread = np.abs(local).max(axis=0)
     if spread[0] == 0.0:
         raise OffTheStructure("all nodes around it lie in one point")
-    dimension = 3
+    dimension = int((spread > _THIN * spread[0]).sum())
     while dimension > 1:
-        others, last = local[:, : dimension - 1], local[:, dimension - 1]
-        terms = _terms(others / spread[: dimension - 1], 2)
+        others, last = local[:, : dimension - 1] / spread[: dimension - 1], local[:, dimension - 1]
+        terms = _terms(others, 2 if len(points) > _PER_TERM * dimension else 1)
         left = last - terms @ np.linalg.lstsq(terms, last, rcond=None)[0]
-        own = max(_FLAT * spread[dimension - 1], _THIN * spread[0])
-        if len(points) > terms.shape[1] and np.abs(left).max() > own:
+        if np.abs(left).max() > _FLAT * spread[dimension - 1]:
             break
         dimension -= 1
     return frame, spread[:dimension]
@@ -427,23 +430,46 @@ def _local_frame(points: Array) -> tuple[Array, Array]:
 
 def _terms(local: Array, degree: int) -> Array:
     """Monomials (k, terms) at places (k, d), the linear ones after the constant."""
-    columns = [np.ones(len(local)), *local.T]
-    if degree > 1:
-        columns += [local[:, i] * local[:, j] for i in range(local.shape[1]) for j in range(i, local.shape[1])]
-    return np.column_stack(columns)
+    powers = [each for each in product(range(degree + 1), repeat=local.shape[1]) if sum(each) <= degree]
+    linear = [tuple(row) for row in np.eye(local.shape[1], dtype=int).tolist()]
+    powers.sort(key=lambda each: (sum(each), linear.index(each) if each in linear else 0))
+    return np.stack([np.prod(local**each, axis=1) for each in np.array(powers)], axis=1)
 
 
-def _polynomial(local: Array, reach: float, sharp: float) -> tuple[Array, Array]:
-    """Weights of nodes in the value (k,) and the derivatives (d, k) of a weighted fit at the origin of their places."""
+def _polynomial(local: Array, reach: float, degree: int) -> tuple[Array, Array]:
+    """Weights of nodes in the value (k,) and the derivatives (d, k) of a weighted fit at the origin of their places.
+
+    It is of the degree asked for, or where there are too few nodes of a lower one.
+    """
     dimension = local.shape[1]
-    terms = _terms(local, 2)
-    if len(local) < terms.shape[1]:
-        terms = _terms(local, 1)
     if len(local) <= dimension:
         raise OffTheStructure(f"{len(local)} nodes do not determine a slope")
-    weights = (1.0 - (np.linalg.norm(local, axis=1) / reach) ** 2) ** sharp
-    solved = np.linalg.pinv(terms * weights[:, None], rcond=1e-8) * weights
+    terms = next(t for k in range(degree, 0, -1) if (t := _terms(local, k)).shape[1] <= len(local))
+    weights = (1.0 - (np.linalg.norm(local, axis=1) / reach) ** 2) ** 2
+    weighted = terms * weights[:, None]
+    kept = _independent(weighted)
+    if kept[: 1 + dimension] != list(range(1 + dimension)):
+        raise OffTheStructure("the nodes around it do not determine a slope")
+    solved = np.linalg.pinv(weighted[:, kept]) * weights
     return solved[0], solved[1 : 1 + dimension]
+
+
+_DEPENDENT = 1e-4
+"""Part of a column that is left beside those before it, up to which it counts as one of them."""
+
+
+def _independent(columns: Array) -> list[int]:
+    """Which columns are not made of those before them: a term that nodes cannot tell from lower ones is left out."""
+    kept: list[int] = []
+    basis = np.zeros((len(columns), 0))
+    for number, column in enumerate(columns.T):
+        left = column - basis @ (basis.T @ column)
+        left -= basis @ (basis.T @ left)
+        size = float(np.linalg.norm(left))
+        if size > _DEPENDENT * float(np.linalg.norm(column)):
+            kept.append(number)
+            basis = np.column_stack([basis, left / size])
+    return kept
 
 
 _SAMPLES = 48

@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.modal_model import ModalModel, ModesAtSpeed
+from fem.operators.assembly import point_rows
+from fem.reduction.modal import drawn_rows
+
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from fem.operators.assembly import Operators
+    from fem.sweep.campbell import Campbell
 
     Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
@@ -158,3 +165,52 @@ def displacement(operators: Operators, shapes: Array) -> Array:
             moved[mesh.t[j], k] = np.einsum("cd,cd...->c...", weights, padded[dofs])
     moved = moved[: operators.plate.mesh.p.shape[1]]  # a model may split cells; it adds vertices at the end
     return moved if shapes.ndim == 1 else np.moveaxis(moved, -1, 0)
+
+
+def modal_model(
+    operators: Operators,
+    diagram: Campbell,
+    numbers: Sequence[int],
+    errors: Sequence[Array | None],
+    at: tuple[float, float] | None = None,
+) -> ModalModel:
+    """A plate as a structure known by its modes: its mid-surface in space, the plate's axes, with rotations.
+
+    Args:
+        operators: the plate's matrices, without Coriolis forces.
+        diagram: its modes over speed.
+        numbers: which speeds of it, ascending.
+        errors: relative errors of the frequencies at each, (modes,), as many as there are; None: not known.
+        at: a place that becomes a node, where the damper sits.
+
+    Raises:
+        ValueError: the modes are complex.
+    """
+    if operators.gyroscopic is not None:
+        raise ValueError("the modes are complex")
+    mesh, rotor = operators.plate.mesh, operators.rotor
+    places = np.asarray(mesh.p.T)
+    if at is not None and np.linalg.norm(places - at, axis=1).min() > 0.0:
+        places = np.vstack([places, at])
+    rows = [[point_rows(operators.model, (float(x), float(y)), d) for d in ((), (0,), (1,))] for x, y in places]
+    drawn = drawn_rows(operators, range(3))
+    speeds = []
+    for number, error in zip(numbers, errors, strict=True):
+        unknowns = diagram.shapes(number)[:, : None if error is None else error.size]
+        moved, along, across = (np.stack([each[k] @ unknowns for each in rows]) for k in range(3))  # (n, 3, modes)
+        turned = np.stack([across[:, 2], -along[:, 2], 0.5 * (along[:, 1] - across[:, 0])], axis=1)
+        speeds.append(
+            ModesAtSpeed(
+                float(diagram.omega[number]),
+                np.asarray(diagram.frequencies_hz[number, : unknowns.shape[1]]),
+                np.ascontiguousarray(moved.transpose(2, 0, 1)),
+                rotations=np.ascontiguousarray(turned.transpose(2, 0, 1)),
+                errors=error,
+                drawn=np.asarray((drawn @ unknowns).T),
+            )
+        )
+    points = np.column_stack([places, np.zeros(len(places))])
+    root = np.array([float(mesh.p[0].min()), 0.0, 0.0])
+    kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
+    cells = ((kind, np.asarray(mesh.t.T, dtype=np.int64)),)
+    return ModalModel(points, tuple(speeds), rotor.axis, root - rotor.hub_radius * rotor.outwards, cells)

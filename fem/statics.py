@@ -11,24 +11,21 @@ Mech. Engrg 313 (2017) 986). `linearise` gives the stiffness that modes at a spe
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg import SingularMatrix, factorise, lanczos, rounding
-from fem.operators.assembly import assemble
+from fem.linalg import SingularMatrix, lanczos, rounding
+from fem.operators.assembly import Operators, assemble
 from fem.rotor import in_rpm
-from fem.theory.fields import gram
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
     from fem.linalg import Factor
-    from fem.operators.assembly import Operators
+    from fem.operators.assembly import Body, StressedBody
     from fem.plate import ElasticRoot
-    from fem.theory.discretisation import Discretisation
-    from fem.theory.strains import Stressed
 
     Array = NDArray[np.float64]
 
@@ -70,7 +67,7 @@ def check_speed(omega: float) -> None:
         raise ValueError(f"omega must be one finite speed in rad/s, got {omega!r}")
 
 
-def check_rest(operators: Operators) -> float:
+def check_rest(operators: Body) -> float:
     """Raise Unresolved unless the plate at rest has a lowest frequency that rounding leaves; its square in rad²/s².
 
     At rest the stiffness is positive by construction: what is not so there, or is not there, is rounding.
@@ -78,18 +75,18 @@ def check_rest(operators: Operators) -> float:
     uncertain, lowest = _uncertain(operators)
     if uncertain <= LOST:
         return lowest
-    root = operators.plate.elastic_root
-    if root is not None:
+    root = operators.plate.elastic_root if isinstance(operators, Operators) else None
+    if root is not None and isinstance(operators, Operators):
         held = replace(operators.plate, elastic_root=None)
-        clamped = assemble(held, operators.rotor, operators.effects, operators.model.theory)
+        clamped = assemble(held, operators.rotor, operators.effects, operators.theory)
         root = root if _uncertain(clamped)[0] <= LOST else None
-    raise Unresolved(operators.model.theory, uncertain, root)
+    raise Unresolved(operators.theory, uncertain, root)
 
 
-def _uncertain(operators: Operators) -> tuple[float, float]:
+def _uncertain(operators: Body) -> tuple[float, float]:
     """What rounding leaves uncertain of the lowest frequency at rest, relatively, and its square: infinite without."""
     try:
-        factor = factorise(operators.stiffness)
+        factor = operators.factorise(operators.stiffness)
     except SingularMatrix:
         return np.inf, np.inf
     if factor.negative:
@@ -134,7 +131,7 @@ class NoEquilibrium(ArithmeticError):
         self.omega = omega
 
 
-def equilibrium(operators: Operators, omega: float, start: Array | None = None) -> Array:
+def equilibrium(operators: Body, omega: float, start: Array | None = None) -> Array:
     """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
 
     start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
@@ -149,7 +146,7 @@ def equilibrium(operators: Operators, omega: float, start: Array | None = None) 
 
 
 def settle(
-    operators: Operators, omega: float, start: Array | None = None, converged: float = BALANCED
+    operators: Body, omega: float, start: Array | None = None, converged: float = BALANCED
 ) -> tuple[Array, Factor]:
     """The same, with the factor of a stiffness near that of the state.
 
@@ -182,13 +179,44 @@ def settle(
             return found
 
 
-def tangent(operators: Operators, omega: float, state: Array) -> csc_array:
+STEPS_BETWEEN = 8
+"""Newton steps with the factor of another speed before one of its own is made."""
+
+INNER = 60
+"""Steps of conjugate gradients in each."""
+
+
+def balance(operators: Body, omega: float, state: Array, factor: Factor) -> Array:
+    """Equilibrium (n,) at a speed near a state (n,), by the factor of the stiffness at another speed.
+
+    Each step of Newton's method is solved by conjugate gradients, with that factor as preconditioner.
+    """
+    from scipy.sparse.linalg import LinearOperator, cg
+
+    target, size = omega**2, operators.load.size
+    nearly = LinearOperator((size, size), matvec=factor.solve, dtype=float)
+    for _ in range(STEPS_BETWEEN):
+        stressed = operators.stressed(state)
+        residual = _unbalanced(operators, target, state, stressed)
+        work = float(abs(target * operators.load @ state))
+        if abs(factor.solve(residual) @ residual) <= ROUNDED * work:
+            return state
+        step, failed = cg(_stiffness(operators, target, stressed), residual, rtol=1e-6, maxiter=INNER, M=nearly)
+        if failed or not np.isfinite(step).all():
+            break
+        state = state + step
+        if abs(step @ residual) <= BALANCED * work:
+            return state
+    return equilibrium(operators, omega, state)
+
+
+def tangent(operators: Body, omega: float, state: Array) -> csc_array:
     """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
-    return _stiffness(operators, omega**2, _stressed(operators.model, state))
+    return _stiffness(operators, omega**2, operators.stressed(state))
 
 
 def newton(
-    operators: Operators, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
+    operators: Body, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
 ) -> tuple[Array, Factor] | None:
     """Equilibrium near a state with the last factor used, or None.
 
@@ -198,11 +226,14 @@ def newton(
     """
     before, ahead = np.inf, None
     for number in range(ITERATIONS):
-        stressed = _stressed(operators.model, state)
+        stressed = operators.stressed(state)
         residual = _unbalanced(operators, load, state, stressed)
         if not np.isfinite(residual).all():  # further than the theory reaches
             return None
-        factor = factorise(_stiffness(operators, load, stressed, ahead))
+        factor = operators.factorise(_stiffness(operators, load, stressed, ahead))
+        if factor.negative and number == 0 and not state.any():  # softening is ahead of the stress that will hold it
+            ahead = stressed.ahead(operators.factorise(stressed.stiffness()).solve(residual))
+            factor = operators.factorise(_stiffness(operators, load, stressed, ahead))
         if factor.negative and not unstable:
             return None
         step = factor.solve(residual)
@@ -222,13 +253,13 @@ def newton(
             further, settled = _again(operators, load, state, factor, energy, enough)
         if settled:
             return further, factor
-        ahead = [part.ahead(step) for part in stressed] if further is state else None
+        ahead = stressed.ahead(step) if further is state else None
         state = further
     return None
 
 
 def _again(
-    operators: Operators, load: float, state: Array, factor: Factor, energy: float, enough: tuple[float, float]
+    operators: Body, load: float, state: Array, factor: Factor, energy: float, enough: tuple[float, float]
 ) -> tuple[Array, bool]:
     """Steps with a factor that is known, while each has but a small part of the energy of the one before.
 
@@ -237,7 +268,7 @@ def _again(
     having come down. Returns the state and whether it has come so far.
     """
     while True:
-        residual = _unbalanced(operators, load, state, _stressed(operators.model, state))
+        residual = _unbalanced(operators, load, state, operators.stressed(state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
         if not following <= STILL_GOOD * energy:
@@ -247,34 +278,24 @@ def _again(
             return state, True
 
 
-def _stressed(model: Discretisation, state: Array) -> list[Stressed]:
-    """The parts of the elastic energy at a state (n,)."""
-    return [energy.at(state) for energy in model.energies]
-
-
-def _unbalanced(operators: Operators, load: float, state: Array, stressed: list[Stressed]) -> Array:
+def _unbalanced(operators: Body, load: float, state: Array, stressed: StressedBody) -> Array:
     """Force (n,) that is not balanced at a state under load times the unit load."""
-    residual = load * operators.load
-    for part in stressed:
-        residual = residual - part.force()
+    residual = load * operators.load - stressed.force()
     if operators.softening is not None:
         residual += load * (operators.softening @ state)
     return np.asarray(residual)
 
 
-def _stiffness(
-    operators: Operators, load: float, stressed: list[Stressed], stresses: list[Array] | None = None
-) -> csc_array:
-    """Tangent stiffness (n, n) of parts under their stress, or another, under load times the unit load."""
-    under: list[Array | None] = [None] * len(stressed) if stresses is None else [*stresses]
-    stiffness = gram(*(term for part, stress in zip(stressed, under, strict=True) for term in part.terms(stress)))
+def _stiffness(operators: Body, load: float, stressed: StressedBody, stress: Any = None) -> csc_array:
+    """Tangent stiffness (n, n) under its stress, or another, under load times the unit load."""
+    stiffness = stressed.stiffness(stress)
     if operators.softening is not None:
         stiffness = (stiffness - load * operators.softening).tocsc()
     return stiffness
 
 
 def linearise(
-    operators: Operators, omega: float, start: Array | None = None, state: Array | None = None
+    operators: Body, omega: float, start: Array | None = None, state: Array | None = None
 ) -> tuple[csc_array, Array | None]:
     """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
 

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from workflows.errors import BadInput, read_from
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.plate_mesh import place
 from workflows.scene.scene import omega_of
 from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle
 from workflows.solve.structure import StructureSolver, StructureState
+
+if TYPE_CHECKING:
+    from fem.modal_model import ModalModel
 
 
 def structure(
@@ -66,6 +73,35 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
     resources.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)
+
+
+def modes(source: SceneFile, stages: Stages) -> ModalModel:
+    """The structure of a scene as its real modes: a plate's at the scene's speeds; those of files as they are.
+
+    Coriolis forces, which make modes complex, are left out.
+
+    Raises:
+        BadInput: it has none.
+        BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
+    """
+    from fem.output import modal_model
+
+    if source.scene.given is not None:
+        problem = "the table is missing: modes are those of a plate, or of [structure] modes"
+        raise BadInput(problem, file=source.name, key="[plate]")
+    real = source.changed(effects=source.scene.effects.model_copy(update={"coriolis": False}))
+    solver = StructureSolver(real, stages)
+    if solver.space is not None:
+        return solver.space.model
+    plate = solver.plate()
+    order = sorted(range(len(plate.numbers)), key=lambda k: plate.points[k].omega)
+    errors = []
+    for k in order:
+        own = [mode.error_estimate for mode in plate.points[k].modes]
+        errors.append(None if None in own else np.array(own, dtype=np.float64))
+    operators = plate.discrete.choice.operators
+    at = None if source.scene.damper is None else place(source, operators.plate.mesh)
+    return modal_model(operators, plate.diagram, [plate.numbers[k] for k in order], errors, at)
 
 
 def plate_only(source: SceneFile) -> SceneFile:

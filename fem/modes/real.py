@@ -12,15 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.linalg import CONVERGED, Factor, NotConverged, SingularMatrix, factorise, lanczos, rounding
+from fem.operators.assembly import Operators
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest
 from fem.theory.forms import elastic_energies
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.operators.assembly import Operators
+    from fem.operators.assembly import Body
 
     Array = NDArray[np.float64]
 
@@ -89,7 +92,7 @@ class Modes:
         return np.asarray(np.sqrt(self.eigenvalues) / (2.0 * np.pi))
 
 
-def check_count(operators: Operators, count: int) -> None:
+def check_count(operators: Body, count: int) -> None:
     """Raise ValueError unless count is a whole number of modes that the model can have."""
     n = operators.mass.shape[0]
     if not hasattr(count, "__index__") or not 1 <= count <= n:
@@ -103,7 +106,7 @@ def check_damping(ratio: float) -> None:
 
 
 def solve_real(
-    operators: Operators,
+    operators: Body,
     omega: float,
     stiffness: csc_array,
     count: int,
@@ -117,16 +120,16 @@ def solve_real(
         Unresolved: the plate is too thin for its theory in double precision.
     """
     try:
-        factor = factorise(stiffness)
+        factor = operators.factorise(stiffness)
     except SingularMatrix:
         check_rest(operators)
         raise Divergence(omega, 0.0) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
     if factor.negative:
         check_rest(operators)
-        raise Divergence(omega, lowest(stiffness, operators.mass, values), factor.negative)
+        raise Divergence(omega, lowest(stiffness, operators.mass, values, operators.factorise), factor.negative)
     if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
-        values, vectors = _undrowned(stiffness, operators.mass, values, tolerance)
+        values, vectors = _undrowned(operators, stiffness, values, tolerance)
     known = _known(values)
     if not known.any():
         raise NotConverged
@@ -135,7 +138,7 @@ def solve_real(
     uncertain = rounding(stiffness, vectors, values)
     if uncertain[order[0]] > LOST:
         check_rest(operators)
-    if uncertain.max() > FELT and state is None:
+    if uncertain.max() > FELT and state is None and isinstance(operators, Operators):
         values, vectors = _from_strains(operators, omega, values, vectors)
         order = np.argsort(values)
     return Modes(omega, values[order], vectors[:, order], np.zeros(order.size), factor, state)
@@ -164,20 +167,22 @@ def _from_strains(operators: Operators, omega: float, values: Array, vectors: Ar
     return corrected, vectors @ mixed
 
 
-def _undrowned(stiffness: csc_array, mass: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:
+def _undrowned(operators: Body, stiffness: csc_array, values: Array, tolerance: float) -> tuple[Array, Array]:
     """Modes of which the lowest is so low that its inverse eigenvalue, as values have it, drowns the others'.
 
     From a shift between them the others keep their digits; the lowest has its own from the inverse.
     """
-    shift = float(np.sqrt(values[0] * values[-1]))
-    shifted, vectors = lanczos(factorise((stiffness + shift * mass).tocsc()), mass, values.size, tolerance)
+    shift, mass = float(np.sqrt(values[0] * values[-1])), operators.mass
+    shifted, vectors = lanczos(operators.factorise((stiffness + shift * mass).tocsc()), mass, values.size, tolerance)
     return np.where(values < shift, values, shifted - shift), vectors
 
 
-def lowest(stiffness: csc_array, mass: csc_array, values: Array) -> float:
+def lowest(
+    stiffness: csc_array, mass: csc_array, values: Array, factor_of: Callable[[csc_array], Factor] = factorise
+) -> float:
     """Find the lowest of eigenvalues that are known to reach below zero, by shifting all above it."""
     shift = 2.0 * float(np.abs(values).max())
-    while (factor := factorise((stiffness + shift * mass).tocsc())).negative:
+    while (factor := factor_of((stiffness + shift * mass).tocsc())).negative:
         shift *= 4.0
     return float(lanczos(factor, mass, 1, SHIFTED)[0][0] - shift)
 

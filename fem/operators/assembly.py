@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -27,8 +27,101 @@ if TYPE_CHECKING:
     from fem.plate import Plate
     from fem.rotor import Effects, Rotor
     from fem.theory.discretisation import Discretisation
+    from fem.theory.strains import Stressed
 
     Array = NDArray[np.float64]
+
+
+class StressedBody(Protocol):
+    """The elastic energy of a body at a displacement."""
+
+    def force(self) -> Array:
+        """The internal force (n,) in N."""
+        ...
+
+    def ahead(self, step: Array) -> Any:
+        """The stress that a step (n,) leads to, to first order."""
+        ...
+
+    def stiffness(self, stress: Any = None) -> csc_array:
+        """The tangent stiffness (n, n) in N/m, or that under another stress."""
+        ...
+
+
+class Body(Protocol):
+    """An elastic body on a rotor, as equilibria and modes need it: a plate (`Operators`) or a solid blade."""
+
+    @property
+    def theory(self) -> str:
+        """Name of its theory."""
+        ...
+
+    @property
+    def effects(self) -> Effects:
+        """What counts."""
+        ...
+
+    @property
+    def stiffness(self) -> csc_array:
+        """At rest, (n, n)."""
+        ...
+
+    @property
+    def mass(self) -> csc_array:
+        """Its mass, (n, n)."""
+        ...
+
+    @property
+    def softening(self) -> csc_array | None:
+        """What spin softening takes from the stiffness, per Omega²; None: left out."""
+        ...
+
+    @property
+    def gyroscopic(self) -> csc_array | None:
+        """G of the Coriolis forces; None: left out."""
+        ...
+
+    @property
+    def load(self) -> Array:
+        """The centrifugal load (n,) per Omega²."""
+        ...
+
+    @property
+    def prestress(self) -> Array | None:
+        """A displacement (n,) per Omega² to begin an equilibrium with; None: rest."""
+        ...
+
+    def at(self, omega: float) -> csc_array:
+        """K(Omega), (n, n), its prestress linear in Omega²."""
+        ...
+
+    def stressed(self, state: Array) -> StressedBody:
+        """Its elastic energy at a displacement (n,)."""
+        ...
+
+    def factorise(self, matrix: csc_array) -> Factor:
+        """Factor of a matrix over its unknowns."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class StressedPlate:
+    """The parts of a plate's elastic energy at a displacement."""
+
+    parts: tuple[Stressed, ...]
+
+    def force(self) -> Array:
+        """The internal force (n,) in N."""
+        return np.asarray(np.sum([part.force() for part in self.parts], axis=0))
+
+    def ahead(self, step: Array) -> list[Array]:
+        """The stress that a step (n,) leads to, to first order."""
+        return [part.ahead(step) for part in self.parts]
+
+    def stiffness(self, stress: list[Array] | None = None) -> csc_array:
+        """The tangent stiffness (n, n) in N/m, or that under another stress."""
+        under: list[Array | None] = [None] * len(self.parts) if stress is None else [*stress]
+        return gram(*(term for part, own in zip(self.parts, under, strict=True) for term in part.terms(own)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +165,19 @@ class Operators:
 
         total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
         return total if self.softening is None else sparse(total - self.softening)
+
+    @property
+    def theory(self) -> str:
+        """The plate's."""
+        return self.model.theory
+
+    def stressed(self, state: Array) -> StressedPlate:
+        """The elastic energy at a displacement (n,)."""
+        return StressedPlate(tuple(energy.at(state) for energy in self.model.energies))
+
+    def factorise(self, matrix: csc_array) -> Factor:
+        """Factor of a matrix over the unknowns."""
+        return factorise(matrix)
 
     def from_axis(self, at: tuple[float, float]) -> Array:
         """A place (x, y) in m in the mesh's coordinates, (3,) in m from a point of the spin axis."""

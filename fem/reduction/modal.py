@@ -24,6 +24,8 @@ from fem.sweep.campbell import campbell
 from fem.theory.forms import uniform_load
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
@@ -104,15 +106,21 @@ def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
 
 def load_rows(operators: Operators) -> Array:
     """Load vectors (3, n): of unit accelerations of the root along z and y, but for their sign, and a unit pressure."""
+    height = thickness.of(operators.plate.thickness, operators.model.points[:2])
+    pressed = uniform_load(operators.model, 1.0 / height, np.eye(3)[2])
+    return np.vstack([drawn_rows(operators, (2, 1)), pressed])
+
+
+def drawn_rows(operators: Operators, axes: Iterable[int]) -> Array:
+    """Load vectors (axes, n): of unit accelerations of the root along axes of the plate, but for their sign."""
     plate, model = operators.plate, operators.model
     drawn = []
-    for axis in (2, 1):
+    for axis in axes:
         load = uniform_load(model, plate.material.density, np.eye(3)[axis])
         if plate.tip_mass > 0.0 and plate.tip_at is not None:
             load = load + plate.tip_mass * (point_rows(model, plate.tip_at).T @ np.eye(3)[axis])
         drawn.append(load)
-    height = thickness.of(plate.thickness, model.points[:2])
-    return np.array([*drawn, uniform_load(model, 1.0 / height, np.eye(3)[2])])
+    return np.array(drawn)
 
 
 def _about_rest(part: Swept, pull: Array, balls: Array, vectors: Array) -> Array:

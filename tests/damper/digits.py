@@ -5,13 +5,15 @@ Each motion is computed twice, with different samplings, so that what the refere
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import time
+from collections.abc import Iterator
 
 import numpy as np
 
-from damper import self_check
+from damper import ParticleDamper, self_check
 from damper.working import SETTLING
 from tests.damper.reference import Reference
 
@@ -38,9 +40,16 @@ def sweeps(name: str, samples: int) -> dict[str, float]:
 
 def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[tuple[float, float]]:
     """Amplitude and decrement of each cycle of a sweep down, as `damper.amplitude_sweep` describes it."""
-    damper = sweep.damper
-    settling, least = SETTLING, 0.5 * damper.stiffness[0] * sweep.low**2
-    cycles = settling + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))
+    cycles = SETTLING + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))
+    each = ramp(sweep.damper, first, place, 4 ** (-1 / sweep.stay), samples)
+    reached = itertools.takewhile(lambda cycle: cycle[0] >= sweep.low, itertools.islice(each, cycles))
+    return list(reached)[SETTLING:]
+
+
+def ramp(
+    damper: ParticleDamper, first: float, place: float, factor: float, samples: int
+) -> Iterator[tuple[float, float]]:
+    """Amplitude and decrement of each cycle where the structure's energy changes by a factor from one to the next."""
     run = Reference(damper, (first, 0.0), 0.0, samples, place=(place * damper.half_gap[0], 0.0))
     stuck, mode = run.mass[: run.k, : run.k], slice(run.k + 2, 2 * run.k + 2)
 
@@ -48,20 +57,16 @@ def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -
         """Energy of the structure with the ball riding along."""
         return 0.5 * float(run.x[mode] @ stuck @ run.x[mode] + run.spring @ run.x[: run.k] ** 2)
 
-    begun, lost = swing(), []
-    for n in range(cycles):
-        scale = math.sqrt(begun * 4 ** (-n / sweep.stay) / swing())
+    begun = swing()
+    for n in itertools.count():
+        scale = math.sqrt(begun * factor**n / swing())
         run.x[: run.k] *= scale
         run.x[mode] *= scale
         before, now = run.energy(), swing()
-        if now < least:
-            break
         run.cycles = n + 1
         run.go_on()
-        if n >= settling:
-            amplitude = math.sqrt(2 * now / damper.stiffness[0])
-            lost.append((amplitude, -0.5 * math.log1p((run.energy() - before) / now)))
-    return lost
+        amplitude = math.sqrt(2 * now / damper.stiffness[0])
+        yield amplitude, -0.5 * math.log1p((run.energy() - before) / now)
 
 
 def working(name: str, samples: int) -> dict[str, float]:
@@ -87,8 +92,6 @@ def working(name: str, samples: int) -> dict[str, float]:
     return {"cut-off": cutoff, "peak": peak, "amplitude of the peak": amplitude} | {
         "half below": ends[0],
         "half above": ends[1],
-        "range from": cutoff,
-        "range to": ends[1],
     }
 
 

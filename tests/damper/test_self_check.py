@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from damper import LawViolation, compiled, forced, ringdown, self_check, working
+from damper import LawViolation, compiled, forced, ringdown, self_check
 from damper.self_check import leave, stamp
-from damper.working import samples_of
+from damper.working import falling, samples_of
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits
 
@@ -20,8 +20,8 @@ RUNS: dict[str, Callable[..., Any]] = {
     "linear": ringdown,
     "level sweeps": samples_of,
     "linear sweeps": samples_of,
-    "level curves": working,
-    "linear curves": working,
+    "level curves": falling,
+    "linear curves": falling,
     "forced": forced,
 }
 

@@ -53,7 +53,7 @@ def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
     assert own is not None
     assert figure is not None
     shown = own.amplitude[own.damping_ratio > 0]
-    assert own.cutoff < 1e-3 * shown.min()
+    assert own.cutoff < 1e-2 * shown.min()
     low, high = figure.axes[0].get_xlim()
     assert low >= 0.09e3 * shown.min()
     assert high >= 1e3 * shown.max()

@@ -74,7 +74,9 @@ def _full() -> Any:
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damping=damping,
-        working=results.OwnFigures(**figures, error=0.0),
+        working=results.OwnFigures(
+            **figures, error=0.0, from_above=results.Figures(**figures), folds=(1.0, 2.0), jump=(1.0, 2.0)
+        ),
         level=results.Figures(**figures),
         tilted=results.CutOff(1.0, 1.0),
         pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),

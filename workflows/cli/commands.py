@@ -260,6 +260,30 @@ def compare(
 
 
 @_commands.command()
+def modes(
+    scene: Scene = "paper",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the neutral file: a name in .npz or .json.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Write the structure's modes as a file that [structure] modes reads.
+
+    Without --out, the modes are listed.
+    """
+    from workflows import pipeline
+    from workflows.io import modes as files
+
+    if out is not None:
+        files.named(out, "--out")
+    with Stages() as stages:
+        found = pipeline.modes(_load(scene), stages)
+    if out is not None:
+        files.save_modes(found, out, "--out")
+    typer.echo(files.dumps(found) if json else files.text(found, out))
+
+
+@_commands.command()
 def view(
     what: Annotated[
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
@@ -318,7 +342,7 @@ def check(
     The output includes the effects that the scene calls for, the reason for each, and the size of a run.
     """
     from workflows.io import provenance
-    from workflows.solve import resources
+    from workflows.solve import known_modes, resources
     from workflows.solve.model_choice import choose_model, model
 
     source = _load(scene)
@@ -326,10 +350,12 @@ def check(
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
     sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
+    space = known_modes.space_structure(source) if source.scene.in_space else None
     if json:
-        _print_json(provenance.document(source, choice.effects, choice.theory, planform) | {"sizes": vars(sizes)})
+        found = provenance.document(source, choice.effects, choice.theory, planform, space)
+        _print_json(found | {"sizes": vars(sizes)})
         return
-    typer.echo("\n".join(provenance.heading(source, planform)))
+    typer.echo("\n".join(provenance.heading(source, planform, space)))
     typer.echo(provenance.as_toml(source.scene, choice.effects, choice.theory))
     typer.echo(f"\n# {sizes}")
 

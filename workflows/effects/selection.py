@@ -65,12 +65,20 @@ OF_THE_PLATE = tuple(name for name, kind in EFFECTS.items() if kind.of == "plate
 OF_THE_DAMPER = tuple(name for name, kind in EFFECTS.items() if kind.of == "damper")
 
 
+SOLID = {name: Called(True, "solid blades have it") for name in OF_THE_PLATE} | {
+    "large_deflection": Called(True, "solid blades are solved about the state that the load leaves"),
+    "coriolis": Called(False, "of solid blades it is estimated alone, as an error of each frequency"),
+}
+"""What is settled for a solid blade."""
+
+
 def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...] = NAMES) -> dict[str, Called]:
     """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
     found: dict[str, Called] = {}
     on: dict[str, bool] = {}
     for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
-        found[name] = EFFECTS[name].called_for(Case(scene, form, on))
+        case = Case(scene, form, on)
+        found[name] = EFFECTS[name].called_for(case) if scene.blade is None or name not in SOLID else SOLID[name]
         asked = getattr(scene.effects, name)
         on[name] = found[name].called if asked == "auto" else asked is True
     return {name: found[name] for name in names}
@@ -108,5 +116,8 @@ def resolve(scene: Scene, file: str | None = None, form: Planform | None = None)
 def _check_plate(scene: Scene, file: str | None) -> None:
     """The effects of a plate need one: a structure's frequency is taken as it is given."""
     for name in OF_THE_PLATE if scene.plate is None else ():
-        if getattr(scene.effects, name) is True:
+        asked = getattr(scene.effects, name)
+        if scene.blade is not None and asked != "auto" and asked is not SOLID[name].called:
+            raise BadInput(f"{SOLID[name].why}: leave this out", file=file, key=f"[effects] {name}", value=asked)
+        if scene.blade is None and asked is True:
             raise BadInput("the scene has no plate", file=file, key=f"[effects] {name}", value=True)

@@ -17,7 +17,7 @@ from workflows.io import provenance
 from workflows.io.folder import replacing
 from workflows.io.serialise import Column, columns, keep
 from workflows.solve.engine_orders import branches
-from workflows.solve.results import Floats, Mode, Results, SpeedPoint, Surface, expect
+from workflows.solve.results import Figures, Floats, Mode, Results, SpeedPoint, Surface, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -30,9 +30,9 @@ ERRORS = "frequency_errors"
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
 
-FILES = (
-    r"(speeds|frequency_errors|campbell_\w+_\d+|((velocity|ball|displacement)_[xy]|sdc|damping_ratio)_[\d.e+]+rpm)\.csv"
-)
+_OF_A_SPEED = r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above)?)_[\d.e+]+rpm"
+
+FILES = rf"(speeds|frequency_errors|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
@@ -112,20 +112,29 @@ def capacity(results: Results) -> list[Curve]:
 
 def damping_ratio(results: Results) -> list[Curve]:
     """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
-    curves = []
-    for point in results.speeds:
-        figures = point.working
-        if figures is not None and figures.amplitude.size:
-            label = f"{formatting.amount(point.load_g)} g"
-            name = f"damping_ratio_{speed_tag(point)}"
-            curves.append(Curve(name, label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio))
-    return curves
+    figures = [(point, point.working) for point in results.speeds]
+    return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
+
+
+def from_above(results: Results) -> list[Curve | None]:
+    """The same on the way down, for each of these; None where it does not differ."""
+    figures = [(p, p.working) for p in results.speeds if p.working is not None and p.working.amplitude.size]
+    return [
+        _damping_curve("damping_ratio_from_above", point, own.from_above) if own.parted else None
+        for point, own in figures
+    ]
+
+
+def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
+    label, tag = f"{formatting.amount(point.load_g)} g", speed_tag(point)
+    return Curve(f"{name}_{tag}", label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio)
 
 
 def every(results: Results) -> list[Curve]:
     """All curves of a run."""
     history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    return campbell(results) + history + capacity(results) + damping_ratio(results)
+    descending = [curve for curve in from_above(results) if curve is not None]
+    return campbell(results) + history + capacity(results) + damping_ratio(results) + descending
 
 
 def speed_tag(point: SpeedPoint) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
-from workflows.formatting import revolutions, significant
+from workflows.formatting import aligned, revolutions, significant
 from workflows.scene import plate_mesh
 from workflows.scene.damper import PICTURE
 from workflows.scene.load import SceneFile
@@ -19,6 +20,7 @@ from workflows.versions import versions
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
+    from workflows.solve.known_modes import SpaceStructure
 
 
 def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
@@ -33,13 +35,18 @@ def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | No
 
 
 def document(
-    source: SceneFile, effects: dict[str, Effect], theory: Theory | None, form: Planform | None = None
+    source: SceneFile,
+    effects: dict[str, Effect],
+    theory: Theory | None,
+    form: Planform | None = None,
+    space: SpaceStructure | None = None,
 ) -> dict[str, Any]:
     """What `check --json` prints: the scene, why each effect is on or off, radii and root [m], remarks on the scene.
 
-    A thickness [m] that varies is there too: its least, its greatest, that at the damper.
+    A thickness [m] that varies is there too: its least, its greatest, that at the damper. Of a structure in space there
+    is the damper's seat: place, load and axes of its cavity, and what each mode does there.
     """
-    root, place, _ = radii(source, form)
+    root, place, _ = radii(source, form, space)
     found: dict[str, Any] = {
         "scene": resolved_scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
@@ -50,6 +57,8 @@ def document(
         found["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
     if (length := _root_length(source, form)) is not None:
         found["root_length"] = length
+    if space is not None and (seated := space.seated(min(source.scene.rotor.speeds))) is not None:
+        found["seat"] = asdict(seated)
     return found if theory is None else found | {"theory": vars(theory)}
 
 
@@ -77,10 +86,11 @@ def _mesh(form: Planform | None) -> Any:
     return None if form is None else form.mesh(form.sizes[0])
 
 
-def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
+def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructure | None = None) -> list[str]:
     """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
-    given, (root, place, at) = source.scene, radii(source, form)
+    given, (root, place, at) = source.scene, radii(source, form, space)
     lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
+    lines += () if space is None else space.remarks
     what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
     held = "root" if given.plate is not None and given.plate.root is not None else "clamped root"
     inner = "" if root is None else f"{_mm(root)} at the {held}, "
@@ -92,12 +102,56 @@ def heading(source: SceneFile, form: Planform | None = None) -> list[str]:
         lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
     if given.damper is not None and given.plate is not None:
         lines += ["", *PICTURE.splitlines()]
+    if space is not None:
+        lines += [space.described, *_seated(space, source)]
     return [f"# {line}".rstrip() for line in lines]
 
 
-def radii(source: SceneFile, form: Planform | None) -> tuple[float | None, float, str]:
+_IN_SPACE = """\
+      ^ axis 1           The cavity's floor is across the load, which presses the ball on it.
+  +---|---+              cavity[0] and displacement[0] are along axis 1, cavity[1] and
+  |   o---|--> axis 2    displacement[1] along axis 2.
+  +-------+              Seen from the spin axis."""
+
+
+def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
+    """How the cavity lies, and what each mode does there at the lowest speed."""
+    seated = space.seated(min(source.scene.rotor.speeds))
+    if seated is None:
+        return []
+    rows: list[tuple[str, ...]] = [("mode", "Hz", "family", *_COLUMNS, *(f"{name}, axis 2" for name in _COLUMNS))]
+    for mode in seated.modes:
+        cells = [
+            "–" if pair[axis] is None else significant(scale * (pair[axis] or 0.0), digits)
+            for axis in range(2)
+            for pair, scale, digits in ((mode.mass, 1e3, 5), (mode.stiffness, 1e-3, 4), (mode.floor_tilt, 1.0, 4))
+        ]
+        rows.append((str(mode.number), significant(mode.frequency_hz, 5), mode.family, *cells))
+    place, load, first, second = (
+        ", ".join(f"{scale * part:.5g}" for part in vector)
+        for scale, vector in ((1e3, seated.place), (1.0, seated.load), (1.0, seated.axes[0]), (1.0, seated.axes[1]))
+    )
+    return [
+        "",
+        *_IN_SPACE.splitlines(),
+        f"Place ({place}) mm, {seated.how}; load along ({load})",
+        f"Axis 1 ({first}), axis 2 ({second})",
+        f"At {revolutions([min(source.scene.rotor.speeds)])}, without the ball:",
+        *aligned(rows),
+    ]
+
+
+_COLUMNS = ("M2 g", "K2 N/mm", "tilt 1/m")
+"""Of each axis."""
+
+
+def radii(
+    source: SceneFile, form: Planform | None, space: SpaceStructure | None = None
+) -> tuple[float | None, float, str]:
     """Radii [m] of the clamped root, which a [structure] has not, and of the damper; and its place on the plate."""
     hub = source.scene.rotor.hub_radius
+    if space is not None:
+        return None, space.radius, ""
     if source.scene.plate is None:
         return None, source.scene.rotor.radius or 0.0, ""
     from workflows.scene.plate_mesh import root_and_place

@@ -224,7 +224,13 @@ def _quantities(
         yield from _quantities(inner, known, (*path, key), (*dims, *along), prefix + said.get("prefix", ""), mine)
 
 
-_NO_HEADLINES: Any = {"modes": True, "cavity_modes": True, "working": {"curve"}, "level": True, "damping": {"cycles"}}
+_NO_HEADLINES: Any = {
+    "modes": True,
+    "cavity_modes": True,
+    "working": {"curve": True, "from_above": {"curve"}},
+    "level": True,
+    "damping": {"cycles"},
+}
 """Lists, which no headline stands in."""
 
 

@@ -370,10 +370,14 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     if not lines:
         return None
     figure, (axes,) = plots.canvas(3.1, target=target)
-    for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
+    others = files.from_above(results)
+    for line, figures, other, colour in zip(lines, ranges, others, plots.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
+        if other is not None:
+            apart = (other.x > figures.folds[0] / _MARGIN) & (other.x < figures.folds[1] * _MARGIN)
+            axes.plot(1e3 * other.x[apart], 100 * other.y[apart], color=colour, lw=1.0, ls=(0, (4, 2)))
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
@@ -554,7 +558,7 @@ def _hits(path: BallPath) -> tuple[Indices, Indices]:
 def mesh(results: Results, target: Target = PAGE) -> Figure | None:
     """The plate from above, in its own axes; None without a plate."""
     surface, scene = results.surface, results.scene
-    if surface is None:
+    if surface is None or surface.frame is not None:
         return None
     mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
     return mesh_of(surface, mark, held(scene), target)

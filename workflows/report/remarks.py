@@ -397,8 +397,8 @@ def _share(damping: Damping) -> float:
 
 
 def _steady(point: SpeedPoint) -> float:
-    """What the ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
-    own = point.level or point.working
+    """What a bouncing ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
+    own = point.level or (None if point.working is None else point.working.from_above)
     return 0.0 if own is None or not own.peak > 0 else limits.energy_loss(own.peak)
 
 

@@ -14,13 +14,10 @@ from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, mi
 from workflows.scene import paper
 from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
-from workflows.solve.results import OwnFigures, Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
-
-_ROLLS = 5 / 7
-"""Displacement of a free rolling ball in its cavity over that of the floor."""
 
 _KNOWN = 0.05
 """Relative error of a peak that is worth a word."""
@@ -56,7 +53,7 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
         if w.cutoff > 0
     ]
     rests = f" The load holds it at rest {', '.join(held)}." if held else ""
-    return f"At least half of its best is left {', '.join(ranges)}.{_at_rest(results, ends)}{rests}"
+    return f"At least half of its best is left {', '.join(ranges)}.{rests}"
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
@@ -112,21 +109,38 @@ def _rounded(value: float, *, up: bool = False) -> str:
     return significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
-def _at_rest(results: Results, ends: list[tuple[SpeedPoint, OwnFigures]]) -> str:
-    """Up to where a ball at rest in the middle meets no wall, where one that bounces goes on doing so below that.
+def way_down(results: Results, points: list[SpeedPoint]) -> str | None:
+    """That a ball in motion does more than one at rest does as the vibration grows, where it does most."""
+    asked = results.scene.accuracy.damping
+    parted = [
+        (p, w)
+        for p in points
+        if (w := p.working) is not None and w.parted and w.from_above.peak > (1 + asked) * w.peak > 0
+    ]
+    if not parted:
+        return None
+    point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
+    stops, begins = figures.folds
+    return (
+        f"These figures are of a slowly growing vibration: {at_load(point)} the ball first rolls to and fro, and meets"
+        f" the walls from about {millimetres(begins)} mm on{_at_the_latest(results, point)}. As the vibration falls, it"
+        f" keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
+    )
 
-    As the vibration grows, a ball that rolls freely goes by 5/7 of the floor's way.
-    """
-    damper = results.scene.damper
-    if damper is None or damper.floor_radius is not None:
+
+_ROLLS = 5 / 7
+"""Displacement of a free rolling ball in its cavity over that of the floor."""
+
+
+def _at_the_latest(results: Results, point: SpeedPoint) -> str:
+    """Where even a ball that has not drifted from the middle of a flat floor meets a wall."""
+    damper, figures = results.scene.damper, point.working
+    if damper is None or figures is None or damper.floor_radius is not None or point.tilt_share == 1:
         return ""
-    gap = damper.cavity[0] / 2 - damper.radius
-    wakes = [(p, w, gap / (_ROLLS * abs(1 - p.tilt_share))) for p, w in ends if p.tilt_share != 1]
-    said = [f"{at_load(p)} below {millimetres(a)} mm" for p, w, a in wakes if w.half[0] < _BELOW * a]
-    if not said:
+    last = (damper.cavity[0] / 2 - damper.radius) / (_ROLLS * abs(1 - point.tilt_share))
+    if last <= figures.folds[1]:
         return ""
-    walls = f"as the vibration grows, one at rest meets no wall {', '.join(said)}"
-    return f" That is a ball that bounces: {walls}, and takes less."
+    return f" (from {millimetres(last)} mm if it does not drift from the middle, where nothing holds it)"
 
 
 def _rank(point: SpeedPoint) -> int:
@@ -251,6 +265,7 @@ def _alone(results: Results) -> Answer:
         _fed(points),
         _how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
         between(results, speaking),
+        way_down(results, speaking),
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),

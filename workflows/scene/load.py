@@ -44,12 +44,18 @@ class SceneFile:
         plate = self.scene.plate
         return None if plate is None or plate.mesh is None else self.folder / plate.mesh
 
+    @property
+    def blade_mesh(self) -> Path | None:
+        """The mesh file the blade names, relative to the scene's folder."""
+        return None if self.scene.blade is None else self.folder / self.scene.blade.mesh
+
     @cached_property
     def mesh_sha256(self) -> str | None:
-        """SHA-256 of the mesh file's bytes, where the plate names one; read once."""
-        if self.mesh is None:
+        """SHA-256 of the mesh file's bytes, where plate or blade name one; read once."""
+        mesh = self.blade_mesh or self.mesh
+        if mesh is None:
             return None
-        with self.mesh.open("rb") as file:
+        with mesh.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
 
     def plate_alone(self) -> SceneFile:
@@ -121,7 +127,7 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
         raise BadInput(f"expected the path of a scene, or the name of a shipped one: {', '.join(shipped())}")
     path = Path(where)
     if path.suffix.lower() in _MESHES and path.is_file():
-        problem = f'a mesh, not a scene: name it in a scene as [plate] mesh = "{path.name}"'
+        problem = f'a mesh, not a scene: name it in a scene as [plate] mesh = "{path.name}" (or [blade] mesh)'
         raise BadInput(f"{problem}, or look at it with `spindamp view {where}`", file=str(where))
     if path.name.lower().endswith(_OF_MODES) and path.is_file():
         problem = f'a file of modes, not a scene: name it in a scene as [structure] modes = "{path.name}"'
@@ -235,10 +241,11 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _with_its_mesh(found: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
-    problem = "" if found.mesh is None else _mesh_problem(found.mesh)
+    mesh, table = (found.mesh, "plate") if found.blade_mesh is None else (found.blade_mesh, "blade")
+    problem = "" if mesh is None else _mesh_problem(mesh)
     if problem:
-        value = found.scene.plate.mesh if found.scene.plate else None
-        raise BadInput(problem, file=found.name, key="[plate] mesh", value=value)
+        value = getattr(getattr(found.scene, table), "mesh", None)
+        raise BadInput(problem, file=found.name, key=f"[{table}] mesh", value=value)
     return found
 
 

@@ -223,6 +223,38 @@ class KnownModes(Table):
         return quantities.to_si(f"1 {length}", LENGTH), quantities.to_si(f"1 {mass}", quantities.MASS)
 
 
+class Blade(Table):
+    """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
+
+    mesh: Line = Field(description="mesh file: tetrahedra, hexahedra or wedges, of second order rather than of first")
+    unit: LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
+    root: Line | None = Field(
+        None,
+        description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
+        " as '100 mm'; default: the innermost face",
+    )
+
+    @model_validator(mode="after")
+    def _named(self) -> Self:
+        """A name of a file."""
+        if not self.mesh.strip() or not self.mesh.isprintable():
+            raise fault("mesh", "expected the name of a mesh file")
+        return self
+
+    @property
+    def scale(self) -> float:
+        """Metres to the unit of the mesh file."""
+        return 1.0 if self.unit is None else quantities.to_si(f"1 {self.unit}", LENGTH)
+
+    @property
+    def root_radius(self) -> float | None:
+        """Where the root is given by its radius, that [m]."""
+        try:
+            return None if self.root is None else quantities.to_si(self.root, LENGTH)
+        except quantities.UnitError:
+            return None
+
+
 _GIVEN, _KNOWN = "[given]", "[known]"
 """Mark the two kinds of [structure] among the errors that pydantic finds; no key of a scene has brackets."""
 
@@ -546,7 +578,8 @@ class Scene(Table):
 
     title: Annotated[Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
     plate: Plate | None = Field(None, description="the plate")
-    material: Material | None = Field(None, description="what the plate is made of")
+    blade: Blade | None = Field(None, description="a solid blade from a mesh of its volume, instead of a plate")
+    material: Material | None = Field(None, description="what the plate or the blade is made of")
     structure: AnyStructure | None = Field(None, description="what carries the damper, instead of a plate")
     rotor: Rotor = Field(description="how it spins")
     effects: Effects = Field(Effects(), description="which effects are simulated")
@@ -565,6 +598,10 @@ class Scene(Table):
         """
         if isinstance(data, Mapping) and data.get("damper") is not None and data.get("release") is None:
             data = {**data, "release": {}}
+        if isinstance(data, Mapping) and data.get("blade") is not None:
+            for table in ("plate", "structure"):
+                if data.get(table) is not None:
+                    raise fault(table, "expected a [blade] or this: leave one out")
         if isinstance(data, Mapping) and data.get("structure") is not None:
             if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
                 raise fault(
@@ -580,8 +617,8 @@ class Scene(Table):
         """Which tables belong together, which exclude each other, and whether what they describe fits together."""
         if self.given is not None:
             self._without_a_plate(self.given)
-        elif self.known is not None:
-            self._of_known_modes()
+        elif self.in_space:
+            self._in_space()
         else:
             self._with_a_plate()
         self._with_a_damper()
@@ -617,12 +654,20 @@ class Scene(Table):
     @property
     def in_space(self) -> bool:
         """Whether the structure lies in space, its floor across the load wherever the damper is."""
-        return self.known is not None
+        return self.known is not None or self.blade is not None
 
-    def _of_known_modes(self) -> None:
-        """What a structure of known modes takes, and what it leaves out."""
+    def _in_space(self) -> None:
+        """What a blade or a structure of known modes takes, and what it leaves out."""
+        if self.blade is not None and self.material is None:
+            raise fault("material", "the table is missing")
+        if self.blade is not None and self.rotor.origin is None and "hub_radius" not in self.rotor.model_fields_set:
+            raise fault(
+                "rotor.origin",
+                "missing: a point on the spin axis in the mesh's coordinates, such as ['0 m', '0 m', '0 m'] (or"
+                " hub_radius, from the axis to the smallest x)",
+            )
         if self.rotor.radius is not None:
-            raise fault("rotor.radius", "the file of modes knows where its nodes are: give origin, a point on the axis")
+            raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
         for key, instead in _OF_A_MESH.items():
             table, name = key.split(".")
             given = getattr(self, table)
@@ -640,7 +685,7 @@ class Scene(Table):
     def _with_a_plate(self) -> None:
         for table in ("plate", "material"):
             if getattr(self, table) is None:
-                raise fault(table, "the table is missing (or give [structure] instead of a plate)")
+                raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
         self._not_in_space()

@@ -116,10 +116,10 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     tilting = _tilting(scene, effects, point)
     found = replace(point, damping=damping, pendulum=coupling.pendulum(system, point.omega))
     judged = system if tilting is None or system.formulation == "printed" else tilting
-    found = replace(found, working=taken_over(OwnFigures, figures(judged)))
+    found = replace(found, working=OwnFigures.of(figures(judged)))
     if tilting is None:
         return found
-    level = None if judged is system else taken_over(Figures, figures(system))
+    level = None if judged is system else taken_over(Figures, figures(system).descending)
     return replace(found, level=level, tilted=_cutoff(tilting, point))
 
 

@@ -46,6 +46,34 @@ class Seat:
     pull: Pull
 
 
+@dataclass(frozen=True)
+class ModeThere:
+    """What a mode does at the damper's place; pairs are along the axes of the cavity.
+
+    Attributes:
+        mass: effective mass [kg]; stiffness: that times omega² [N/m].
+        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
+    """
+
+    number: int
+    family: str
+    frequency_hz: float
+    mass: tuple[float | None, float | None]
+    stiffness: tuple[float | None, float | None]
+    floor_tilt: tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class Seated:
+    """How a cavity lies at a speed: its place [m], unit vectors along load and axes, and what the modes do there."""
+
+    place: tuple[float, ...]
+    how: str
+    load: tuple[float, ...]
+    axes: tuple[tuple[float, ...], ...]
+    modes: tuple[ModeThere, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class SpaceStructure:
     """A structure in space.
@@ -56,6 +84,8 @@ class SpaceStructure:
         seat: of the damper; None without one.
         described: in words; remarks: on what was made of it.
         sha256: of the files.
+        coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
+            not known.
     """
 
     model: ModalModel
@@ -64,6 +94,7 @@ class SpaceStructure:
     described: str
     remarks: tuple[str, ...]
     sha256: str | None
+    coriolis: Callable[[float], Floats] | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -79,14 +110,14 @@ class SpaceStructure:
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        radius = float(np.linalg.norm(self.model.load(self.model.points), axis=1).max())
         names = families(self.model, modes)[: scene.rotor.modes]
+        turned = None if self.coriolis is None else self.coriolis(omega)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
-            radius=radius,
-            load_g=omega**2 * radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name) for k, name in enumerate(names)),
+            radius=self.radius,
+            load_g=omega**2 * self.radius / scene.rotor.gravity,
+            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names)),
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -103,9 +134,9 @@ class SpaceStructure:
             CavityMode(
                 number=k + 1,
                 stiffness=float(every.stiffness[0, k]),
-                shape=(float(every.shape[0, 0, k]), float(every.shape[0, 1, k])),
-                slope=(float(every.slope[0, 0, k]), float(every.slope[0, 1, k])),
-                drawn=(float(every.drawn[0, 0, k]), float(every.drawn[0, 1, k])),
+                shape=_both(every.shape[0, :, k]),
+                slope=_both(every.slope[0, :, k]),
+                drawn=_both(every.drawn[0, :, k]),
             )
             for k in range(every.stiffness.shape[1])
         )
@@ -116,6 +147,41 @@ class SpaceStructure:
             reduced=reduced,
             cavity_modes=at_cavity if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
+        )
+
+    @property
+    def radius(self) -> float:
+        """The damper's distance from the axis, or that of what is farthest out [m]."""
+        points = self.model.points if self.seat is None else self.seat.place.point[None]
+        return float(np.linalg.norm(self.model.load(points), axis=1).max())
+
+    def seated(self, omega: float) -> Seated | None:
+        """How the damper lies at a speed [rad/s]; None without one."""
+        from fem.modal_model import families
+
+        if self.seat is None:
+            return None
+        modes = self.modes(omega)
+        floor, names = self.floor(modes), families(self.model, modes)
+        still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
+        moved, at = np.where(still, np.nan, floor.moved), self.seat.place
+        masses, tilts = moved**-2, floor.slope / moved
+        return Seated(
+            tuple((at.point + 0.0).tolist()),
+            at.how,
+            tuple((floor.normal + 0.0).tolist()),
+            tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
+            tuple(
+                ModeThere(
+                    k + 1,
+                    names[k],
+                    float(modes.frequencies_hz[k]),
+                    _known(masses[:, k]),
+                    _known(masses[:, k] * modes.squares[k]),
+                    _known(tilts[:, k]),
+                )
+                for k in range(len(names))
+            ),
         )
 
     def floor(self, modes: ModesAtSpeed) -> Floor:
@@ -152,7 +218,23 @@ class SpaceStructure:
         largest = np.abs(shapes).max(axis=(2, 3), keepdims=True)
         still = (np.abs(shapes) <= _HELD * largest).all(axis=(0, 1, 3))
         root = outline[still[outline].all(axis=1)] if used.size else outline
-        return Surface(points, ("triangle", triangles), outline, root, shapes, tuple(kept))
+        mark = None if self.seat is None else self.seat.place.point
+        return Surface(
+            points, ("triangle", triangles), outline, root, shapes, tuple(kept), frame=self._drawing(), mark=mark
+        )
+
+    def _drawing(self) -> Floats:
+        """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
+        from fem.reduction.known_modes import frame
+
+        if self.seat is not None:
+            floor = self.floor(self.modes(self.model.speeds[0].omega))
+            return np.array([floor.normal, floor.axes[1], floor.axes[0]])
+        load = self.model.load(self.model.points).mean(axis=0)
+        largest = float(np.linalg.norm(load))
+        normal = load / largest if largest > _STILL * self.model.size else np.eye(3)[int(self.model.axis[0] ** 2 > 0.5)]
+        axes = frame(normal, self.model.axis)
+        return np.array([normal, axes[1], axes[0]])
 
     def diagram(self) -> Diagram:
         """What modes over speed have beyond the modes themselves."""
@@ -169,7 +251,20 @@ _TETRAHEDRON = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), 
 _SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
+_STILL = 1e-6
+"""Displacement of a place over the largest of all modes that counts as none."""
+
+
+def _known(pair: Floats) -> tuple[float | None, float | None]:
+    one, other = (float(each) if np.isfinite(each) else None for each in pair)
+    return one, other
+
+
+def _both(pair: Floats) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])
+
+
+def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
     """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
     between = modes.interpolation
     parts = ErrorParts(
@@ -178,7 +273,7 @@ def _mode(modes: ModesAtSpeed, k: int, family: str) -> Mode:
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
         large_deflection=None,
-        coriolis=None,
+        coriolis=None if turned is None else float(turned[k]),
     )
     return Mode(
         frequency_hz=float(modes.frequencies_hz[k]),
@@ -269,7 +364,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     except ModesFileError as error:
         raise BadInput(str(error), file=source.name, key="[structure] modes") from error
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return _turning(source, model), tuple(remarks), whole
+    return turning(source, model), tuple(remarks), whole
 
 
 def _set(source: SceneFile) -> set[str]:
@@ -440,7 +535,7 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def _turning(source: SceneFile, model: ModalModel) -> ModalModel:
+def turning(source: SceneFile, model: ModalModel) -> ModalModel:
     """The model about the scene's axis, or the file's where the scene has none; with forces by the root's motion."""
     from fem import Rotor
     from fem.modal_model import drawn_by

@@ -170,6 +170,28 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
     return most
 
 
+def of_a_blade(unknowns: float) -> float:
+    """Bytes that a solid blade of so many unknowns takes: two factors, matrices, cells' tables and modes."""
+    return float(unknowns * (_EACH_OF_A_BLADE + _FILL_OF_A_BLADE * float(unknowns / _FILLING) ** (1.0 / 3.0)))
+
+
+_EACH_OF_A_BLADE, _FILL_OF_A_BLADE = 1.0e4, 3.0e4
+"""Bytes for each unknown: of what grows with their number, and of factors at _FILLING unknowns."""
+
+
+def check_blade(source: SceneFile, unknowns: int) -> None:
+    """Refuse a solid blade of so many unknowns that this machine cannot do.
+
+    Raises:
+        BadInput: it needs more memory than there is.
+    """
+    needed, there = BASE + of_a_blade(unknowns), available() + _held()
+    if needed > there:
+        name = None if source.scene.blade is None else source.scene.blade.mesh
+        problem = _too_much(needed, there, f"coarsen the mesh, which has {unknowns} unknowns")
+        raise BadInput(problem, file=source.name, key="[blade] mesh", value=name)
+
+
 def _too_much(needed: float, there: float, advice: str) -> str:
     return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {advice}"
 

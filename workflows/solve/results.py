@@ -32,6 +32,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
+    import damper
     import fem
 
 
@@ -147,7 +148,12 @@ class Figures:
 
     peak: Annotated[
         float,
-        quantity("1", "largest damping ratio that the ball's losses amount to", "damping_ratio_peak", headline=True),
+        quantity(
+            "1",
+            "largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude",
+            "damping_ratio_peak",
+            headline=True,
+        ),
     ]
     peak_amplitude: Annotated[
         Unknown, quantity("m", "amplitude at the cavity where that is", "at_amplitude", headline=True)
@@ -156,7 +162,7 @@ class Figures:
         Pair,
         quantity(
             "m",
-            "from where the ball begins to move (or half of the peak is reached) to where half is left",
+            "of amplitudes at which the damper works, with at least half its peak",
             ends=_ENDS,
             headline=True,
         ),
@@ -183,7 +189,7 @@ class Figures:
 
 @dataclass(frozen=True, eq=False)
 class OwnFigures(Figures):
-    """The same, with the error of its measurement."""
+    """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
     error: Annotated[
         float,
@@ -194,6 +200,43 @@ class OwnFigures(Figures):
             headline=True,
         ),
     ]
+    from_above: Annotated[
+        Figures,
+        part(
+            "the same on the way down, where a ball in motion keeps bouncing; the other figures are those of the way"
+            " up, from a ball at rest in the middle",
+            prefix="from_above_",
+        ),
+    ]
+    folds: Annotated[
+        Pair,
+        quantity(
+            "m",
+            "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
+            " where all sweeps up bounce; null where the ways do not differ",
+            ends=_ENDS,
+            headline=True,
+        ),
+    ]
+    jump: Annotated[
+        Pair,
+        quantity(
+            "m",
+            "amplitudes at which the first and the last sweep up begin to bounce, which goes by how the vibration"
+            " grows; null as of `folds`",
+            ends=_ENDS,
+        ),
+    ]
+
+    @property
+    def parted(self) -> bool:
+        """Whether the way down differs from the way up."""
+        return self.folds[0] < self.folds[1]
+
+    @classmethod
+    def of(cls, measured: damper.Working) -> OwnFigures:
+        """Those that were measured."""
+        return taken_over(cls, measured, from_above=taken_over(Figures, measured.descending))
 
 
 class Grade(StrEnum):
@@ -630,7 +673,7 @@ class SpeedPoint:
     level: Annotated[
         Figures | None,
         part(
-            "the same figures on a floor that stays level, where the scene keeps it so; else null",
+            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
             "level_floor",
             prefix="level_",
             headline=False,
@@ -707,6 +750,9 @@ class Surface:
         behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
         finer: the same with points between the mesh's, where these are too few for a smooth picture; its `lines` are
             the edges of the mesh's cells, (k, 2).
+        frame: of a surface in space the axes by which it is drawn, (3, 3): outwards, across, along the damper's axis 1;
+            None of a plate, which is drawn by its own.
+        mark: the damper's place in space, (3,) [m].
     """
 
     points: Floats = field(repr=False)
@@ -719,6 +765,12 @@ class Surface:
     behind: Floats | None = field(default=None, repr=False)
     finer: Surface | None = field(default=None, repr=False)
     lines: Ints | None = field(default=None, repr=False)
+    frame: Floats | None = field(default=None, repr=False)
+    mark: Floats | None = field(default=None, repr=False)
+
+    def drawn(self, vectors: Floats) -> Floats:
+        """Vectors (..., 3) in the axes by which the surface is drawn."""
+        return vectors if self.frame is None else np.asarray(vectors @ self.frame.T)
 
 
 @dataclass(frozen=True)

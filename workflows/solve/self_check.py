@@ -72,10 +72,10 @@ ALL_PASSED = "all checks passed"
 
 def _kernels(family: str) -> Iterator[tuple[str, bool]]:
     """The lines of a family of kernels, and whether each is right."""
-    from damper import forced, ringdown, self_check, working
-    from damper.working import samples_of
+    from damper import forced, ringdown, self_check
+    from damper.working import falling, samples_of
 
-    motions: dict[str, Callable[..., Any]] = {"sweeps": samples_of, "curves": working, "forced": forced}
+    motions: dict[str, Callable[..., Any]] = {"sweeps": samples_of, "curves": falling, "forced": forced}
     for line in self_check.lines(family, motions.get(family.split()[-1], ringdown)):
         said = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
         yield f"{said}, error {line.error:.1e}", line.error <= self_check.EXACT

@@ -18,6 +18,7 @@ from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
+from workflows.solve.blade import blade_structure
 from workflows.solve.known_modes import SpaceStructure, space_structure
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
 from workflows.solve.results import Diagram, Discrete, Results, SpeedPoint, Surface, Theory
@@ -175,8 +176,8 @@ class StructureSolver:
         self.discrete: Discrete | None = None
         self.space: SpaceStructure | None = None
         if source.scene.in_space:
-            with stages("modes"):
-                self.space = space_structure(source)
+            with translated_errors(source), stages("modes"):
+                self.space = space_structure(source) if source.scene.blade is None else blade_structure(source)
             self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):

@@ -73,13 +73,14 @@ class LeastDamping:
         if cutoff >= low:
             lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
             return Scored(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
-        values = []
+        values, falling = [], []
         for each, damper in dampers:
             figures = measured(damper, {}, reach=high, **(QUICK if quick else {}))
             values.append((*least(figures, low, high), each.point.omega))
+            falling.append(least(figures.descending, low, high)[0])
         value, amplitude, speed = min(values)
         why = None if value > 0 else Obstacle("lossless")
-        return Scored(value, value, bound, speed, amplitude, cutoff, why=why)
+        return Scored(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
 
 
 def least(figures: Working, low: float, high: float) -> tuple[float, float]:
@@ -312,7 +313,7 @@ _SCAN = 2000
 def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
     own = here.force / (2 * resting * here.system.stiffness[0])
-    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {})).descending
     return max(hitting(figures, own, resting), rolling(here.system, own, resting))
 
 

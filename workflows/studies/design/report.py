@@ -307,6 +307,11 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
         f" and {significant(1e3 * scored.amplitude)} mm: {_percent(scored.value)} %. Below"
         f" {significant(1e3 * scored.cutoff)} mm the load holds its ball at rest.",
     ]
+    if scored.falling > (1 + space.source.scene.accuracy.damping) * scored.value:
+        lines.append(
+            "That is as the vibration grows slowly from a ball at rest; as it falls, a ball that bounces goes on doing"
+            f" so and gives at least {_percent(scored.falling)} %."
+        )
     if math.isfinite(scored.bound):
         lines.append(
             f"No ball of this mass in this room can do more than {_percent(scored.bound)} % over the whole range: it"

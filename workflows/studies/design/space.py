@@ -60,6 +60,7 @@ class Scored:
         mass: of all balls [kg].
         used: shares of the limits.
         endured: amplitude that the plate endures [m]; inf where it is not known.
+        falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
         why: why it is worth nothing; None where it is worth something.
     """
 
@@ -76,6 +77,7 @@ class Scored:
     without: float = math.nan
     grows: float = math.nan
     endured: float = math.inf
+    falling: float = math.nan
 
     @property
     def impossible(self) -> bool:

@@ -23,7 +23,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.model_choice import translated_errors
-from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface, taken_over
+from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
 from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
@@ -197,7 +197,7 @@ def empty(count: int) -> Rows:
 
 def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
-    point = replace(each.point, working=taken_over(OwnFigures, measured(each.judged, known, **how)))
+    point = replace(each.point, working=OwnFigures.of(measured(each.judged, known, **how)))
     _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank

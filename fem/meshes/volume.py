@@ -1,0 +1,269 @@
+"""Volume meshes of solid blades: nodes, cells of first or second order, named sets of nodes; read from files.
+
+Files are read by meshlane, a maintained continuation of meshio: it knows the second-order wedges (Abaqus C3D15,
+CalculiX) that meshio stumbles over, and keeps sets of nodes and cells.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.cells import cell
+from fem.meshes.planform import MeshError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+
+FIRST_ORDER = ("hexahedron", "tetra", "wedge")
+SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")
+
+SAME_PLACE = 1e-7
+"""Distance, relative to the mesh's extent, within which two nodes are in one place."""
+
+SIZES = 2e-3, 20.0
+"""Extents in m of what can be a blade: beyond, the unit is wrong."""
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeMesh:
+    """A mesh of a volume in one piece, of cells of one order.
+
+    Attributes:
+        points: (npoint, 3) in m.
+        cells: kinds of cells by the name that `fem.meshes.cells` has, and their points (ncell, nnode).
+        sets: points by the names of sets.
+
+    Raises:
+        MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted or not in one piece,
+            and nodes that are not finite, missing or in one place.
+    """
+
+    points: Array
+    cells: tuple[tuple[str, Indices], ...]
+    sets: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _check_kinds([kind for kind, _ in self.cells])
+        every = np.concatenate([cells.ravel() for _, cells in self.cells])
+        if every.min() < 0 or every.max() >= len(self.points):
+            raise MeshError("a cell names a node that the mesh does not hold")
+        if not np.isfinite(self.points).all():
+            raise MeshError("some nodes have coordinates that are not finite")
+        self._check_places()
+        self._check_pieces()
+        for kind, cells in self.cells:
+            _check_volumes(kind, self.points[cells])
+
+    @property
+    def size(self) -> float:
+        """Largest extent in m."""
+        return float(np.ptp(self.points, axis=0).max())
+
+    @property
+    def count(self) -> int:
+        """Number of cells."""
+        return sum(len(cells) for _, cells in self.cells)
+
+    def boundary(self) -> list[Indices]:
+        """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
+        rings: dict[int, list[Indices]] = {}
+        for kind, cells in self.cells:
+            for ring in cell(kind).faces:
+                rings.setdefault(len(ring), []).append(cells[:, ring])
+        outer = []
+        for parts in rings.values():
+            every = np.concatenate(parts)
+            _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
+            outer.append(every[first[times == 1]])
+        return outer
+
+    def boundary_normals(self) -> tuple[Array, Array]:
+        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners."""
+        middles, normals = [], []
+        for faces in self.boundary():
+            at = self.points[faces if self.first_order else faces[:, ::2]]
+            middles.append(at.mean(axis=1))
+            normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
+        return np.concatenate(middles), np.concatenate(normals)
+
+    @property
+    def first_order(self) -> bool:
+        """Whether the cells have straight edges and no nodes between their corners."""
+        return self.cells[0][0] in FIRST_ORDER
+
+    def _check_places(self) -> None:
+        from scipy.spatial import cKDTree
+
+        pairs = cKDTree(self.points).query_pairs(SAME_PLACE * self.size, output_type="ndarray")
+        if len(pairs):
+            x, y, z = self.points[pairs[0, 0]]
+            raise MeshError(
+                f"{len(pairs)} pairs of nodes lie in one place, the first at ({x:.6g}, {y:.6g}, {z:.6g}) m:"
+                " merge them (equivalence) in the mesher"
+            )
+
+    def _check_pieces(self) -> None:
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        first = np.concatenate([np.repeat(cells[:, 0], cells.shape[1]) for _, cells in self.cells])
+        every = np.concatenate([cells.ravel() for _, cells in self.cells])
+        n = len(self.points)
+        graph = coo_array((np.ones(every.size), (first, every)), shape=(n, n))
+        count, label = connected_components(graph, directed=False)
+        loose = n - np.unique(every).size
+        if loose:
+            raise MeshError(f"{loose} nodes belong to no cell")
+        if count > 1:
+            sizes = np.sort(np.bincount(label))[::-1]
+            raise MeshError(
+                f"the mesh is in {count} pieces, of {', '.join(map(str, sizes[:4]))} nodes"
+                f"{' ...' * bool(count > 4)}: a blade is one; merge their nodes or leave the others out"
+            )
+
+
+def _check_kinds(kinds: list[str]) -> None:
+    if not kinds:
+        raise MeshError("the mesh holds no cells with a volume")
+    strange = sorted(set(kinds) - {*FIRST_ORDER, *SECOND_ORDER})
+    if strange:
+        raise MeshError(f"cells of kind {', '.join(strange)} are not supported: use tetrahedra, hexahedra or wedges")
+    if set(kinds) & set(FIRST_ORDER) and set(kinds) & set(SECOND_ORDER):
+        raise MeshError(
+            f"cells of first and second order are mixed ({', '.join(sorted(set(kinds)))}): mesh with one order"
+        )
+
+
+def _check_volumes(kind: str, corners: Array) -> None:
+    """Cells with nodes (ncell, nnode, 3) that are turned inside out, or flat."""
+    _, sizes = cell(kind).gradients(corners, _inside(kind))
+    bad = ~(sizes > 0.0).all(axis=1)
+    if bad.any():
+        x, y, z = corners[np.flatnonzero(bad)[0]].mean(axis=0)
+        raise MeshError(
+            f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells are inverted, flat or too distorted,"
+            f" the first near ({x:.6g}, {y:.6g}, {z:.6g}) m"
+        )
+
+
+def _inside(kind: str) -> Array:
+    """Reference places (p, 3) half-way from the middle of a cell to its nodes, about where it is integrated."""
+    nodes = cell(kind).nodes
+    middle = nodes.mean(axis=0)
+    return np.asarray(np.vstack([middle, middle + 0.57 * (nodes - middle)]))
+
+
+def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
+    """Read a volume mesh; scale: m to the unit of the file's coordinates.
+
+    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out.
+
+    Raises:
+        MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    try:
+        return _of_raw(_read(path), scale)
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from None
+
+
+def _read(path: Path) -> Any:
+    import meshlane
+
+    if path.suffix.lower() in (".step", ".stp", ".iges", ".igs"):
+        raise MeshError("this is geometry without a mesh: mesh its volume (with Gmsh, say) and give that file")
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshlane.read(path)
+    except SystemExit:
+        raise MeshError("not a mesh file that meshlane can read") from None
+    except meshlane.ReadError as error:
+        raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
+    except ImportError as error:
+        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
+    except Exception as error:  # what readers stumble over, said in terms of their own code
+        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
+
+
+def _of_raw(raw: Any, scale: float) -> VolumeMesh:
+    """The mesh of what a reader gives, in m."""
+    solid = [block for block in raw.cells if getattr(block, "dim", cell_dimension(block.type)) == 3]
+    kinds = sorted({block.type for block in solid})
+    _check_kinds(kinds)
+    points = scale * np.asarray(raw.points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise MeshError("its nodes have no three coordinates")
+    cells = [
+        (kind, np.vstack([block.data for block in solid if block.type == kind]).astype(np.int64)) for kind in kinds
+    ]
+    used = np.unique(np.concatenate([nodes.ravel() for _, nodes in cells]))
+    if used[0] < 0 or used[-1] >= len(points):
+        raise MeshError("a cell names a node that the file does not hold")
+    number = np.full(len(points), -1)
+    number[used] = np.arange(used.size)
+    points = points[used]
+    extent = float(np.ptp(points, axis=0).max())
+    if not SIZES[0] <= extent <= SIZES[1]:
+        meant = "mm" if extent > SIZES[1] else "m"
+        raise MeshError(f"the mesh measures {extent:.3g} m: are its coordinates in {meant}? Say so by `unit`")
+    renumbered = [(kind, _upright(kind, number[nodes], points)) for kind, nodes in cells]
+    sets = {}
+    for name, nodes in _sets(raw).items():
+        kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
+        sets[name] = np.unique(kept[kept >= 0])
+    return VolumeMesh(points, tuple(renumbered), sets)
+
+
+def cell_dimension(kind: str) -> int:
+    """Of a kind of cells by its name; 3 of those that are unknown, so that they are not passed over."""
+    flat = ("triangle", "quad", "polygon")
+    return 0 if kind == "vertex" else 1 if kind.startswith("line") else 2 if kind.startswith(flat) else 3
+
+
+def _upright(kind: str, cells: Indices, points: Array) -> Indices:
+    """Cells that are all listed as mirror images, as some writers do with wedges, the right way round."""
+    _, sizes = cell(kind).gradients(points[cells], _inside(kind))
+    if (sizes > 0.0).any():
+        return cells
+    nodes = cell(kind).nodes
+    image = nodes[:, [1, 0, 2]] if kind.startswith("tetra") else nodes * [1.0, 1.0, -1.0]
+    order = np.abs(nodes[None] - image[:, None]).sum(axis=2).argmin(axis=1)
+    return cells[:, order]
+
+
+def _sets(raw: Any) -> dict[str, Indices]:
+    """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
+    found = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
+    for name, parts in raw.cell_sets.items():
+        blocks = [
+            block.data[np.asarray(part, dtype=np.int64)].ravel()
+            for block, part in zip(raw.cells, parts, strict=False)
+            if part is not None and len(part)
+        ]
+        if blocks and not str(name).startswith("gmsh:"):
+            found.setdefault(str(name), np.unique(np.concatenate(blocks)).astype(np.int64))
+    tags = raw.cell_data.get("gmsh:physical")
+    for name, value in raw.field_data.items() if tags is not None else ():
+        tag, dimension = int(value[0]), int(value[1])
+        nodes = [
+            block.data[np.asarray(own) == tag].ravel()
+            for block, own in zip(raw.cells, tags, strict=False)
+            if cell_dimension(block.type) == dimension
+        ]
+        if nodes:
+            found[str(name)] = np.unique(np.concatenate(nodes)).astype(np.int64)
+    return found

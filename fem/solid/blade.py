@@ -1,0 +1,131 @@
+"""The solid blade: a volume mesh, its material, the nodes that are held, and the spin axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.meshes.planform import MeshError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem.meshes.volume import VolumeMesh
+    from fem.plate import Material
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+
+ON_THE_FACE = 1e-4
+"""Distance from the root's radius, relative to the mesh's extent, within which a node belongs to the root."""
+
+FLAT = 1e-6
+"""Extent of the root across its longest line, relative to that, below which it is a hinge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blade:
+    """A solid blade, clamped at some of its nodes.
+
+    Attributes:
+        mesh: of its volume, in m.
+        material: what it is made of.
+        root: numbers of the nodes that are held.
+        axis: unit vector (3,) of the spin axis.
+        origin: a point (3,) in m on it.
+
+    Raises:
+        MeshError: for a root that does not hold the blade, or holds all of it.
+    """
+
+    mesh: VolumeMesh
+    material: Material
+    root: Indices
+    axis: Array
+    origin: Array
+
+    def __post_init__(self) -> None:
+        if self.root.size == len(self.mesh.points):
+            raise MeshError("the root holds every node: nothing is left to move")
+        spread = self.mesh.points[self.root] - self.mesh.points[self.root].mean(axis=0) if self.root.size else None
+        sides = np.zeros(3) if spread is None or len(spread) < 3 else np.linalg.svd(spread, compute_uv=False)
+        if sides[1] <= FLAT * sides[0] or sides[0] == 0.0:
+            raise MeshError(
+                f"the root's {self.root.size} nodes do not hold the blade: it takes three that lie on no line"
+            )
+
+    @property
+    def projector(self) -> Array:
+        """I - n n^T, (3, 3): the part of a vector that is perpendicular to the axis."""
+        return np.asarray(np.eye(3) - np.outer(self.axis, self.axis))
+
+    @property
+    def spin(self) -> Array:
+        """The matrix (3, 3) of v -> n x v."""
+        x, y, z = self.axis
+        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def named_root(mesh: VolumeMesh, name: str) -> Indices:
+    """Nodes of a named set, capital letters aside.
+
+    Raises:
+        MeshError: there is none.
+    """
+    known = {each.lower(): nodes for each, nodes in mesh.sets.items()}
+    if name.lower() not in known:
+        there = ", ".join(sorted(mesh.sets)) or "none"
+        raise MeshError(
+            f"the mesh has no set {name!r}: its sets are {there}; a radius (a length) holds the nodes there"
+        )
+    return known[name.lower()]
+
+
+FACING = 0.7
+"""Cosine of the angle to the axis from which on a face at the inner end looks inwards."""
+
+INNER = 0.2
+"""Part of the radial extent that counts as the inner end."""
+
+
+def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None = None) -> Indices:
+    """Nodes at a radius (m) from the spin axis, on a cylinder or on a plane; None: the innermost.
+
+    The plane is that of the faces at the inner end that look at the axis.
+
+    Raises:
+        MeshError: there are none.
+    """
+    arm = mesh.points - origin
+    arm = arm - np.outer(arm @ axis, axis)
+    middle = arm.mean(axis=0)
+    if np.linalg.norm(middle) < ON_THE_FACE * mesh.size:
+        raise MeshError("the mesh lies around the spin axis: name the set of nodes that is its root")
+    outwards = middle / np.linalg.norm(middle)
+    inwards = _inner_normal(mesh, outwards)
+    heights = (mesh.points - origin) @ (outwards if inwards is None else -inwards)
+    distances = np.linalg.norm(arm, axis=1)
+    near = ON_THE_FACE * mesh.size
+    found = [
+        np.flatnonzero(np.abs(each - (each.min() if radius is None else radius)) <= near)
+        for each in (heights, distances)
+    ]
+    if not max(each.size for each in found):
+        raise MeshError(
+            f"no nodes lie at the radius {radius:.6g} m: the mesh is from {distances.min():.6g}"
+            f" to {distances.max():.6g} m from the axis"
+        )
+    return max(found, key=lambda each: each.size)
+
+
+def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:
+    """The mean normal of the faces at the inner end that look at the axis; None where there are none."""
+    middles, normals = mesh.boundary_normals()
+    heights = middles @ outwards
+    inner = heights <= heights.min() + INNER * np.ptp(heights)
+    facing = normals @ outwards < -FACING * np.linalg.norm(normals, axis=1)
+    total = normals[inner & facing].sum(axis=0)
+    size = float(np.linalg.norm(total))
+    return None if size == 0.0 else np.asarray(total / size)

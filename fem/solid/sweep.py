@@ -1,0 +1,291 @@
+"""Equilibria and modes of a solid blade over speeds: a few are solved, and what lies between is interpolated.
+
+State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
+would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
+frequencies differ, and are solved at nested Chebyshev-Lobatto points of it: the two ends with factors of their own,
+those between by conjugate gradients and Davidson's method with the factor of one end (`fem.linalg.lowest_modes`). The
+modes at each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J.
+Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
+
+How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
+is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
+more by the factor by which it fell last, where it falls by the square of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import polar
+
+from fem.linalg import lowest_modes
+from fem.modal_model import lagrange
+from fem.modes.real import Modes, solve_real
+from fem.statics import balance, check_speed, settle, tangent
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from fem.linalg import Factor
+    from fem.solid.assembly import SolidOperators
+
+    Array = NDArray[np.float64]
+
+
+SPARE = 2
+"""Modes solved beyond those asked for, so that one that comes down with speed is known before."""
+
+FINEST = 16
+"""Parts into which Chebyshev's points divide the range at most."""
+
+ALONE = 3
+"""Speeds up to which each is solved by itself."""
+
+SETTLED = 1e-10
+"""Relative error of the eigenvalues that Davidson's method leaves."""
+
+
+FLOOR = 1e-8
+"""Least relative error of frequencies that is claimed: of what Davidson's method and rounding leave."""
+
+LINEAR = 0.1
+"""Growth of squared frequencies up to which a state is as good as linear in Omega²."""
+
+
+@dataclass(frozen=True, eq=False)
+class BladeSweep:
+    """A blade's states and modes over a range of speeds.
+
+    Attributes:
+        squares: Omega² (m,) of the speeds that were solved, ascending, in rad²/s².
+        bend: c, in rad²/s².
+        states: displacements (m, n) at rest in the turning frame there, in m.
+        shapes: modes (m, n, q) there, mass-normalised, turned within their space to be alike.
+        stiffness: their small stiffness (m, q, q), in 1/s².
+        products: of shapes at two of the speeds in the mass, (m, q, m, q).
+        turned: of shapes at two of the speeds in the Coriolis matrix, (m, q, m, q); None without it.
+        count: modes that are wanted.
+        errors: estimated relative errors (count,) of frequencies between the solved speeds; inf where they are unknown.
+    """
+
+    squares: Array
+    bend: float
+    states: Array
+    shapes: Array
+    stiffness: Array
+    products: Array
+    turned: Array | None
+    count: int
+    errors: Array
+
+    def state(self, omega: float) -> Array:
+        """The displacement (n,) in m at a speed in rad/s."""
+        return np.asarray(self.weights(omega) @ self.states)
+
+    def modes(self, omega: float) -> tuple[Array, Array]:
+        """Squared circular frequencies (count,) and mass-normalised shapes (n, count) at a speed in rad/s.
+
+        Raises:
+            ValueError: for a speed out of the range.
+        """
+        values, vectors = self.reduced(omega)
+        return values, np.asarray(np.tensordot(self.weights(omega), self.shapes, 1) @ vectors)
+
+    def reduced(self, omega: float) -> tuple[Array, Array]:
+        """The same with the shapes (q, count) as parts of the interpolated ones."""
+        weights = self.weights(omega)
+        values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
+        mass = np.einsum("i,iajb,j->ab", weights, self.products, weights)
+        values, vectors = values[: self.count], vectors[:, : self.count]
+        return values, vectors / np.sqrt(np.einsum("ak,ab,bk->k", vectors, mass, vectors))
+
+    def covers(self, omega: float) -> bool:
+        """Whether the modes are known at a speed in rad/s."""
+        slack = SAME * max(float(self.squares[-1]), omega**2)
+        if np.isinf(self.errors).any():
+            return bool((np.abs(self.squares - omega**2) <= slack).any())
+        return bool(self.squares[0] - slack <= omega**2 <= self.squares[-1] + slack)
+
+    def coriolis_shifts(self, omega: float) -> Array:
+        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed in rad/s, within the solved modes.
+
+        Raises:
+            ValueError: the Coriolis matrix was left out.
+        """
+        if self.turned is None:
+            raise ValueError("the operators were assembled without Coriolis forces")
+        weights = self.weights(omega)
+        values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
+        turned = vectors.T @ np.einsum("i,iajb,j->ab", weights, self.turned, weights) @ vectors
+        rates = np.sqrt(np.maximum(values, np.finfo(float).tiny))
+        # of (x, w / rate x) in the modes' energies: w z = ((-i Omega G, diag(rate)), (diag(rate), 0)) z
+        cross = np.diag(rates)
+        found = np.linalg.eigvalsh(np.block([[-1j * omega * turned, cross], [cross, np.zeros_like(cross)]]))
+        return np.asarray(np.abs(np.sort(found[found > 0.0])[: self.count] / rates[: self.count] - 1.0))
+
+    @cached_property
+    def _tracks(self) -> tuple[Array, NDArray[np.int64], Array]:
+        """Squared speeds from the lowest to the highest in fine steps; tracks (k, count) and vectors (k, q, count)."""
+        squares = np.linspace(self.squares[0] ** 0.5, self.squares[-1] ** 0.5, TRACKED) ** 2
+        vectors = [self.reduced(float(square**0.5))[1] for square in squares]
+        tracks = [np.arange(self.count)]
+        for before, after in pairwise(vectors):
+            tracks.append(_continued(before, after, tracks[-1]))
+        return squares, np.array(tracks), np.array(vectors)
+
+    def tracks(self, omega: float) -> NDArray[np.int64]:
+        """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
+        squares, tracks, vectors = self._tracks
+        near = int(np.abs(squares - omega**2).argmin())
+        return _continued(vectors[near], self.reduced(omega)[1], tracks[near])
+
+    def weights(self, omega: float) -> Array:
+        """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
+        low, high = self.squares[0], self.squares[-1]
+        if not low - SAME * high <= omega**2 <= (1.0 + SAME) * high:
+            raise ValueError(f"the blade is solved from {low**0.5:g} to {high**0.5:g} rad/s, not at {omega:g}")
+        return _weights(self.squares, omega**2, self.bend)
+
+
+def _continued(before: Array, after: Array, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Tracks of modes (q, count) that are most alike to others of which they are known."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, order = linear_sum_assignment(-np.abs(before.T @ after))
+    found = np.empty_like(tracks)
+    found[order] = tracks[rows]
+    return found
+
+
+TRACKED = 201
+"""Speeds by which modes are followed through crossings."""
+
+
+def _weights(squares: Array, square: float, bend: float) -> Array:
+    """Weights (m,) of what is known at Omega² (m,) in what is wanted at another."""
+    return lagrange(np.log1p((squares - squares[0]) / bend), float(np.log1p((square - squares[0]) / bend)))
+
+
+SAME = 1e-9
+"""Relative difference of squared speeds that are the same."""
+
+
+@dataclass(eq=False)
+class _Solved:
+    """The speeds solved so far, by Omega²: states, eigenvalues and modes."""
+
+    states: dict[float, Array] = field(default_factory=dict)
+    values: dict[float, Array] = field(default_factory=dict)
+    shapes: dict[float, Array] = field(default_factory=dict)
+
+    def add(self, square: float, state: Array, values: Array, shapes: Array) -> None:
+        self.states[square], self.values[square], self.shapes[square] = state, values, shapes
+
+    @property
+    def bend(self) -> float:
+        """What Omega² beyond the lowest doubles an eigenvalue, by the modes at the ends."""
+        low, high = min(self.values), max(self.values)
+        growth = float((self.values[high] / self.values[low]).max()) if high > low else 1.0
+        return (high - low) / max(growth - 1.0, LINEAR) if high > low else 1.0
+
+
+def sweep_blade(
+    operators: SolidOperators,
+    speeds: Array,
+    count: int = 6,
+    *,
+    tolerance: float = 3e-5,
+    progress: Callable[[int], None] | None = None,
+) -> BladeSweep:
+    """Solve a blade for all speeds from the lowest to the highest of some (k,) in rad/s.
+
+    tolerance: of frequencies at speeds that are not solved themselves. progress: is told how many speeds are solved.
+
+    Raises:
+        ValueError: for no speeds or one that is not finite.
+        NoEquilibrium, Divergence: where the blade has no stable state at the highest speed.
+    """
+    asked = np.unique(np.abs(np.asarray(speeds, dtype=float)))
+    if asked.size == 0:
+        raise ValueError("a sweep needs at least one speed")
+    for omega in map(float, asked):
+        check_speed(omega)
+    known = _Solved()
+    alone = asked if asked.size <= ALONE else asked[[0, -1]]
+    for omega in map(float, alone):
+        last = _solve_alone(operators, omega, count, known)
+        if progress is not None:
+            progress(len(known.states))
+    if asked.size <= ALONE:
+        return _gathered(operators, known, count, np.full(count, np.inf))
+    low, high, bend = float(asked[0] ** 2), float(asked[-1] ** 2), known.bend
+    reach = float(np.log1p((high - low) / bend))
+    parts, errors, missed = 2, np.full(count, np.inf), np.ones(count)
+    while parts <= FINEST:
+        foretelling = _gathered(operators, known, count, errors)
+        before, missed = missed, np.zeros(count)
+        for k in range(1, parts, 2):
+            square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
+            guess = foretelling.modes(square**0.5)[0]
+            _solve_between(operators, square, known, foretelling, last.factor)
+            missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
+            if progress is not None:
+                progress(len(known.states))
+        errors = FLOOR + missed * np.minimum(missed / np.maximum(before, FLOOR), 1.0)
+        if errors.max() <= tolerance:
+            break
+        parts *= 2
+    return _gathered(operators, known, count, errors)
+
+
+def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> Modes:
+    """Solve a speed with factors of its own."""
+    start = known.states[max(known.states)] if known.states else None
+    if omega == 0.0:
+        state, stiffness = np.zeros_like(operators.load), operators.stiffness
+    else:
+        state, _ = settle(operators, omega, start if start is not None and start.any() else None)
+        stiffness = tangent(operators, omega, state)
+    wanted = min(count + SPARE, operators.load.size)
+    modes = solve_real(operators, omega, stiffness, wanted, state)
+    known.add(omega**2, state, modes.eigenvalues, modes.shapes)
+    return modes
+
+
+def _solve_between(
+    operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep, factor: Factor
+) -> None:
+    """Solve a speed with the factor of another."""
+    omega = square**0.5
+    state = balance(operators, omega, foretelling.state(omega), factor)
+    stiffness = tangent(operators, omega, state)
+    start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
+    found = lowest_modes(stiffness, operators.mass, start, factor, SETTLED)
+    if found is None:
+        modes = solve_real(operators, omega, stiffness, start.shape[1], state)
+        found = modes.eigenvalues, modes.shapes
+    known.add(square, state, *found)
+
+
+def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Array) -> BladeSweep:
+    """What goes through all that is solved."""
+    squares = sorted(known.states)
+    middle = known.shapes[squares[len(squares) // 2]]
+    heavy = operators.mass @ middle
+    turns = [polar(known.shapes[each].T @ heavy)[0] for each in squares]
+    shapes = np.array([known.shapes[each] @ turn for each, turn in zip(squares, turns, strict=True)])
+    small = [turn.T @ (known.values[each][:, None] * turn) for each, turn in zip(squares, turns, strict=True)]
+    beside = shapes.swapaxes(0, 1).reshape(shapes.shape[1], -1)
+    sides = (len(squares), shapes.shape[2]) * 2
+    products = (beside.T @ (operators.mass @ beside)).reshape(sides)
+    turned = None
+    if operators.gyroscopic is not None:
+        turned = (beside.T @ (operators.gyroscopic @ beside)).reshape(sides)
+    states = np.array([known.states[each] for each in squares])
+    return BladeSweep(np.array(squares), known.bend, states, shapes, np.array(small), products, turned, count, errors)

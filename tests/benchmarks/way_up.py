@@ -1,0 +1,96 @@
+"""Both ways through the amplitudes against an integrator that shares no code: `python -m tests.benchmarks.way_up`.
+
+Random dampers with two steady motions over a range, ramps of 0.1 % a cycle up from the cut-off with the ball at rest in
+the middle, and down again. The reference is that of the tests; some 20 s a damper. `--count N`, `--first SEED`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from damper import ParticleDamper, Working, working
+from tests.damper.digits import ramp
+
+GROWTH = 1.001
+SAMPLES = 128
+Floats = npt.NDArray[np.float64]
+
+
+def drawn(seed: int) -> ParticleDamper:
+    """A steel ball on a structure, with a cut-off below half the clearance."""
+    rng = np.random.default_rng(seed)
+    radius, mass = rng.uniform(1e-3, 4e-3), 10 ** rng.uniform(-1.5, 0)
+    ball = 7850 * 4 / 3 * math.pi * radius**3
+    omega, gap = 2 * math.pi * 10 ** rng.uniform(2, 3), 10 ** rng.uniform(-3.7, -2.5)
+    load = (rng.uniform(3000, 15000) * math.pi / 30) ** 2 * rng.uniform(0.1, 0.5)
+    cutoff = gap * 10 ** rng.uniform(-1.5, -0.4)
+    stiffness, side = (mass + ball) * omega**2, 2 * (radius + gap)
+    lever = min(cutoff * omega**2 / load, 0.5) * radius
+    return ParticleDamper(
+        mass, (stiffness,) * 2, ball, radius, (side, side), load, float(rng.uniform(0.3, 0.95)), 0.3, lever
+    )
+
+
+def followed(cycles: Iterator[tuple[float, float]], last: float, *, rising: bool) -> tuple[Floats, Floats]:
+    """Amplitudes, midway through a cycle, and damping ratios of a ramp, averaged over 12 cycles."""
+    path = list(itertools.takewhile(lambda cycle: (cycle[0] < last) is rising, cycles))
+    level, lost = np.array(path).T
+    mean = np.convolve(lost / (2 * math.pi), np.ones(12) / 12, "valid")
+    return (level * np.exp(-lost / 2))[6 : 6 + len(mean)], mean
+
+
+def at(curve: Working, amplitude: Floats) -> Floats:
+    """Damping ratio of a curve."""
+    ratio: Floats = np.interp(np.log(amplitude), np.log(curve.amplitude), curve.damping_ratio)
+    return ratio
+
+
+def turning(path: tuple[Floats, Floats]) -> float:
+    """The amplitude at which a ramp goes over from one motion to another: where its losses change most in 24 cycles."""
+    change = np.abs(np.log(path[1][24:] / np.maximum(path[1][:-24], 1e-12)))
+    return float(path[0][int(np.argmax(change)) + 12])
+
+
+def compare(seed: int) -> str:
+    """A damper's line: folds and the largest difference of either branch from the reference, away from the folds."""
+    damper = drawn(seed)
+    found = working(damper, threads=1)
+    above = found.descending
+    low, high = found.folds
+    if not low < high:
+        return f"{seed:3d}  e {damper.restitution:.2f}  one motion throughout"
+    top = 1.25 * high
+    up = followed(ramp(damper, 0.99 * found.cutoff, 0.0, GROWTH**2, SAMPLES), top, rising=True)
+    down = followed(ramp(damper, top, 1.0, GROWTH**-2, SAMPLES), 0.85 * low, rising=False)
+    begun = up[0] > 0.9 * low
+    folds = turning(down), turning((up[0][begun], up[1][begun]))
+    lower, upper = (up[0] > 1.1 * low) & (up[0] < 0.93 * min(folds[1], found.jump[0])), down[0] > 1.08 * low
+    errors = [
+        abs(float(np.mean(path[1][where] / at(curve, path[0][where]) - 1))) if where.any() else math.nan
+        for path, curve, where in ((up, found, lower), (down, above, upper))
+    ]
+    return (
+        f"{seed:3d}  e {damper.restitution:.2f}  rolling {100 * errors[0]:5.2f} %  bouncing {100 * errors[1]:5.2f} %"
+        f"  stops {1e3 * low:8.4f} mm, reference {100 * (folds[0] / low - 1):+5.1f} %"
+        f"  begins {1e3 * found.jump[0]:8.4f} to {1e3 * found.jump[1]:8.4f} mm, reference {1e3 * folds[1]:8.4f}"
+    )
+
+
+def main() -> None:
+    """Print a line for each damper."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0)
+    given = parser.parse_args()
+    for seed in range(given.first, given.first + given.count):
+        print(compare(seed), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,255 @@
+"""A structure known by its modes: cells, places, the ball's pull, speeds between those known; CalculiX's files.
+
+`data/plate_paper_*.frd.gz` are outputs of CalculiX 2.20 (C3D20R, 12 x 8 x 2 cells), cut to four modes: the plate of
+200 x 80 x 10 mm with E = 182.6 GPa, nu = 0.3, rho = 7850 kg/m³ at rest and at 10 000 rpm about its z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.meshes.cells import KINDS, cell
+from fem.modal_files import document, in_si, joined, read, write
+from fem.modal_model import (
+    ModalModel,
+    ModesAtSpeed,
+    OffTheStructure,
+    densities,
+    drawn_by,
+    edges,
+    faces,
+    families,
+    place,
+    pull,
+    volume,
+)
+from fem.reduction.known_modes import bending_direction, floor, reduced_modes
+from fem.rotor import from_rpm
+
+DATA = Path(__file__).parent / "data"
+Z, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
+
+
+def modes(shapes: np.ndarray, hz: tuple[float, ...] | None = None, omega: float = 0.0) -> ModesAtSpeed:
+    count = len(shapes)
+    return ModesAtSpeed(omega, np.arange(1.0, count + 1.0) * 100 if hz is None else np.array(hz), np.asarray(shapes))
+
+
+def cloud(points: np.ndarray, shapes: np.ndarray, axis: np.ndarray = Z) -> ModalModel:
+    return ModalModel(np.asarray(points), (modes(shapes),), axis, ORIGIN)
+
+
+@pytest.fixture(scope="module")
+def plate() -> ModalModel:
+    """The paper's plate at rest and at 10 000 rpm, by CalculiX."""
+    both = [read(DATA / f"plate_paper_{rpm}.frd.gz").model for rpm in (0, 10000)]
+    return joined(
+        [replace(m, speeds=(replace(m.speeds[0], omega=from_rpm(rpm)),)) for m, rpm in zip(both, (0, 1e4), strict=True)]
+    )
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_cell_has_exact_volume_gradients_and_faces(name: str) -> None:
+    """Of an affine image: volume by its determinant, gradients of linear fields, and a closed surface."""
+    kind, random = cell(name), np.random.default_rng(7)
+    flat = kind.dimension == 2
+    mapping = np.eye(3) + 0.3 * random.standard_normal((3, 3))
+    nodes = np.column_stack([kind.nodes, np.zeros(len(kind.nodes))]) if flat else kind.nodes
+    points = 0.1 * nodes @ mapping.T
+    field = random.standard_normal((3, 3))
+    model = ModalModel(points, (modes((points @ field.T)[None]),), Z, ORIGIN, ((name, np.arange(len(points))[None]),))
+    there = points.mean(axis=0)
+    at = place(model, there)
+    assert at.distance < 1e-12
+    assert at.displacement(model.speeds[0].shapes)[0] == pytest.approx(field @ there, abs=1e-12)
+    found = at.gradient(model.speeds[0])[0][0]
+    assert found @ at.tangent == pytest.approx(field @ at.tangent, abs=1e-10)
+    triangles = faces(model)
+    normals = np.cross(
+        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
+    )
+    if flat:
+        return
+    reference = {0: 8.0, 2: 1.0, 3: 1.0 / 6.0}[kind.simplex]
+    exact = reference * 1e-3 * abs(np.linalg.det(mapping))
+    assert volume(model) == pytest.approx(exact, rel=1e-12)
+    outwards = (points[triangles].mean(axis=1) * normals).sum() / 6.0  # the divergence theorem, and normals outwards
+    assert abs(outwards) == pytest.approx(exact, rel=1e-12)
+    assert len(edges(points, triangles)) >= 6
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_a_fit_knows_quadratic_fields_and_fibres_that_stay_normal(dimension: int) -> None:
+    """Nodes along a line, on a plane and in space; what leaves them turns as the bending of beams and plates does."""
+    random = np.random.default_rng(dimension)
+    points = np.zeros((60, 3))
+    points[:, :dimension] = random.uniform(-1.0, 1.0, (60, dimension))
+    x, y, z = points.T
+    w = 0.3 + 0.2 * x + 0.7 * x**2 - 0.4 * x * y + 0.1 * z + 0.5 * y * z
+    model = cloud(points, np.stack([np.zeros(60), np.zeros(60), w], axis=1)[None])
+    there = np.array([0.2, 0.1, -0.1]) * (np.arange(3) < dimension)
+    found, spread = place(model, there).gradient(model.speeds[0])
+    x, y, z = there
+    slope = np.array([0.2 + 1.4 * x - 0.4 * y, -0.4 * x + 0.5 * z, 0.1 + 0.5 * y]) * (np.arange(3) < dimension)
+    assert found[0, 2] == pytest.approx(slope, abs=1e-9)
+    assert found[0, 0, 2] == pytest.approx(-slope[0] if dimension < 3 else 0.0, abs=1e-9)
+    assert spread.max() < 1e-9
+
+
+def test_a_slope_is_within_its_uncertainty() -> None:
+    """Of a shape that is no polynomial, by nodes further and further apart."""
+    for count in (8, 12, 20):
+        x = np.linspace(0.0, 1.0, count)
+        w = np.sin(2.5 * x)
+        model = cloud(np.outer(x, [1.0, 0.0, 0.0]), np.stack([0 * x, 0 * x, w], axis=1)[None])
+        found, spread = place(model, np.array([1.0, 0.0, 0.0])).gradient(model.speeds[0])
+        assert abs(found[0, 2, 0] - 2.5 * np.cos(2.5)) <= spread[0, 2, 0], count
+
+
+def test_places_off_the_structure_or_without_a_slope_are_refused(plate: ModalModel) -> None:
+    with pytest.raises(OffTheStructure, match="m off the structure"):
+        place(plate, np.array([0.3, 0.0, 0.0]))
+    near = place(plate, np.array([0.201, 0.0, 0.0]))
+    assert near.distance == pytest.approx(1e-3)
+    assert near.point == pytest.approx([0.2, 0.0, 0.0])
+    one = cloud(np.array([[0.1, 0.0, 0.0], [0.1, 0.0, 0.0]]), np.ones((1, 2, 3)))
+    with pytest.raises(OffTheStructure, match="one point"):
+        place(one, np.array([0.1, 0.0, 0.0]))
+
+
+def test_a_rigid_blade_on_a_hinge_at_the_axis_flaps_as_a_tilted_orbit() -> None:
+    """It flaps at the rotation's frequency with a ball and without, its floor at a right angle to its radius."""
+    omega, radius = 100.0, 0.4
+    x = np.linspace(0.0, radius, 9)
+    shape = np.stack([0 * x, 0 * x, 3.0 * x], axis=1)[None]
+    model = replace(cloud(np.outer(x, [1.0, 0.0, 0.0]), shape), speeds=(modes(shape, (omega / 2 / np.pi,), omega),))
+    at = place(model, np.array([radius, 0.0, 0.0]))
+    direction = bending_direction(model, at, model.speeds[0])
+    found, every = reduced_modes(
+        model.speeds[0], floor(model, at, model.speeds[0], direction), pull(model, at), ball_mass=5.0
+    )
+    assert direction.tolist() == [0.0, 0.0, 1.0]
+    assert [found.M2, found.slope, found.floor_tilt] == pytest.approx([(3.0 * radius) ** -2, 1.0 / radius, 1.0])
+    assert (found.f1_hz, found.f2_hz) == pytest.approx((omega / 2 / np.pi,) * 2)
+    assert every.stiffness[0, 0] == pytest.approx(omega**2 * (1.0 + 5.0 / found.M2))
+
+
+@pytest.mark.parametrize(("axis", "softened"), [((0.0, 0.0, 1.0), 0.0), ((0.0, 1.0, 0.0), 1.0)])
+def test_the_pull_of_a_load_at_a_tip_that_bends_as_a_parabola(axis: tuple[float, ...], softened: float) -> None:
+    """w = (x/L)²: the line shortens by half of 4/(3L); what moves in the plane of rotation is softened as well."""
+    x = np.linspace(0.0, 0.25, 12)
+    model = cloud(np.outer(x, [1.0, 0, 0]), np.stack([0 * x, 0 * x, (x / 0.25) ** 2], axis=1)[None], np.array(axis))
+    model = replace(model, origin=np.array([-0.1, 0.0, 0.0]))
+    found = pull(model, place(model, np.array([0.25, 0.0, 0.0]))).stiffness(model.speeds[0])
+    assert found[0, 0] == pytest.approx(0.35 * 4 / 3 / 0.25 - softened, rel=2e-3)
+
+
+def test_modes_are_followed_through_a_crossing_and_interpolated_in_the_square_of_the_speed() -> None:
+    """Squared frequencies and shapes that are quadratic in it; two modes change their order on the way."""
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 3))
+    one, other, bent = np.random.default_rng(2).standard_normal((3, 30, 3))
+
+    def at(omega: float) -> ModesAtSpeed:
+        t = (omega / 100.0) ** 2
+        squares = np.array([1e4 + 3e4 * t, 2e4 + 1e3 * t + 2e2 * t**2])
+        shapes = np.stack([one + 0.05 * t * bent, -other])
+        order = np.argsort(squares)
+        signs = 1.0 if omega % 50 else -1.0
+        return modes(signs * shapes[order], tuple(np.sqrt(squares[order]) / 2 / np.pi), omega)
+
+    model = ModalModel(points, tuple(map(at, (0.0, 40.0, 70.0, 100.0))), Z, ORIGIN)
+    assert model.likeness.min() > 0.98
+    found, exact = model.at(90.0), at(90.0)
+    assert found.frequencies_hz == pytest.approx(exact.frequencies_hz, rel=1e-12)
+    assert found.tracks is not None
+    assert found.tracks.tolist() == [1, 0]
+    assert np.abs(np.abs(found.shapes) - np.abs(exact.shapes)).max() < 1e-12
+    assert found.interpolation is not None
+    assert found.interpolation.max() < 1e-3
+    two = ModalModel(points, tuple(map(at, (0.0, 100.0))), Z, ORIGIN).at(90.0)
+    assert two.interpolation is None
+    three = ModalModel(points, tuple(map(at, (0.0, 40.0, 100.0))), Z, ORIGIN)
+    cubic = replace(
+        three, speeds=tuple(replace(m, frequencies_hz=m.frequencies_hz * np.exp(m.omega / 200)) for m in three.speeds)
+    )
+    rough = cubic.at(70.0)
+    true = at(70.0).frequencies_hz * np.exp(0.35)
+    assert rough.interpolation is not None
+    assert (np.abs(rough.frequencies_hz / true - 1.0) <= rough.interpolation).all()
+    with pytest.raises(ValueError, match="known from 0 to 100 rad/s"):
+        model.at(101.0)
+
+
+DRAWN = {0: (-0.8749314, 0.8799380), 10000: (-0.8814362, 0.8803016)}
+"""Participation factors of CalculiX's .dat: the first bending mode along z, the first lag mode along y."""
+
+
+@pytest.mark.parametrize(("rpm", "mass", "hz"), [(0, 0.31188, 198.6395), (10000, 0.31859, 269.2277)])
+def test_a_plate_of_calculix(plate: ModalModel, rpm: int, mass: float, hz: float) -> None:
+    """Frequencies, participation and effective mass as CalculiX's own .dat has them; the plate's density and volume."""
+    known = plate.at(from_rpm(rpm))
+    assert known.frequencies_hz[0] == pytest.approx(hz, abs=1e-4)
+    assert families(plate, known) == ["flap", "twist", "flap", "lag"]
+    assert densities(plate, known) == pytest.approx(7850.0, rel=1e-4)
+    assert volume(plate) == pytest.approx(0.2 * 0.08 * 0.01)
+    drawn = drawn_by(plate, known)
+    assert drawn is not None
+    assert np.abs([drawn[0, 2], drawn[3, 1]]) == pytest.approx(np.abs(DRAWN[rpm]), rel=1e-4)
+    at = place(plate, np.array([0.2, 0.0, 0.0]))
+    seen = floor(plate, at, known, np.array([0.3, 0.0, 1.0]))
+    found, _ = reduced_modes(known, seen, pull(plate, at), mass_ratio=0.006)
+    assert abs(found.M2 - mass) < 5e-6
+    assert seen.axes == pytest.approx(np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]), abs=1e-9)
+    assert abs(seen.spread[0, 0] / seen.slope[0, 0]) < 1e-3
+
+
+def test_cells_nodes_and_one_side_of_a_plate_give_one_slope(plate: ModalModel) -> None:
+    """By shape functions, by a fit to all nodes, and by one to those of its upper face alone."""
+    known = plate.speeds[0]
+    upper = plate.points[:, 2] > 0.0049
+    clouds = {
+        "all": (replace(plate, cells=()), known, 0.0),
+        "upper": (
+            replace(plate, cells=(), points=plate.points[upper]),
+            replace(known, shapes=known.shapes[:, upper], static=None),
+            0.005,
+        ),
+    }
+    exact = 6.9324
+    for name, (model, its, height) in (("cells", (plate, known, 0.0)), *clouds.items()):
+        at = place(model, np.array([0.2, 0.0, height]))
+        seen = floor(model, at, its, Z)
+        assert seen.slope[0, 0] / seen.moved[0, 0] == pytest.approx(exact, rel=1e-3), name
+
+
+def test_a_neutral_file_comes_back_bit_for_bit(plate: ModalModel, tmp_path: Path) -> None:
+    """Through .npz and .json, one after the other; and from a file in mm and t."""
+    full = replace(
+        plate,
+        sets={"TIP": np.array([3, 5])},
+        speeds=tuple(
+            replace(
+                m,
+                rotations=0.1 * m.shapes,
+                errors=np.full(4, 1e-3),
+                damping_ratios=np.full(4, 2e-3),
+                static=m.shapes[0] * 1e-4,
+                drawn=m.shapes[:, 7],
+            )
+            for m in plate.speeds
+        ),
+    )
+    write(full, tmp_path / "one.npz")
+    write(read(tmp_path / "one.npz").model, tmp_path / "two.json")
+    back, was = document(read(tmp_path / "two.json").model), document(full)
+    assert back.keys() == was.keys()
+    assert all(np.array_equal(back[name], was[name]) for name in was)
+    scaled = read(tmp_path / "one.npz")
+    in_mm = in_si(replace(scaled, model=in_si(scaled, 1e3, 1e-3)), 1e-3, 1e3)
+    assert in_mm.speeds[0].shapes == pytest.approx(full.speeds[0].shapes, rel=1e-14)
+    with pytest.raises(ValueError, match=r"\.npz or \.json"):
+        write(full, tmp_path / "one.csv")

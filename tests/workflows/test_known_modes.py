@@ -1,0 +1,328 @@
+"""Scenes whose structure is known by its modes, from CalculiX's files and neutral ones; and files that are spoilt."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import spindamp as package
+from tests.workflows.conftest import Command, Scene, changed, refused, write
+from workflows.solve.results import Results
+
+pytestmark = pytest.mark.usefixtures("undrawn")
+
+DATA = Path(__file__).parents[1] / "fem" / "data"
+SCENE: Scene = {
+    "title": "Known",
+    "structure": {"modes": "rest.frd"},
+    "rotor": {"speeds": ["0 rpm"], "axis": [0, 0, 1], "origin": ["0 m", "0 m", "0 m"], "gravity": "10 m/s^2"},
+    "damper": {
+        "at": ["200 mm", "0 mm", "0 mm"],
+        "ball_material": "steel",
+        "radius": "3 mm",
+        "cavity": ["7 mm", "7 mm"],
+        "restitution": 0.5,
+        "friction": 0.3,
+        "rolling_friction": "0.06 mm",
+        "damping_ratio": 0.001,
+    },
+}
+BOTH = {"0 rpm": "rest.frd", "10000 rpm": "fast.frd"}
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Path:
+    for name, file in (("rest", "plate_paper_0"), ("fast", "plate_paper_10000")):
+        (tmp_path / f"{name}.frd").write_bytes(gzip.decompress((DATA / f"{file}.frd.gz").read_bytes()))
+    return tmp_path
+
+
+def figures(results: Results) -> list[float]:
+    """What a verdict rests on, at the last speed."""
+    own, reduced = results.speeds[-1].working, results.speeds[-1].reduced
+    assert own is not None
+    assert reduced is not None
+    return [own.peak, own.peak_amplitude, *own.half, own.cutoff, reduced.f1_hz, reduced.M2, reduced.floor_tilt]
+
+
+@pytest.fixture(scope="module")
+def plate() -> Scene:
+    """The same plate for our own finite elements."""
+    scene = changed(SCENE, structure=None, rotor__axis=None, rotor__origin=None, damper__at=None)
+    scene["plate"] = {"length": "200 mm", "width": "80 mm", "thickness": "10 mm", "theory": "mindlin"}
+    scene["material"] = {"youngs_modulus": "182.6 GPa", "poissons_ratio": 0.3, "density": 7850}
+    scene["effects"] = {"structural_modes": True, "floor_tilt": True, "coriolis": False}
+    return changed(scene, rotor__speeds=["10000 rpm"])
+
+
+def test_a_plate_by_its_modes_is_the_plate(files: Path, plate: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From CalculiX's modes, whose mesh is 0.17 % too stiff, and from our own in a neutral file; against our plate."""
+    monkeypatch.chdir(files)
+    own = figures(package.run(plate))
+    speeds = plate["rotor"]["speeds"]
+    calculix = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=speeds))
+    found = figures(calculix)
+    assert found[:5] == pytest.approx(own[:5], rel=5e-3)
+    assert found[5] == pytest.approx(own[5], rel=1.7e-3)
+    assert found[6:] == pytest.approx(own[6:], rel=1e-3)
+    package.modes(plate, "plate.npz")
+    neutral = package.run(changed(SCENE, structure__modes="plate.npz", rotor__speeds=speeds, rotor__axis=None))
+    assert figures(neutral) == pytest.approx(own, rel=2e-4)
+    assert [mode.family for mode in neutral.speeds[0].modes] == ["flap", "twist", "flap", "lag", "twist", "flap"]
+    assert neutral.speeds[0].modes[0].error_estimate is not None
+    assert calculix.speeds[0].modes[0].error_estimate is None
+
+
+def test_check_tells_where_the_cavity_lies(spindamp: Command, files: Path) -> None:
+    outcome = spindamp("check", write(SCENE, files / "scene.toml"))
+    assert outcome.status == 0, outcome.err
+    (row,) = re.findall(r"^# +1 +198\.64 +flap +(\S+) +(\S+) +(\S+) ", outcome.out, re.M)
+    assert row == ("311.88", "485.8", "6.932")
+    assert "load along (1, 0, 0)" in outcome.out
+    found = json.loads(spindamp("check", files / "scene.toml", "--json").out)
+    assert found["seat"]["modes"][3]["mass"][0] is None
+    assert found["seat"]["modes"][0]["mass"][0] == pytest.approx(0.31188, abs=1e-5)
+
+
+@pytest.mark.usefixtures("no_workers", "quickly")
+def test_orders_forces_and_sweeps_take_known_modes(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engine order 4 meets the first mode where interpolation says; a base shakes it with CalculiX's participation."""
+    monkeypatch.chdir(files)
+    scene = changed(SCENE, structure__modes=BOTH, rotor__speeds=["2900 rpm", "3500 rpm"], rotor__modes=4)
+    base = changed(scene, excitation={"orders": [4], "base": "1 g"})
+    (crossing,) = package.run(base).reductions
+    square = 198.639547**2 + (269.227698**2 - 198.639547**2) * (crossing.rpm / 1e4) ** 2
+    assert crossing.frequency_hz == pytest.approx(np.sqrt(square), rel=1e-5)
+    force = changed(scene, excitation={"orders": [4], "force": f"{10 * 0.8756 / 1.7895} N"})
+    (other,) = package.run(force).reductions
+    assert crossing.levels[0].amplitude == pytest.approx(other.levels[0].amplitude, rel=5e-3)
+    swept = package.sweep(changed(scene, rotor__speeds=["3000 rpm"]), {"damper.radius": ["2 mm", "3 mm"]}, quick=True)
+    assert np.isfinite(swept["best_damping_ratio"].values).all()
+
+
+def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(files)
+    between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None))
+    assert any("how good that is is not known" in note for note in between.notes)
+    at_rest = package.run(changed(SCENE, damper=None))
+    assert any("does not say at what speed" in note for note in at_rest.notes)
+
+
+def test_millimetres_and_tonnes_are_asked_for(spindamp: Command, files: Path) -> None:
+    """A file in mm and t: refused as it is, with the units that fit; with them, the plate in SI."""
+    lines = (files / "rest.frd").read_text().split("\n")
+    nodes, shape = True, 1000.0
+    for k, line in enumerate(lines):
+        if line.startswith(" -1") and len(line) == 49:
+            factor = shape if nodes else 1000.0**0.5
+            values = [float(line[13 + 12 * i : 25 + 12 * i]) * factor for i in range(3)]
+            lines[k] = line[:13] + "".join(f"{value:12.5E}" for value in values)
+        elif line.startswith(" -3"):
+            nodes = False
+    (files / "rest.frd").write_text("\n".join(lines))
+    scene = write(SCENE, files / "scene.toml")
+    asked = "unit = 'mm', mass_unit = 't' (7850 kg/m^3)"
+    assert "describes a structure 216 m large" in refused(spindamp("check", scene), str(scene), asked)
+    given = write(changed(SCENE, structure__unit="mm", structure__mass_unit="t"), files / "scene.toml")
+    assert "311.88" in spindamp("check", given).out
+    wrong = write(changed(SCENE, structure__unit="mm"), files / "scene.toml")
+    refused(spindamp("check", wrong), str(wrong), asked)
+
+
+def sub(old: str, new: str, count: int = 1) -> Callable[[str], str]:
+    """A change of text that is there."""
+
+    def change(text: str) -> str:
+        assert re.search(old, text, re.M), old
+        return re.sub(old, new, text, count=count, flags=re.M)
+
+    return change
+
+
+def dropped(start: str) -> Callable[[str], str]:
+    """Without the first line of this kind after the header of the first mode."""
+
+    def change(text: str) -> str:
+        at = text.index("\n -1", text.index("MODAL"))
+        return text[:at] + text[text.index("\n", at + 1) :] if start == "mode" else text.replace("\n -1", "", 1)
+
+    return change
+
+
+VALUE = r"(MODAL.*\n(?: -[45].*\n)+ -1.{10}).{12}"
+"""Up to the first displacement of the first mode, and that."""
+
+SPOILT_FRD: list[tuple[str, Callable[[str], str], str]] = [
+    ("empty", lambda _: "", "the file is empty"),
+    ("no frd", lambda _: "hello\n", "not an .frd file"),
+    ("only a static step", lambda t: t[: t.index("    1PSTEP")] + STATIC + " 9999\n", "only a static step"),
+    ("no displacements", sub(r"^ -4  DISP ", " -4  STRESS ", 99), "no displacements"),
+    ("truncated", lambda t: t[: len(t) // 2], "the file ends before its last line"),
+    ("truncated with an end", lambda t: t[: len(t) // 2] + "\n 9999\n", "was cut off"),
+    ("no nodes", sub(r"^    2C", "    XX"), "no block of nodes"),
+    ("binary", sub(r"^(    2C.*) 1\s*$", r"\1 2\n"), "a binary .frd"),
+    ("bytes", sub(r"^(    2C.*)$", "\\1\n\u00ff\u00fe"), "a binary .frd"),
+    ("a node less", dropped("node"), "1236 lines of the 1237"),
+    ("a node less in a mode", dropped("mode"), "1236 lines of the 1237"),
+    ("a node twice", sub(r"^ -1         2 ", " -1         1 "), "two nodes have the same number"),
+    ("an unknown node", sub(r"^ -2        75", " -2      9999"), "names node 9999"),
+    ("an element short of nodes", sub(r"^ -2 .*\n", ""), "nodes, expected 20"),
+    ("nan", sub(VALUE, r"\1         NaN"), "not numbers"),
+    ("letters", sub(VALUE, r"\1************"), "not a number"),
+    ("nan in nodes", sub(r"(2C.*\n -1.{10}).{12}", r"\1         NaN"), "coordinates of nodes are not numbers"),
+    ("a line too short", sub(VALUE, r"\1"), "not of 49 letters"),
+    ("a negative frequency", sub(r"(CL  10\d) 198.6395470", r"\1 -98.6395470"), "mode 1 has -98.6"),
+    ("frequency nought", sub(r"(CL  10\d) 198.6395470", r"\1 000.0000000"), "mode 1 has 0 Hz"),
+    ("no frequency", sub(r"(CL  10\d) 198.6395470", r"\1 abc.abcdefg"), "hold no frequency"),
+    ("another frequency", sub(r"(CL  10\d) 198.6395470", r"\1 298.6395470"), "is not the square"),
+    ("no modal mass", sub(r"^    1PGM.*\n", "", 9), "no modal mass"),
+    ("no modal mass to speak of", sub(r"1PGM +1.0", "1PGM                0.0", 9), "modal mass of 0"),
+    ("shapes of displacement 1", lambda t: unit_shapes(t), "not normalised to mass"),
+    ("shapes 1000 times too large", lambda t: times(t, 1000.0), "describes a structure 0.216 m large of 0.00785 kg"),
+    ("two steps", sub(r"(1PSTEP +\d+ +1 +)\d+(\s+1PGM.*\n.*\n.*\n.*\n +1PMODE +2)", r"\g<1>7\2"), "modes of 2 steps"),
+    ("complex", sub(r"^ -4  DISP ( +4 +1(?:.*\n){5} -1)", r" -4  DISPI\1", 9), "complex modes"),
+    ("nothing moves", lambda t: times(t, 0.0), "nothing moves in mode 1"),
+]
+
+STATIC = "    1PSTEP                         1           1           1\n"
+
+
+def shapes_of(text: str, change: Callable[[np.ndarray], np.ndarray]) -> str:
+    """The text with the values of each mode changed."""
+    blocks = re.split(r"(?m)^(?=    1PSTEP)", text)
+    for k, block in enumerate(blocks):
+        lines = block.split("\n")
+        rows = [i for i, line in enumerate(lines) if line.startswith(" -1") and "1PMODE" in block]
+        if rows and "-4  DISP" in block:
+            values = change(np.array([[float(lines[i][13 + 12 * c : 25 + 12 * c]) for c in range(3)] for i in rows]))
+            for i, row in zip(rows, values, strict=True):
+                lines[i] = lines[i][:13] + "".join(f"{value:12.5E}" for value in row)
+        blocks[k] = "\n".join(lines)
+    return "".join(blocks)
+
+
+def unit_shapes(text: str) -> str:
+    return shapes_of(text, lambda values: values / np.abs(values).max() * (1 + 2 * (np.abs(values).max() > 2)))
+
+
+def times(text: str, factor: float) -> str:
+    return shapes_of(text, lambda values: values * factor)
+
+
+@pytest.mark.parametrize(("change", "message"), [pytest.param(*rest, id=name) for name, *rest in SPOILT_FRD])
+def test_a_spoilt_frd(spindamp: Command, files: Path, change: Callable[[str], str], message: str) -> None:
+    text = (files / "rest.frd").read_text()
+    global STATIC
+    STATIC = text[text.index("    1PSTEP") : text.index(" -3", text.index("    1PSTEP")) + 4]
+    STATIC = re.sub(r"(100CL.{50})2", r"\g<1>0", STATIC)
+    (files / "rest.frd").write_text(change(text), encoding="latin-1")
+    scene = write(SCENE, files / "scene.toml")
+    refused(spindamp("check", scene), f"{scene}: [structure]", message)
+
+
+def small() -> dict[str, Any]:
+    """The neutral file of a bar that bends: 9 nodes, 2 modes."""
+    x = np.linspace(0.0, 200.0, 9)
+    shapes = np.zeros((1, 2, 9, 3))
+    shapes[0, 0, :, 2], shapes[0, 1, :, 1] = 2e-6 * x**2, 1.5e-4 * x
+    return {
+        "format": "spindamp modes 1",
+        "unit": "mm",
+        "mass_unit": "kg",
+        "axis": [0, 0, 2],
+        "origin": [0, 0, 0],
+        "speeds_rpm": [3000.0],
+        "nodes": np.stack([x, 0 * x, 0 * x], axis=1).tolist(),
+        "frequencies_hz": [[200.0, 300.0]],
+        "shapes": shapes.tolist(),
+        "modal_masses": [[1.0, 1.0]],
+        "set_TIP": [8],
+    }
+
+
+OF_THE_BAR = changed(
+    SCENE,
+    structure__modes="bar.json",
+    rotor={"speeds": ["3000 rpm"], "gravity": "10 m/s^2"},
+    damper__at="TIP",
+)
+
+BAD_KEYS: list[tuple[str, dict[str, Any], str]] = [
+    ("another format", {"format": "modes 2"}, "key 'format'"),
+    ("unknown", {"frequencies": [1]}, "unknown key 'frequencies'"),
+    ("no masses", {"modal_masses": None}, "'modal_masses' is missing: 1 for each mode"),
+    ("no unit", {"unit": None}, "'unit' is missing"),
+    ("no such unit", {"unit": "furlongs"}, "unit 'furlongs'"),
+    ("masses", {"modal_masses": [[1.0, -1.0]]}, "expected masses above 0"),
+    ("nodes", {"nodes": [[0, 0], [1, 1]]}, "'nodes': expected any × 3 numbers, found 2 × 2"),
+    ("ragged", {"nodes": [[0, 0, 0], [1, 1]]}, "'nodes': expected numbers, rows of the same length"),
+    ("shapes", {"shapes": [[[[0, 0, 1]] * 9]]}, "'shapes': expected 1 × 2 × 9 × 3 numbers"),
+    ("unit shapes", {"shapes": [[[[0, 0, 1]] * 9, [[0, 1, 0]] * 9]]}, "not normalised to mass"),
+    ("descending", {"frequencies_hz": [[0.0, 300.0]]}, "mode 1 has 0 Hz"),
+    ("words", {"frequencies_hz": [["a", "b"]]}, "'frequencies_hz': expected numbers"),
+    ("speeds", {"speeds_rpm": [-1.0]}, "expected different speeds"),
+    ("no axis", {"axis": None}, "'axis' and 'origin': expected both or neither"),
+    ("axis nought", {"axis": [0, 0, 0]}, "expected a direction"),
+    ("a set", {"set_TIP": [9]}, "from 0 to 8"),
+    ("cells", {"cells_hexahedron": [[0, 1]]}, "rows of 8 whole numbers"),
+    ("no such cells", {"cells_cube": [[0, 1]]}, "cells_ and one of hexahedron"),
+    ("damping", {"damping_ratios": [[0.1]]}, "'damping_ratios': expected 1 × 2"),
+    ("labels", {"node_labels": [1, 2]}, "expected 9 whole numbers"),
+    ("another speed", {"speeds_rpm": [4000.0]}, "known from 4000 to 4000 rpm"),
+]
+
+
+@pytest.mark.parametrize(("keys", "message"), [pytest.param(*rest, id=name) for name, *rest in BAD_KEYS])
+def test_a_spoilt_neutral_file(spindamp: Command, tmp_path: Path, keys: dict[str, Any], message: str) -> None:
+    data = {name: value for name, value in (small() | keys).items() if value is not None}
+    (tmp_path / "bar.json").write_text(json.dumps(data))
+    scene = write(OF_THE_BAR, tmp_path / "scene.toml")
+    refused(spindamp("check", scene), f"{scene}: ", message)
+
+
+BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
+    ("no such file", {"structure__modes": "none.json"}, "[structure] modes = 'none.json': no such file"),
+    ("a folder", {"structure__modes": "."}, "found a folder"),
+    ("another kind", {"structure__modes": "scene.toml"}, "expected a file of modes whose name ends in"),
+    ("two speeds", {"rotor__speeds": ["0 rpm", "3000 rpm"]}, "known from 3000 to 3000 rpm"),
+    ("speeds of a file", {"structure__modes": {"3000rpm": "bar.json", "x": "bar.json"}}, "[structure] modes"),
+    ("another unit", {"structure__unit": "m"}, "says 'mm': leave this out"),
+    ("no place", {"damper__at": None}, "[damper] at: missing"),
+    ("no set", {"damper__at": "TOP"}, "expected one of its sets of nodes: TIP"),
+    ("no node", {"damper__at": 12}, "no such node: expected a number from 1 to 9"),
+    ("a plate's place", {"damper__at": ["200 mm", "0 mm"]}, "expected three lengths"),
+    ("off", {"damper__at": ["400 mm", "0 mm", "0 mm"]}, "m off the structure"),
+    ("at rest", {"damper__at": 1}, "the first mode does not move this place"),
+    ("along the load", {"damper__direction": [1, 0, 0]}, "along the load"),
+    ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
+    ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "know no surface"),
+    ("radius", {"rotor__radius": "200 mm"}, "knows where its nodes are"),
+    ("misspelt", {"structure__mas_unit": "kg"}, "did you mean 'mass_unit'"),
+]
+
+
+@pytest.mark.parametrize(("keys", "message"), [pytest.param(*rest, id=name) for name, *rest in BAD_SCENES])
+def test_a_wrong_scene_of_known_modes(spindamp: Command, tmp_path: Path, keys: dict[str, Any], message: str) -> None:
+    (tmp_path / "bar.json").write_text(json.dumps(small()))
+    scene = write(changed(OF_THE_BAR, **keys), tmp_path / "scene.toml")
+    refused(spindamp("check", scene), f"{scene}: ", message)
+
+
+def test_a_bar_of_nine_nodes(spindamp: Command, tmp_path: Path) -> None:
+    """A set of nodes for the place, the file's own axis: M2 = 1/phi², tilt = 2/L of a parabola, and modes listed."""
+    (tmp_path / "bar.json").write_text(json.dumps(small()))
+    scene = write(OF_THE_BAR, tmp_path / "scene.toml")
+    found = json.loads(spindamp("check", scene, "--json").out)["seat"]
+    assert found["modes"][0]["mass"][0] == pytest.approx((2e-6 * 200**2) ** -2)
+    assert found["modes"][0]["floor_tilt"][0] == pytest.approx(2 / 0.2)
+    assert found["modes"][1]["floor_tilt"][1] == pytest.approx(1 / 0.2)
+    assert "9 nodes" in spindamp("modes", scene).out
+    refused(spindamp("modes", scene, "--out", "x.csv"), "--out = 'x.csv': expected a name that ends in .npz or .json")
+    refused(spindamp("modes", "structure"), "structure.toml: [plate]", "modes are those of a plate")

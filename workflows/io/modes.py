@@ -1,0 +1,77 @@
+"""The neutral file of a structure's modes, and what is printed of them."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.errors import BadInput
+from workflows.formatting import aligned, amount, fixed
+from workflows.solve.results import rounded_rpm
+
+if TYPE_CHECKING:
+    from fem.modal_model import ModalModel
+
+
+def named(file: str | os.PathLike[str], key: str = "file") -> Path:
+    """The path of a neutral file.
+
+    Raises:
+        BadInput: its name does not end in .npz or .json, or it is a folder.
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".npz", ".json"):
+        raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
+    return path
+
+
+def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file") -> Path:
+    """Write the neutral file, whole or not at all; what was there is replaced.
+
+    Raises:
+        BadInput: it cannot be written.
+    """
+    from fem.modal_files import write
+
+    path = named(file, key)
+    fresh = path.with_name(f".{secrets.token_hex(8)}{path.suffix.lower()}")
+    try:
+        write(model, fresh)
+        os.replace(fresh, path)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error
+    finally:
+        fresh.unlink(missing_ok=True)
+    return path
+
+
+def dumps(model: ModalModel) -> str:
+    """The neutral file as JSON."""
+    from fem.modal_files import document
+
+    plain = {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in document(model).items()}
+    return json.dumps(plain, allow_nan=False)
+
+
+def text(model: ModalModel, file: Path | None) -> str:
+    """What a person reads: frequencies and families at each speed."""
+    from fem.modal_model import families
+
+    rows = [("rpm", "mode", "Hz", "family")]
+    for modes in model.speeds:
+        names = families(model, modes)
+        rows += [
+            (fixed(rounded_rpm(modes.omega)) if k == 0 else "", str(k + 1), amount(float(hz)), name)
+            for k, (hz, name) in enumerate(zip(modes.frequencies_hz, names, strict=True))
+        ]
+    lines = [f"Real modes, without Coriolis forces, at {len(model.points)} nodes", "", *aligned(rows)]
+    if file is not None:
+        lines += ["", f'name it in a scene: [structure] modes = "{file}"']
+    return "\n".join(lines)

@@ -1,0 +1,123 @@
+"""A solid blade of a scene: its mesh, root and spin axis read and checked, its matrices and modes over speeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workflows.errors import BadInput
+from workflows.progress import LOG
+from workflows.scene.load import SceneFile
+from workflows.solve import resources
+from workflows.solve.known_modes import SpaceStructure, seat_of, turning
+
+if TYPE_CHECKING:
+    import fem
+    from fem.meshes.volume import VolumeMesh
+    from fem.solid.blade import Blade
+    from fem.solid.model import SolvedBlade
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A scene, the same as another where what its blade depends on is."""
+
+    key: str
+    source: SceneFile = field(compare=False)
+
+
+def blade_structure(source: SceneFile) -> SpaceStructure:
+    """The structure of a scene with a [blade], with the scene's damper on it.
+
+    Raises:
+        BadInput: the mesh, its root or the damper's place is no good; it needs more memory than there is.
+        Divergence, NoEquilibrium: it has no stable state at the highest speed.
+    """
+    scene = source.scene
+    rotor = scene.rotor.model_dump_json(exclude={"gravity"})
+    key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
+    solved = _solved(_Asked(key, source))
+    model = solved.model()
+    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model)
+    return SpaceStructure(
+        model=model,
+        modes=solved.at,
+        seat=seat,
+        described=in_words(source, solved.operators.blade),
+        remarks=(*_remarks(solved.operators.blade.mesh), *remarks),
+        sha256=source.mesh_sha256,
+        coriolis=solved.coriolis_shifts,
+    )
+
+
+@lru_cache(maxsize=2)
+def _solved(asked: _Asked) -> SolvedBlade:
+    """The blade at the speeds of a scene, kept for other dampers on it."""
+    from fem import Effects
+    from fem.solid.assembly import assemble_solid
+    from fem.solid.model import SolvedBlade
+
+    source = asked.source
+    scene, blade = source.scene, blade_of(source)
+    LOG.info("blade: %s", in_words(source, blade))
+    operators = assemble_solid(blade, Effects(large_deflection=True, coriolis=True))
+    speeds = np.array(scene.rotor.speeds)
+    return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
+
+
+_FINEST = 1e-5
+"""Least relative error of frequencies between solved speeds that is asked for."""
+
+
+def blade_of(source: SceneFile) -> Blade:
+    """The blade of a scene.
+
+    Raises:
+        BadInput: the mesh or its root is no good; it needs more memory than there is.
+    """
+    from fem import Material, MeshError
+    from fem.meshes.volume import read_volume
+    from fem.modal_model import ModalModel
+    from fem.solid.blade import Blade, named_root, root_at
+
+    scene, path = source.scene, source.blade_mesh
+    given, material = scene.blade, scene.material
+    if given is None or material is None or path is None:
+        raise ValueError("the scene has no [blade]")
+    try:
+        mesh = read_volume(path, given.scale)
+    except MeshError as error:
+        text = str(error).removeprefix(f"{path}: ")
+        raise BadInput(text, file=source.name, key="[blade] mesh", value=given.mesh) from error
+    resources.check_blade(source, 3 * len(mesh.points))
+    plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
+    about = turning(source, plain)
+    stuff: fem.Material = Material(material.youngs_modulus, material.poissons_ratio, material.density)
+    try:
+        if given.root is not None and given.root_radius is None:
+            root = named_root(mesh, given.root)
+        else:
+            root = root_at(mesh, about.axis, about.origin, given.root_radius)
+        return Blade(mesh, stuff, root, about.axis, about.origin)
+    except MeshError as error:
+        raise BadInput(str(error), file=source.name, key="[blade] root", value=given.root) from error
+
+
+def in_words(source: SceneFile, blade: Blade) -> str:
+    """The mesh of a blade: what it is made of, and how much of it is held."""
+    cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
+    unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
+    name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
+    return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held"
+
+
+def _remarks(mesh: VolumeMesh) -> tuple[str, ...]:
+    if not mesh.first_order:
+        return ()
+    return (
+        "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors beside the"
+        " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20).",
+    )
