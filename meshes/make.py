@@ -190,7 +190,7 @@ FAN = Airfoil(0.24, 0.11, 0.007, 0.95, 0.45, pretwist=42.0, camber=12.0, sweep=0
 
 def main() -> None:
     """Write every mesh beside this file."""
-    write_inp(HERE / "fan_blade.inp", solid(FAN), "A twisted fan blade in m, x from the spin axis")
+    write_inp(HERE / "fan_blade.inp", solid(FAN, (16, 8, 2)), "A twisted fan blade in m, x from the spin axis")
     meshes = {f"plate_{name}": plate(*cells) for name, cells in RESOLUTIONS.items()}
     meshes |= {"blade": blade(), "plate_with_hole": plate_with_hole()}
     for name, mesh in meshes.items():
