@@ -182,6 +182,8 @@ SPOILT_FRD: list[tuple[str, Callable[[str], str], str]] = [
     ("frequency nought", sub(r"(CL  10\d) 198.6395470", r"\1 000.0000000"), "mode 1 has 0 Hz"),
     ("no frequency", sub(r"(CL  10\d) 198.6395470", r"\1 abc.abcdefg"), "hold no frequency"),
     ("another frequency", sub(r"(CL  10\d) 198.6395470", r"\1 298.6395470"), "is not the square"),
+    ("a mode less", sub(r"(1PMODE +2 *\n.*\n) -4  DISP ", r"\1 -4  DISQ "), "mode 2 is missing"),
+    ("no number", sub(r"1PGM +1.0", "1PGM                x.0", 9), "cannot be read"),
     ("no modal mass", sub(r"^    1PGM.*\n", "", 9), "no modal mass"),
     ("no modal mass to speak of", sub(r"1PGM +1.0", "1PGM                0.0", 9), "modal mass of 0"),
     ("shapes of displacement 1", lambda t: unit_shapes(t), "not normalised to mass"),
