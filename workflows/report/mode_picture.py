@@ -37,7 +37,7 @@ def main() -> None:
     # Imported first and fed afterwards: the caller computes the modes while this process loads VTK.
     with np.load(io.BytesIO(sys.stdin.buffer.read())) as archive:
         points, cells, outline, shape = (archive[name] for name in ("points", "cells", "outline", "shape"))
-        thick = bool(archive["thick"])
+        thick = "thick" not in archive or bool(archive["thick"])
     faces = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
     ends = outline if len(outline) else cells[:, :2]
     at_rest = pv.PolyData(points, lines=np.column_stack([np.full(len(ends), 2), ends]).ravel())

@@ -116,7 +116,7 @@ class Sight:
         surface: with or without shapes; `speeds` are those that `surface.at` counts.
         mark: where the damper is, (x, y) on a plate, (x, y, z) in space as it is drawn [m]; None where there is none.
         thickness: of the whole plate [m]; None where it varies or is not known.
-        root: what the root is, in words.
+        root: what the root is, in words; empty where none is known.
         facts: what was understood, name and words of each; `numbers` the same for programs.
     """
 
@@ -128,6 +128,11 @@ class Sight:
     root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
+
+    @property
+    def carrier(self) -> str:
+        """What it is, in a word."""
+        return "plate" if self.surface.frame is None else "structure"
 
 
 def of_plate(
@@ -147,7 +152,7 @@ def of_plate(
         speeds=speeds,
         mark=mark,
         thickness=thickness if isinstance(thickness, float) else None,
-        root=figures.held(scene),
+        root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
         numbers=numbers,
     )

@@ -438,7 +438,7 @@ function start(figure) {
     const found = speed().modes[mode];
     const text = `${found.family} mode at ${number(speed().rpm)} rpm: ${found.hz.toFixed(2)} Hz`;
     says.textContent = text;
-    canvas.setAttribute("aria-label", `The plate in three dimensions, ${text}. Arrow keys turn it.`);
+    canvas.setAttribute("aria-label", `${canvas.ariaLabel.split(/ in three|,/)[0]} in three dimensions, ${text}. Arrow keys turn it.`);
     figure.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: { speed: at, rpm: speed().rpm, mode } }));
     later();
   }

@@ -328,13 +328,16 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
 
 def _carried(scored: Scored) -> list[str]:
     """That ball and floor carry the load, where their materials are known."""
-    share = dict(scored.used).get("hardness")
-    if share is None:
+    used = dict(scored.used)
+    if "hardness" not in used:
         return [
             "Whether the floor carries the ball is not checked: that takes ball_material and [damper] floor_material."
         ]
+    yields = used.get("first yield")
+    of_yield = "" if yields is None else f", and its load {_percent(yields)} % of what is allowed in first yields"
     return [
-        f"Ball and floor carry the load at all speeds: its mean pressure is {_percent(share)} % of what is allowed."
+        f"Ball and floor carry the load at all speeds: its mean pressure is {_percent(used['hardness'])} % of what is"
+        f" allowed{of_yield}."
     ]
 
 
