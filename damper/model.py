@@ -345,6 +345,8 @@ class ParticleDamper:
             holds up to that speed. Between two pairs e is linear in the logarithm of the speed; above the last it falls
             as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
             One pair thus stands for a yield speed; none: e is the same at all speeds.
+        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
+            up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
@@ -388,6 +390,7 @@ class ParticleDamper:
     stagger: float = 0.0
     modes: tuple[Mode, ...] | None = None
     restitution_by_speed: tuple[tuple[float, float], ...] = ()
+    break_away: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
@@ -402,6 +405,8 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
+        if not 0 <= number("break_away", self.break_away) < math.inf:
+            raise ValueError(f"break_away must be at least 0 and finite, got {self.break_away:g}")
         validate(_row(self))
         for name in ("stiffness", "cavity", "floor_tilt", "floor_radius"):  # lists and arrays have no hash
             if getattr(self, name) is not None:
@@ -472,6 +477,11 @@ class ParticleDamper:
     def rolling_threshold(self) -> float:
         """a_r = mu_r N / (r m_p): the structure's acceleration above which a stuck ball rolls [m/s^2]."""
         return float(rolling_threshold(self.parameters)[0])
+
+    @property
+    def break_away_threshold(self) -> float:
+        """The same for a ball in its dent, a_r + Omega**2 R times the slope of the rim [m/s^2]."""
+        return self.rolling_threshold + self.break_away * self.centrifugal_acceleration
 
     @property
     def inertia_ratio(self) -> float:
