@@ -224,14 +224,23 @@ def thinned(surface: Surface, most: int) -> Thinned:
 
 
 def _clustered(surface: Surface, most: int) -> Thinned:
-    """A surface in space whose points in each cube of a grid are one, that nearest to the cube's middle."""
-    points = surface.points
+    """A surface in space whose points in each cube of a grid that face the same way are one.
+
+    It is one at which edges meet, or else the one next to the cube's middle.
+    """
+    points, corners = surface.points, surface.points[surface.cells[1]]
+    facing = np.zeros_like(points)
+    for column in surface.cells[1].T:
+        np.add.at(facing, column, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    way = np.abs(facing).argmax(axis=1)
+    way = np.where(facing[np.arange(len(points)), way] < 0.0, way + 3, way)
+    met = np.bincount(surface.outline.ravel(), minlength=len(points))
     spacing = float(np.ptp(points, axis=0).max()) / np.sqrt(most)
     while True:
         square = np.floor((points - points.min(axis=0)) / spacing)
         off = np.linalg.norm((points - points.min(axis=0)) / spacing - square - 0.5, axis=1)
-        _, cube = np.unique(square, axis=0, return_inverse=True)
-        order = np.lexsort((off, cube.ravel()))
+        _, cube = np.unique(np.column_stack([square, way]), axis=0, return_inverse=True)
+        order = np.lexsort((off, -np.where(met == 2, 1, met), cube.ravel()))
         kept = order[np.unique(cube.ravel()[order], return_index=True)[1]]
         if len(kept) <= most:
             break
