@@ -9,7 +9,7 @@ Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the poly
 
 How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
 is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
-more by four times the factor by which it fell last, where it falls by the square of that.
+more by ten times the factor by which it fell last, where it falls by the square of that.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem.linalg import Factor
+    from fem.linalg import Factor, Solver
     from fem.solid.assembly import SolidOperators
 
     Array = NDArray[np.float64]
@@ -54,7 +54,10 @@ SETTLED = 1e-10
 FLOOR = 1e-8
 """Least relative error of frequencies that is claimed: of what Davidson's method and rounding leave."""
 
-CAUTION = 4.0
+NEIGHBOURS = 5
+"""Speeds by whose states, and their slopes, another state is foretold."""
+
+CAUTION = 10.0
 """Factor on what a point more leaves of the error: modes exchange theirs where they cross."""
 
 LINEAR = 0.1
@@ -186,9 +189,24 @@ class _Solved:
     states: dict[float, Array] = field(default_factory=dict)
     values: dict[float, Array] = field(default_factory=dict)
     shapes: dict[float, Array] = field(default_factory=dict)
+    slopes: dict[float, Array] = field(default_factory=dict)
 
-    def add(self, square: float, state: Array, values: Array, shapes: Array) -> None:
-        self.states[square], self.values[square], self.shapes[square] = state, values, shapes
+    def add(self, square: float, state: Array, slope: Array, values: Array, shapes: Array) -> None:
+        """Know a speed; slope: what the state (n,) changes by Omega²."""
+        self.states[square], self.slopes[square] = state, slope
+        self.values[square], self.shapes[square] = values, shapes
+
+    def foretold(self, square: float) -> Array:
+        """The state (n,) at another speed, by the polynomial that has the states known and their slopes."""
+        from scipy.interpolate import KroghInterpolator
+
+        low, bend = min(self.states), self.bend
+        here = np.log1p((square - low) / bend)
+        at, values = [], []
+        for each in sorted(self.states, key=lambda each: abs(np.log1p((each - low) / bend) - here))[:NEIGHBOURS]:
+            at += [np.log1p((each - low) / bend)] * 2
+            values += [self.states[each], self.slopes[each] * (bend + each - low)]
+        return np.asarray(KroghInterpolator(at, values)(here))
 
     @property
     def bend(self) -> float:
@@ -203,7 +221,7 @@ def sweep_blade(
     speeds: Array,
     count: int = 6,
     *,
-    tolerance: float = 3e-5,
+    tolerance: float = 2e-4,
     progress: Callable[[int], None] | None = None,
 ) -> BladeSweep:
     """Solve a blade for all speeds from the lowest to the highest of some (k,) in rad/s.
@@ -233,14 +251,14 @@ def sweep_blade(
     while parts <= FINEST:
         foretelling = _gathered(operators, known, count, errors)
         before, missed = missed, np.zeros(count)
-        for k in range(1, parts, 2):
+        for k in range(parts - 1, 0, -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
             guess = foretelling.modes(square**0.5)[0]
             _solve_between(operators, square, known, foretelling, last.factor)
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
             if progress is not None:
                 progress(len(known.states))
-        falling = min(float((missed / np.maximum(before, FLOOR)).max()), 1.0)
+        falling = float(missed.max() / before.max())
         errors = np.full(count, FLOOR + min(CAUTION * falling, 1.0) * float(missed.max()))
         if errors.max() <= tolerance:
             break
@@ -259,8 +277,14 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
     wanted = min(count + SPARE, operators.load.size)
     modes = solve_real(operators, omega, stiffness, wanted, state)
     operators.keep(modes.factor)
-    known.add(omega**2, state, modes.eigenvalues, modes.shapes)
+    known.add(omega**2, state, _slope(operators, state, modes.factor), modes.eigenvalues, modes.shapes)
     return modes
+
+
+def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
+    """What a state (n,) changes by Omega², by what solves the stiffness about it."""
+    load = operators.load
+    return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
 def _solve_between(
@@ -268,14 +292,16 @@ def _solve_between(
 ) -> None:
     """Solve a speed with the factor of another."""
     omega = square**0.5
-    state = equilibrium(operators, omega, foretelling.state(omega))
+    state = equilibrium(operators, omega, known.foretold(square))
     stiffness = tangent(operators, omega, state)
+    slope = _slope(operators, state, operators.solver(stiffness))
     start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
+    factor = operators.known[-1] if operators.known else factor
     found = lowest_modes(stiffness, operators.mass, start, factor, SETTLED)
     if found is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
         found = modes.eigenvalues, modes.shapes
-    known.add(square, state, *found)
+    known.add(square, state, slope, *found)
 
 
 def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Array) -> BladeSweep:

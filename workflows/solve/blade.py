@@ -84,7 +84,7 @@ def _solved(asked: _Asked) -> SolvedBlade:
     return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
 
 
-_FINEST = 1e-5
+_FINEST = 2e-4
 """Least relative error of frequencies between solved speeds that is asked for."""
 
 
