@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import fem
     from fem.meshes.volume import VolumeMesh
     from fem.solid.blade import Blade
-    from fem.solid.model import SolvedBlade
+    from fem.solid.sweep import SolvedBlade
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def _solved(asked: _Asked) -> SolvedBlade:
     """The blade at the speeds of a scene, kept for other dampers on it."""
     from fem import Effects
     from fem.solid.assembly import assemble_solid
-    from fem.solid.model import SolvedBlade
+    from fem.solid.sweep import SolvedBlade
 
     source = asked.source
     scene, blade = source.scene, blade_of(source)
