@@ -243,7 +243,7 @@ def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[floa
     Without dashpots the amplitudes of the modes stay; with them, the sum of their squares falls.
     """
     low, high = system.low[system.group[i]], system.high[system.group[i]]
-    bias = total = reaches = squares = 0.0
+    bias, total, reaches, squares = system.lateral[i], 0.0, 0.0, 0.0
     for k in range(low, high):
         bias += system.bias[i, k] * z[k]
         deflection = swing = 0.0

@@ -348,7 +348,7 @@ def gather(g: int, time: float, it: Record) -> int:
         source[m], source[count + m] = motion.z[low + m], motion.rate[low + m] * span
     sources = 2 * count
     for i in range(system.first[g], system.last[g]):
-        source[sources] = _resisting(it.axes[i], it.ball)
+        source[sources] = _resisting(it.axes[i], it.ball) - system.lateral[i]
         sources += 1
     if system.frequency > 0.0:
         angle = system.frequency * time + system.phase

@@ -39,7 +39,7 @@ class Bounds(NamedTuple):
         hold: abs(B q) is at most hold sqrt(2 V), shape (n, 2).
         damped: abs(B q') is at most damped times the root of the dashpots' power; inf without dashpots, shape (n, 2).
         skew: abs(A), which couples the axes, shape (n,) [1/s²].
-        bowl: abs(m s (D - N) s / 2) at most, shape (n,) [J].
+        bowl: abs(m s (D - N) s / 2 - m s a) at most, a the lateral acceleration, shape (n,) [J].
         pull: abs(m E s) at most, shape (n, k) [N].
     """
 
@@ -102,20 +102,21 @@ def bounds_of(rows: Parameters, structures: Structures) -> Bounds:
     even = 0.5 * (turned + turned.transpose(0, 2, 1))
     sag = ball**2 * (pull / spring) @ pull.transpose(0, 2, 1) - ball * curve
     corner = 0.5 * gap[:, :, None] * gap[:, None, :]
+    leaning = rows["ball_mass"] * (np.abs(rows["lateral_acceleration"]) * gap).sum(axis=1)
     (x, xy), y = compliance[:, 0].T, compliance[:, 1, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         damped = np.where(drive == 0, 0.0, drive**2 / dashpot).sum(axis=2)
     return Bounds(
         ball=rows["ball_mass"],
         gap=gap,
-        depth=(corner * np.where(np.eye(2) > 0, np.maximum(sag, 0.0), np.abs(sag))).sum(axis=(1, 2)),
+        depth=leaning + (corner * np.where(np.eye(2) > 0, np.maximum(sag, 0.0), np.abs(sag))).sum(axis=(1, 2)),
         mobility=0.5 * (x + y) + np.hypot(0.5 * (x - y), xy),
         flexibility=(structures.shape**2 / spring).sum(axis=2),
         drive=np.sqrt((drive**2 / mass).sum(axis=2)),
         hold=np.sqrt((drive**2 / spring).sum(axis=2)),
         damped=np.sqrt(damped),
         skew=0.5 * np.abs(turned[:, 0, 1] - turned[:, 1, 0]),
-        bowl=(corner * ball * np.abs(curve - even)).sum(axis=(1, 2)),
+        bowl=leaning + (corner * ball * np.abs(curve - even)).sum(axis=(1, 2)),
         pull=(ball * np.abs(pull.transpose(0, 2, 1)) @ gap[:, :, None])[..., 0],
     )
 
@@ -279,8 +280,8 @@ def check_hits(run: RingDown, rows: Records) -> None:
 
     from damper.impacts import restitutions
 
-    e = np.empty_like(before)
-    restitutions(np.asarray(before), balls_of(run.damper.parameters, np.zeros(1))[0], e)
+    e = np.empty(len(before))
+    restitutions(np.asarray(before, np.float64), balls_of(run.damper.parameters, np.zeros(1))[0], e)
     error = np.where((kind == HIT) & ~rests, abs(after - e * before), 0.0)
     require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
     require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)
@@ -330,7 +331,7 @@ def _drive_in_modes(runs: Records) -> Floats:
         np.einsum("nij,nj->ni", system[name], state[each]) for name, each in (("deflection", "z"), ("swing", "rate"))
     ]
     swing = (system["reach"] * np.hypot(*parts)[:, None]).sum(axis=2)
-    bias = (system["bias"] * state["z"][:, None]).sum(axis=2)
+    bias = system["lateral"] + (system["bias"] * state["z"][:, None]).sum(axis=2)
     place, gap = np.take_along_axis(state["z"], system["place"], axis=1), runs["axes"]["half_gap"]
     forward, back = (np.where(d * place < gap, d * bias + swing, 0.0) for d in (-1, 1))
     return cast("Floats", np.maximum(forward, back))
@@ -353,7 +354,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     omega = np.sqrt(structures.spring[0] / damper.stuck_mass)
     slope = abs(curve - damper.ball_mass * pull**2 / structures.spring[0]) * bounds.gap[0]
     with np.errstate(divide="ignore"):
-        most = (damper.rolling_threshold + slope) / _drive_of_amplitude(damper)
+        most = (damper.rolling_threshold + np.abs(damper.lateral_acceleration) + slope) / _drive_of_amplitude(damper)
     amplitude = np.where(bounds.gap[0] > 0, most, np.inf)
     most = math.hypot(*(omega * amplitude)) * float(_decay(damper.damping_ratio)) * (1 + BOOKS)
     require("a ball rests below the cut-off", "velocity maximum after its last motion [m/s]", velocity, most)
@@ -374,7 +375,7 @@ def check_rest_amplitude(damper: ParticleDamper, amplitude: float) -> None:
         LawViolation: it is another.
     """
     if damper.modes is None:
-        threshold = damper.rolling_threshold
+        threshold = damper.leaving_threshold
         error = abs(_drive_of_amplitude(damper)[0] * amplitude - threshold)
         law = "at its cut-off a ball is driven by the rolling threshold"
         require(law, "error of the drive [m/s²]", error, EXACT * threshold)

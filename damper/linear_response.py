@@ -73,9 +73,10 @@ def moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
     from damper.slip import MARGIN
 
-    threshold = MARGIN * np.where(half_gap(rows) > 0, rolling_threshold(rows)[:, None], np.inf)
+    left = rolling_threshold(rows)[:, None] - np.abs(rows["lateral_acceleration"])
+    threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.where(drive > 0, threshold / drive, np.inf)
+        factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))
     least: Floats = factor.min(axis=1)
     return least
 

@@ -42,6 +42,7 @@ PARAMETERS = np.dtype(
         ("floor_friction", "f8"),  # 0: no slip
         ("floor_tilt", "f8", 2),
         ("floor_radius", "f8", 2),  # inf: flat
+        ("lateral_acceleration", "f8", 2),
         ("rotation", "f8"),
         ("stagger", "f8"),
         ("printed", "?"),
@@ -137,7 +138,7 @@ def validate(rows: Parameters) -> None:
         "floor_friction",
     ):
         _require(rows[name] >= 0, name, rows[name], "≥ 0")
-    for name in ("floor_tilt", "rotation", "stagger"):
+    for name in ("floor_tilt", "lateral_acceleration", "rotation", "stagger"):
         _require(np.isfinite(rows[name]), name, rows[name], "finite")
     steep = np.abs(rows["floor_tilt"]) * rows["ball_radius"][:, None]
     _require(
@@ -219,8 +220,9 @@ def in_plane(rows: Parameters) -> Floats:
 def level(rows: Parameters) -> npt.NDArray[np.bool_]:
     """Whether the load pulls the ball to no side, wherever structure and ball are, shape (n,)."""
     bent = (rows["floor_tilt"] != 0).any(axis=1) | np.isfinite(rows["floor_radius"]).any(axis=1)
-    still: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & ((rows["centrifugal_acceleration"] == 0) | ~bent)
-    return still
+    bent &= rows["centrifugal_acceleration"] != 0
+    square: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & (rows["lateral_acceleration"] == 0).all(axis=1) & ~bent
+    return square
 
 
 def energy(rows: Parameters, state: npt.NDArray[Any]) -> Floats:
@@ -347,6 +349,9 @@ class ParticleDamper:
             One pair thus stands for a yield speed; none: e is the same at all speeds.
         break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
             up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
+        lateral_acceleration: part of the load along x and y, which pulls the ball along the floor at all times, as on a
+            floor that is not square to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
+            Displacements are counted from where the structure stands with the ball in the middle of its cavity.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
@@ -391,6 +396,7 @@ class ParticleDamper:
     modes: tuple[Mode, ...] | None = None
     restitution_by_speed: tuple[tuple[float, float], ...] = ()
     break_away: float = 0.0
+    lateral_acceleration: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
@@ -408,7 +414,8 @@ class ParticleDamper:
         if not 0 <= number("break_away", self.break_away) < math.inf:
             raise ValueError(f"break_away must be at least 0 and finite, got {self.break_away:g}")
         validate(_row(self))
-        for name in ("stiffness", "cavity", "floor_tilt", "floor_radius"):  # lists and arrays have no hash
+        pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
+        for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, pair(name, getattr(self, name)))
         if self.modes is not None:
@@ -421,7 +428,7 @@ class ParticleDamper:
 
     @property
     def level(self) -> bool:
-        """Whether the load pulls the ball to no side, as in the paper: the floor neither tilts nor is curved."""
+        """Whether the load pulls the ball to no side, as in the paper: on a floor square to it, always."""
         return bool(level(self.parameters)[0])
 
     @property
@@ -479,9 +486,14 @@ class ParticleDamper:
         return float(rolling_threshold(self.parameters)[0])
 
     @property
+    def leaving_threshold(self) -> float:
+        """Drive along x above which a ball leaves where it rests for good: with a lateral pull, at a wall [m/s^2]."""
+        return self.rolling_threshold + abs(self.lateral_acceleration[0])
+
+    @property
     def break_away_threshold(self) -> float:
-        """The same for a ball in its dent, a_r + Omega**2 R times the slope of the rim [m/s^2]."""
-        return self.rolling_threshold + self.break_away * self.centrifugal_acceleration
+        """The same for a ball in its dent, by Omega**2 R times the slope of the rim more [m/s^2]."""
+        return self.leaving_threshold + self.break_away * self.centrifugal_acceleration
 
     @property
     def inertia_ratio(self) -> float:

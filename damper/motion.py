@@ -45,6 +45,8 @@ class Flights:
         system, z, rate = self.runs["system"], self.runs["motion"]["z"], self.runs["motion"]["rate"]
         twice = np.einsum("ni,nij,nj->n", rate, system["mass"], rate)
         twice += np.einsum("ni,nij,nj->n", z, system["spring"], z)
+        place = np.take_along_axis(z, system["place"], axis=1)
+        twice -= 2 * rows["ball_mass"] * (system["lateral"] * place).sum(axis=1)
         total: Floats = 0.5 * (twice + spin_mass(rows) * (self.runs["axes"]["spin"] ** 2).sum(axis=1))
         return total
 

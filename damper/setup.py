@@ -113,6 +113,8 @@ def _flows(of: Equations, step: Floats, driven: int) -> Floats:
     order = (np.arange(1, TERMS + 1) * np.arange(2, TERMS + 2))[:, None, None, None, None]
     cavity, here = _product(of.shape, terms), terms[:TERMS]
     drive = of.sway[:, None] * wave[:TERMS] - cavity[2:] * (order / step**2) - _product(of.pull, here)
+    for axis in range(len(of.sway)):  # what resists a ball stuck along the axis is nothing but a lateral pull
+        drive[0, :, axis, pressed.start + axis] -= 1.0
     series = [here, cavity[:TERMS], drive]
     if driven:
         power = _product(of.power[None], here)
@@ -189,6 +191,7 @@ def systems_of(
         _sorted(_inertia(rows, structures), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "span": spans},
+        {"lateral": rows["lateral_acceleration"]},
         {"frequency": equations.frequency, "phase": equations.phase, "flow": np.arange(n)},
         {"several": k > 2 and harmonic is None, "damped": (structures.dashpot > 0).any(axis=1)},
     ):

@@ -208,6 +208,7 @@ _N = MODES + 2
 
 SYSTEM = record(
     ("power", "f8", _N),  # what the harmonic force at its height puts in per velocity [N]
+    ("lateral", "f8", 2),  # acceleration of the ball by the load along the floor [m/s^2]
     ("sway", "f8", 2),  # its acceleration of a stuck ball against the cavity [m/s^2]
     ("frequency", "f8"),  # its own, 0 where there is none [rad/s]
     ("phase", "f8"),

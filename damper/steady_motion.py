@@ -125,6 +125,8 @@ def stored(it: Record) -> float:
     """Energy of structure and ball [J]."""
     system, motion = it.system, it.motion
     twice = it.ball.spin_mass * (it.axes[0].spin ** 2 + it.axes[1].spin ** 2)
+    for i in range(2):
+        twice -= 2.0 * it.ball.mass * system.lateral[i] * motion.z[system.place[i]]
     for m in range(system.coordinates):
         for n in range(system.coordinates):
             twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]

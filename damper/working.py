@@ -137,7 +137,7 @@ def _down(
     gap = bare.half_gap[0]
     if left < _BALANCED:
         return nothing(math.inf), *none
-    cutoff = bare.rolling_threshold / bare.stuck_frequency**2 / left
+    cutoff = bare.leaving_threshold / bare.stuck_frequency**2 / left
     laws.check_rest_amplitude(bare, cutoff)
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return nothing(cutoff), *none

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
@@ -86,6 +86,68 @@ class Factor:
         one = eye_array(n, format="csc")
         found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE)
         return int(np.count_nonzero(found < 0.0))
+
+
+class Solver(Protocol):
+    """What solves with a symmetric matrix."""
+
+    def solve(self, right: Array) -> Array:
+        """Solution for one (n,) or several (n, k) right-hand sides."""
+        ...
+
+    @property
+    def negative(self) -> int:
+        """How many negative eigenvalues the matrix is known to have, once it has solved."""
+        ...
+
+
+INNER = 30
+"""Steps of conjugate gradients after which a factor of the matrix's own is cheaper."""
+
+SOLVED = 1e-7
+"""Residual of conjugate gradients relative to that of nothing, in the norm of the inverse."""
+
+
+@dataclass(eq=False)
+class Nearby:
+    """Solves with a symmetric matrix by conjugate gradients, preconditioned with the factor of a similar one.
+
+    Directions along which the matrix is not positive are noticed on the way. Where the two are not similar enough,
+    `own` makes a factor.
+    """
+
+    matrix: csc_array
+    similar: Factor
+    own: Callable[[csc_array], Factor]
+    negative: int = 0
+    exact: Factor | None = None
+
+    def solve(self, right: Array) -> Array:
+        """Solution for one (n,) or several (n, k) right-hand sides."""
+        if self.exact is not None:
+            return self.exact.solve(right)
+        if right.ndim == 2:
+            return np.column_stack([self.solve(column) for column in right.T])
+        state, residual = np.zeros_like(right), right
+        nearly = self.similar.solve(residual)
+        along, size = nearly, float(residual @ nearly)
+        first = size
+        for _ in range(INNER):
+            if size <= SOLVED**2 * first:
+                return state
+            pushed = self.matrix @ along
+            curved = float(along @ pushed)
+            if curved <= 0.0:
+                self.negative = 1
+                return state if state.any() else along
+            step = size / curved
+            state, residual = state + step * along, residual - step * pushed
+            nearly = self.similar.solve(residual)
+            before, size = size, float(residual @ nearly)
+            along = nearly + size / before * along
+        self.exact = self.own(self.matrix)
+        self.negative = self.exact.negative
+        return self.exact.solve(right)
 
 
 def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
@@ -220,7 +282,7 @@ ROUNDS = 10
 
 
 def lowest_modes(
-    stiffness: csc_array, mass: csc_array, start: Array, factor: Factor, tolerance: float
+    stiffness: csc_array, mass: csc_array, start: Array, factor: Solver, tolerance: float
 ) -> tuple[Array, Array] | None:
     """Find the lowest eigenpairs of (stiffness, mass) that vectors (n, k) to start from lead to, as many as these.
 

@@ -446,8 +446,30 @@ def _polynomial(local: Array, reach: float, degree: int) -> tuple[Array, Array]:
         raise OffTheStructure(f"{len(local)} nodes do not determine a slope")
     terms = next(t for k in range(degree, 0, -1) if (t := _terms(local, k)).shape[1] <= len(local))
     weights = (1.0 - (np.linalg.norm(local, axis=1) / reach) ** 2) ** 2
-    solved = np.linalg.pinv(terms * weights[:, None], rcond=1e-8) * weights
+    weighted = terms * weights[:, None]
+    kept = _independent(weighted)
+    if kept[: 1 + dimension] != list(range(1 + dimension)):
+        raise OffTheStructure("the nodes around it do not determine a slope")
+    solved = np.linalg.pinv(weighted[:, kept]) * weights
     return solved[0], solved[1 : 1 + dimension]
+
+
+_DEPENDENT = 1e-4
+"""Part of a column that is left beside those before it, up to which it counts as one of them."""
+
+
+def _independent(columns: Array) -> list[int]:
+    """Which columns are not made of those before them: a term that nodes cannot tell from lower ones is left out."""
+    kept: list[int] = []
+    basis = np.zeros((len(columns), 0))
+    for number, column in enumerate(columns.T):
+        left = column - basis @ (basis.T @ column)
+        left -= basis @ (basis.T @ left)
+        size = float(np.linalg.norm(left))
+        if size > _DEPENDENT * float(np.linalg.norm(column)):
+            kept.append(number)
+            basis = np.column_stack([basis, left / size])
+    return kept
 
 
 _SAMPLES = 48

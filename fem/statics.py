@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor
+    from fem.linalg import Solver
     from fem.operators.assembly import Body, StressedBody
     from fem.plate import ElasticRoot
 
@@ -147,7 +147,7 @@ def equilibrium(operators: Body, omega: float, start: Array | None = None) -> Ar
 
 def settle(
     operators: Body, omega: float, start: Array | None = None, converged: float = BALANCED
-) -> tuple[Array, Factor]:
+) -> tuple[Array, Solver]:
     """The same, with the factor of a stiffness near that of the state.
 
     converged: energy of the last Newton step relative to that of the load; what is left is of the order of its square.
@@ -179,37 +179,6 @@ def settle(
             return found
 
 
-STEPS_BETWEEN = 8
-"""Newton steps with the factor of another speed before one of its own is made."""
-
-INNER = 60
-"""Steps of conjugate gradients in each."""
-
-
-def balance(operators: Body, omega: float, state: Array, factor: Factor) -> Array:
-    """Equilibrium (n,) at a speed near a state (n,), by the factor of the stiffness at another speed.
-
-    Each step of Newton's method is solved by conjugate gradients, with that factor as preconditioner.
-    """
-    from scipy.sparse.linalg import LinearOperator, cg
-
-    target, size = omega**2, operators.load.size
-    nearly = LinearOperator((size, size), matvec=factor.solve, dtype=float)
-    for _ in range(STEPS_BETWEEN):
-        stressed = operators.stressed(state)
-        residual = _unbalanced(operators, target, state, stressed)
-        work = float(abs(target * operators.load @ state))
-        if abs(factor.solve(residual) @ residual) <= ROUNDED * work:
-            return state
-        step, failed = cg(_stiffness(operators, target, stressed), residual, rtol=1e-6, maxiter=INNER, M=nearly)
-        if failed or not np.isfinite(step).all():
-            break
-        state = state + step
-        if abs(step @ residual) <= BALANCED * work:
-            return state
-    return equilibrium(operators, omega, state)
-
-
 def tangent(operators: Body, omega: float, state: Array) -> csc_array:
     """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
     return _stiffness(operators, omega**2, operators.stressed(state))
@@ -217,7 +186,7 @@ def tangent(operators: Body, omega: float, state: Array) -> csc_array:
 
 def newton(
     operators: Body, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
-) -> tuple[Array, Factor] | None:
+) -> tuple[Array, Solver] | None:
     """Equilibrium near a state with the last factor used, or None.
 
     Close to the end a factor is used again as long as that brings the energy down at once. Unless an unstable
@@ -230,13 +199,14 @@ def newton(
         residual = _unbalanced(operators, load, state, stressed)
         if not np.isfinite(residual).all():  # further than the theory reaches
             return None
-        factor = operators.factorise(_stiffness(operators, load, stressed, ahead))
+        factor = operators.solver(_stiffness(operators, load, stressed, ahead))
+        step = factor.solve(residual)
         if factor.negative and number == 0 and not state.any():  # softening is ahead of the stress that will hold it
-            ahead = stressed.ahead(operators.factorise(stressed.stiffness()).solve(residual))
-            factor = operators.factorise(_stiffness(operators, load, stressed, ahead))
+            ahead = stressed.ahead(operators.solver(stressed.stiffness()).solve(residual))
+            factor = operators.solver(_stiffness(operators, load, stressed, ahead))
+            step = factor.solve(residual)
         if factor.negative and not unstable:
             return None
-        step = factor.solve(residual)
         if not np.isfinite(step).all():
             return None
         state = state + step
@@ -259,7 +229,7 @@ def newton(
 
 
 def _again(
-    operators: Body, load: float, state: Array, factor: Factor, energy: float, enough: tuple[float, float]
+    operators: Body, load: float, state: Array, factor: Solver, energy: float, enough: tuple[float, float]
 ) -> tuple[Array, bool]:
     """Steps with a factor that is known, while each has but a small part of the energy of the one before.
 

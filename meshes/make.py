@@ -152,8 +152,8 @@ def solid(shape: Airfoil, cells: tuple[int, int, int] = (12, 6, 1), grade: float
     grade: how many times longer the cells at the tip are than those at the root, about.
     """
     n = [2 * count + 1 for count in cells]
-    steps = np.geomspace(1.0, grade, cells[0])
-    ends = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+    even = np.linspace(0.0, 1.0, cells[0] + 1)
+    ends = even if grade == 1.0 else (grade**even - 1.0) / (grade - 1.0)
     span = np.empty(n[0])
     span[::2], span[1::2] = ends, 0.5 * (ends[1:] + ends[:-1])
     grid = np.meshgrid(span, np.linspace(-1.0, 1.0, n[1]), np.linspace(-1.0, 1.0, n[2]), indexing="ij")
@@ -190,7 +190,7 @@ FAN = Airfoil(0.24, 0.11, 0.007, 0.95, 0.45, pretwist=42.0, camber=12.0, sweep=0
 
 def main() -> None:
     """Write every mesh beside this file."""
-    write_inp(HERE / "fan_blade.inp", solid(FAN), "A twisted fan blade in m, x from the spin axis")
+    write_inp(HERE / "fan_blade.inp", solid(FAN, (16, 8, 2)), "A twisted fan blade in m, x from the spin axis")
     meshes = {f"plate_{name}": plate(*cells) for name, cells in RESOLUTIONS.items()}
     meshes |= {"blade": blade(), "plate_with_hole": plate_with_hole()}
     for name, mesh in meshes.items():

@@ -55,6 +55,26 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "campbell.png").is_file()
 
 
+def test_the_page_on_known_modes_works_word_for_word(tmp_path, monkeypatch, capsys):
+    """The measured blade, whose writer needs NumPy alone; M2 is 1 over the square of the shape at its place."""
+    text = (DOCS / "guide" / "modes.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (scene,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
+    (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    codes = re.findall(r"```python\n(.*?)```", text, flags=re.S)
+    for code in codes:
+        compile(code, "modes.md", "exec")
+    (measured,) = (code for code in codes if "import" in code and code.count("import") == 1)
+    exec(measured, {"__name__": "__main__"})
+    for line in re.findall(r"^spindamp .*mine.toml$", text, flags=re.M):
+        assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
+        said = capsys.readouterr().out
+        if " check " in line:
+            mass = float(re.search(r"^# +1 +310 +flap +(\S+)", said, re.M)[1])
+            assert abs(mass - 1e3 / 2.27**2) < 0.02 * mass
+    assert "the ball adds an equivalent damping ratio" in " ".join(said.split())
+
+
 def test_the_reference_of_scenes_names_every_key():
     spec = importlib.util.spec_from_file_location("reference_of_scenes", DOCS / "reference.py")
     module = importlib.util.module_from_spec(spec)

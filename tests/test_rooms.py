@@ -5,7 +5,7 @@ import pytest
 
 ROOMS = {
     "fem": (
-        *("accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate"),
+        *("solid", "accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate"),
         *("modal_files", "rotor", "modal_model", "meshes"),
     ),
     "workflows": ("cli", "studies", "report", "io", "solve", "effects", "scene"),

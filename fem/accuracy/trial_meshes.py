@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor
+    from fem.linalg import Solver
     from fem.operators.assembly import Operators
 
     Array = NDArray[np.float64]
@@ -135,7 +135,7 @@ def _from(operators: Operators, known: Modes, speed: float, exact: float, start:
 
 def _near(
     operators: Operators, known: Modes, speed: float, exact: float, start: Array | None
-) -> tuple[csc_array, Array | None, Factor]:
+) -> tuple[csc_array, Array | None, Solver]:
     """The stiffness (n, n) at a speed, the state it is taken about, and the factor of a similar one."""
     if not operators.effects.large_deflection:
         return operators.at(speed), None, known.factor

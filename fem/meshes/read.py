@@ -137,7 +137,7 @@ def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     if others:
         raise MeshError(
             f"a plate needs a mesh of its mid-surface, but the file holds {others}: mesh the surface half-way through"
-            " the thickness with triangles or quadrilaterals"
+            " the thickness with triangles or quadrilaterals, or name the volume's mesh as [blade] mesh"
         )
     triangles = _cells(raw, TRIANGLES, 3)
     quads = _cells(raw, QUADS, 4)
@@ -170,7 +170,7 @@ def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
     if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
         raise MeshError(
             f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}:"
-            " a twisted or cambered blade needs a flat one, or a finite-element program for solids"
+            " a twisted or cambered blade is a solid: name a mesh of its volume as [blade] mesh"
         )
     return points[:, :2]
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor
+    from fem.linalg import Factor, Solver
     from fem.plate import Plate
     from fem.rotor import Effects, Rotor
     from fem.theory.discretisation import Discretisation
@@ -103,6 +103,10 @@ class Body(Protocol):
         """Factor of a matrix over its unknowns."""
         ...
 
+    def solver(self, matrix: csc_array) -> Solver:
+        """What solves a stiffness on the way to an equilibrium: its factor, or less."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class StressedPlate:
@@ -178,6 +182,10 @@ class Operators:
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix over the unknowns."""
         return factorise(matrix)
+
+    def solver(self, matrix: csc_array) -> Factor:
+        """The same: a plate's factors are cheap."""
+        return self.factorise(matrix)
 
     def from_axis(self, at: tuple[float, float]) -> Array:
         """A place (x, y) in m in the mesh's coordinates, (3,) in m from a point of the spin axis."""

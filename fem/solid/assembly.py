@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import linalg
+from fem.linalg import Nearby
 from fem.meshes.cells import cell
 from fem.rotor import Effects
 from fem.solid.quadrature import rule
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor
+    from fem.linalg import Factor, Solver
     from fem.solid.blade import Blade
 
     Array = NDArray[np.float64]
@@ -162,7 +163,8 @@ def _dissected(row: Indices, column: Indices, n: int) -> Indices:
         return np.asarray(np.argsort(order))
     apart = row != column
     begin = np.concatenate([[0], np.cumsum(np.bincount(row[apart], minlength=n))])
-    ordered = pymetis.nested_dissection(xadj=begin.astype(np.int32), adjncy=column[apart].astype(np.int32))
+    neighbours = pymetis.CSRAdjacency(begin.astype(np.int32), column[apart].astype(np.int32))
+    ordered = pymetis.nested_dissection(neighbours)
     return np.asarray(np.argsort(np.asarray(ordered[0], dtype=np.int64)))
 
 
@@ -269,6 +271,7 @@ class SolidOperators:
     masses: Array
     geometric: None = field(default=None, init=False)
     prestress: None = field(default=None, init=False)
+    known: list[Factor] = field(default_factory=list, init=False, repr=False)
 
     theory = "solid"
 
@@ -317,6 +320,18 @@ class SolidOperators:
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix of this pattern, whose order is good as it is."""
         return linalg.factorise(matrix, ordered=True)
+
+    def solver(self, matrix: csc_array) -> Solver:
+        """What solves a stiffness: a factor; of large blades conjugate gradients with the factor known last."""
+        if self.known:
+            return Nearby(matrix, self.known[-1], lambda own: self.keep(self.factorise(own)))
+        return self.keep(self.factorise(matrix))
+
+    def keep(self, factor: Factor) -> Factor:
+        """Know a factor of a stiffness, if it is so large that others are solved by it; returns it."""
+        if factor.lu.nnz > linalg.LARGE:
+            self.known[:] = [factor]
+        return factor
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), without the stress that the load leaves: `tangent` has it."""

@@ -9,7 +9,7 @@ Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the poly
 
 How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
 is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
-more by the factor by which it fell last, where it falls by the square of that.
+more by four times the factor by which it fell last, where it falls by the square of that.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from scipy.linalg import polar
 from fem.linalg import lowest_modes
 from fem.modal_model import lagrange
 from fem.modes.real import Modes, solve_real
-from fem.statics import balance, check_speed, settle, tangent
+from fem.statics import check_speed, equilibrium, tangent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,6 +53,9 @@ SETTLED = 1e-10
 
 FLOOR = 1e-8
 """Least relative error of frequencies that is claimed: of what Davidson's method and rounding leave."""
+
+CAUTION = 4.0
+"""Factor on what a point more leaves of the error: modes exchange theirs where they cross."""
 
 LINEAR = 0.1
 """Growth of squared frequencies up to which a state is as good as linear in Omega²."""
@@ -237,7 +240,8 @@ def sweep_blade(
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
             if progress is not None:
                 progress(len(known.states))
-        errors = FLOOR + missed * np.minimum(missed / np.maximum(before, FLOOR), 1.0)
+        falling = min(float((missed / np.maximum(before, FLOOR)).max()), 1.0)
+        errors = np.full(count, FLOOR + min(CAUTION * falling, 1.0) * float(missed.max()))
         if errors.max() <= tolerance:
             break
         parts *= 2
@@ -250,10 +254,11 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
     if omega == 0.0:
         state, stiffness = np.zeros_like(operators.load), operators.stiffness
     else:
-        state, _ = settle(operators, omega, start if start is not None and start.any() else None)
+        state = equilibrium(operators, omega, start if start is not None and start.any() else None)
         stiffness = tangent(operators, omega, state)
     wanted = min(count + SPARE, operators.load.size)
     modes = solve_real(operators, omega, stiffness, wanted, state)
+    operators.keep(modes.factor)
     known.add(omega**2, state, modes.eigenvalues, modes.shapes)
     return modes
 
@@ -263,7 +268,7 @@ def _solve_between(
 ) -> None:
     """Solve a speed with the factor of another."""
     omega = square**0.5
-    state = balance(operators, omega, foretelling.state(omega), factor)
+    state = equilibrium(operators, omega, foretelling.state(omega))
     stiffness = tangent(operators, omega, state)
     start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
     found = lowest_modes(stiffness, operators.mass, start, factor, SETTLED)

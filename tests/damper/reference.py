@@ -109,7 +109,7 @@ class Reference:
         if d.floor_radius is not None:
             v += 0.5 * self.m * self.load * sum(s[i] ** 2 / (d.floor_radius[i] - d.ball_radius) for i in range(2))
         out = self.outward(self.shape @ q + s) - self.outward(self.shape @ q)  # the rest is in the stiffness
-        return float(v - 0.5 * self.m * d.rotation**2 * out)
+        return float(v - 0.5 * self.m * d.rotation**2 * out - self.m * np.array(d.lateral_acceleration) @ s)
 
     def outward(self, at: np.ndarray) -> float:
         """Square of the distance from the axis of rotation in x (flap) and y (chord)."""
@@ -155,6 +155,7 @@ class Reference:
         rows[:, :n] = -self.gradient
         rows[range(self.k), range(n, n + self.k)] = -self.dashpot
         rows[:, self.wave] = self.push
+        rows[self.k :, self.one] = self.m * np.array(self.damper.lateral_acceleration)
         return rows
 
     def pull(self, i: int) -> np.ndarray:

@@ -17,7 +17,7 @@ import pytest
 from tests.workflows.conftest import Command, Outcome, python, refused, toml
 from workflows.scene.load import SHIPPED, key_name
 from workflows.scene.quantities import Table
-from workflows.scene.scene import Effects, Scene
+from workflows.scene.scene import Effects, KnownModes, Scene, Structure
 
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""
@@ -63,6 +63,16 @@ NO_PAIR = NO_NUMBER | {
     "another dimension inside": '["1 s", 1.0]',
     "a list inside": "[1.0, [1.0]]",
     "of 400 digits inside": "[1.0, 1" + "0" * 400 + "]",
+}
+NO_VECTOR = {k: v for k, v in NO_PAIR.items() if k != "three"} | {"two": "[1.0, 1.0]"}
+NO_FILE = {"a number": "1", "a list": "[1]", "true": "true", "blank": '"  "', "nowhere": '"no.file"', "a folder": '"."'}
+NO_UNIT = {
+    "a number": "1",
+    "true": "true",
+    "a time": '"s"',
+    "misspelt": '"mmm"',
+    "with a number": '"2 mm"',
+    "blank": '" "',
 }
 NO_SWITCH = NO_NUMBER | {"one": "1", "yes": '"yes"', "another case": '"Auto"'}
 del NO_SWITCH["true"]
@@ -159,6 +169,18 @@ BENT: dict[str, dict[str, str]] = {
     "accuracy.damping": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
     "structure.frequency": NO_QUANTITY | NEGATIVE | ZERO | {"of light": '"1 GHz"', "a cycle a year": '"3e-8 Hz"'},
     "structure.mass": NO_QUANTITY | NEGATIVE | ZERO,
+    "structure.modes": NO_FILE | {"of no speed": '{ "fast" = "a.frd" }', "at a length": '{ "1 m" = "a.frd" }'},
+    "structure.unit": NO_UNIT,
+    "structure.mass_unit": NO_UNIT | {"a length": '"mm"'},
+    "blade.mesh": NO_FILE,
+    "blade.unit": NO_UNIT,
+    "blade.root": NO_TEXT,
+    "rotor.axis": NO_VECTOR | {"of no length": "[0, 0, 0]"},
+    "rotor.origin": NO_VECTOR,
+    "damper.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
+    "damper.floor_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"stel"'},
+    "design.hardness_ratio": NO_PLAIN | NEGATIVE | ZERO,
+    "design.yield_ratio": NO_PLAIN | NEGATIVE | ZERO,
 }
 
 
@@ -171,12 +193,12 @@ class Case:
     hint: str = ""
 
 
-def _tables() -> dict[str, type[Table]]:
-    """The tables of a scene and their classes."""
-    found: dict[str, type[Table]] = {}
+def _tables() -> list[tuple[str, type[Table]]]:
+    """The tables of a scene and their classes, of which [structure] has two."""
+    found: list[tuple[str, type[Table]]] = [("structure", Structure), ("structure", KnownModes)]
     for name, field in Scene.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
-        found.update((name, kind) for kind in kinds if isinstance(kind, type) and issubclass(kind, Table))
+        found += [(name, kind) for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)]
     return found
 
 
@@ -210,8 +232,22 @@ def _with(raw: Raw, table: str, key: str, value: str | None) -> Raw:
     return new
 
 
+def _in_space(table: str, **carrier: str) -> Raw:
+    """A scene of a structure in space, but that its file is not there."""
+    raw = _right("paper")
+    plate_alone = ("plate", "material", "excitation") if table == "structure" else ("plate",)
+    raw = {name: keys for name, keys in raw.items() if name not in plate_alone} | {table: carrier}
+    raw["effects"] = {}
+    return _with(raw, "damper", "at", "[0.2, 0, 0]")
+
+
 def _home(table: str, key: str) -> Raw:
     """A right scene in which this key can stand."""
+    if table == "structure" and key in KnownModes.model_fields:
+        units = {} if key == "modes" else {"unit": '"mm"', "mass_unit": '"t"'}
+        return _in_space("structure", modes='"a.npz"', **units)
+    if table == "blade" or f"{table}.{key}" in ("rotor.axis", "rotor.origin", "damper.direction"):
+        return _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
     if table == "structure" or (table, key) == ("rotor", "radius"):
         return _right("structure")
     if table == "design":
@@ -240,7 +276,7 @@ def _bent() -> Iterator[tuple[str, Case]]:
 
 
 def _misspelt() -> Iterator[tuple[str, Case]]:
-    for name, table in _tables().items():
+    for name, table in _tables():
         for key in table.model_fields:
             raw = _home(name, key)
             wrong = key[:-2] + key[-1] + key[-2] if len(key) > 2 else key + key
@@ -253,9 +289,9 @@ def _misspelt() -> Iterator[tuple[str, Case]]:
 def _missing() -> Iterator[tuple[str, Case]]:
     for shipped in ("paper", "structure"):
         raw = _right(shipped)
-        for name, table in _tables().items():
+        for name, table in _tables():
             for key, field in table.model_fields.items():
-                if name in raw and (field.is_required() or (name, key) in NEEDED[shipped]):
+                if key in raw.get(name, {}) and (field.is_required() or (name, key) in NEEDED[shipped]):
                     bent = _with(raw, name, key, None)
                     yield f"{shipped} without {name}.{key}", Case(_text(bent), f"[{name}] {key}", "missing")
 
@@ -328,7 +364,7 @@ CASES = {name: case for make in (_bent, _misspelt, _missing, _whole_tables, _com
 
 
 def test_every_key_is_bent() -> None:
-    keys = {f"{name}.{key}" for name, table in _tables().items() for key in table.model_fields}
+    keys = {f"{name}.{key}" for name, table in _tables() for key in table.model_fields}
     assert set(BENT) - {"title"} == keys
     assert len(CASES) >= 200
 

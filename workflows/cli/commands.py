@@ -342,15 +342,17 @@ def check(
     The output includes the effects that the scene calls for, the reason for each, and the size of a run.
     """
     from workflows.io import provenance
-    from workflows.solve import known_modes, resources
-    from workflows.solve.model_choice import choose_model, model
+    from workflows.solve import resources
+    from workflows.solve.blade import space_of
+    from workflows.solve.model_choice import choose_model, model, translated_errors
 
     source = _load(scene)
     resources.check(source)
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
     sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
-    space = known_modes.space_structure(source) if source.scene.in_space else None
+    with translated_errors(source):
+        space = space_of(source, slowest=True)
     if json:
         found = provenance.document(source, choice.effects, choice.theory, planform, space)
         _print_json(found | {"sizes": vars(sizes)})

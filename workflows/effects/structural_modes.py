@@ -67,7 +67,7 @@ def assumed(scene: Scene, on: bool, _: str) -> Assumption:
     """How the structure vibrates."""
     if on:
         text = (
-            "The structure vibrates in the modes of the plate that the cavity feels, without Coriolis forces; the"
+            "The structure vibrates in those of its modes that the cavity feels, without Coriolis forces; the"
             " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
         )
         return Assumption(text, "ours")

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
-    """The resolved scene as plain data; a material is its numbers, whatever its name, but for its strength."""
+    """The resolved scene as plain data; a material is its numbers, but for the strengths of the contact."""
     data = given.model_dump(mode="json", exclude_none=True)
     name, damper = data.get("material", {}).pop("name", None), data.get("damper", {})
     both = damper.get("ball_material"), damper.get("floor_material", name)

@@ -558,7 +558,7 @@ def _hits(path: BallPath) -> tuple[Indices, Indices]:
 def mesh(results: Results, target: Target = PAGE) -> Figure | None:
     """The plate from above, in its own axes; None without a plate."""
     surface, scene = results.surface, results.scene
-    if surface is None:
+    if surface is None or surface.frame is not None:
         return None
     mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
     return mesh_of(surface, mark, held(scene), target)

@@ -98,8 +98,10 @@ def view(results: Results) -> View | None:
     """The viewer of a run, within the room a report has; None without a plate."""
     if results.surface is None:
         return None
-    mark = None
-    if results.scene.damper is not None:
+    mark: tuple[float, ...] | None = None
+    if results.surface.frame is not None:
+        mark = None if results.surface.mark is None else tuple(results.surface.drawn(results.surface.mark).tolist())
+    elif results.scene.damper is not None:
         mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
     plate = results.scene.plate
     thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
@@ -109,7 +111,7 @@ def view(results: Results) -> View | None:
 def of_surface(
     surface: Surface,
     speeds: tuple[SpeedPoint, ...] = (),
-    mark: tuple[float, float] | None = None,
+    mark: tuple[float, ...] | None = None,
     thickness: float | None = None,
     first: tuple[int, int] = (0, 0),
     room: Room = IN_A_REPORT,
@@ -119,7 +121,7 @@ def of_surface(
     Args:
         surface: with as many shapes as there are, also none.
         speeds: those of the run, which `surface.at` counts.
-        mark: where the damper is (x, y) [m], if there is one.
+        mark: where the damper is, (x, y) on a plate, (x, y, z) in space as it is drawn [m], if there is one.
         thickness: of the whole plate [m]; None where `surface` has it or it is not known.
         first: which of the speeds is shown first, or the one kept next to it, and which of its modes, both from 0.
         room: what the page has room for.
@@ -142,8 +144,9 @@ def of_surface(
 
 def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
     """Points, triangles, edges and what is marked on them."""
-    places = surface.points[drawn.kept, :2]
-    low, span = places.min(axis=0), np.ptp(places, axis=0)
+    places = surface.drawn(surface.points[drawn.kept])[:, : 2 if surface.frame is None else 3]
+    low = places.min(axis=0)
+    span = np.maximum(np.ptp(places, axis=0), 1e-6 * np.ptp(places, axis=0).max())
     return {
         "low": low.tolist(),
         "span": span.tolist(),
@@ -171,7 +174,7 @@ def _shapes(surface: Surface, kept: Indices) -> tuple[Floats, Floats]:
     """
     if not surface.shapes.size:
         return np.zeros((0, len(kept), 3)), np.zeros((0, len(kept), 3))
-    shapes = surface.shapes.reshape(-1, *surface.shapes.shape[2:])
+    shapes = surface.drawn(surface.shapes.reshape(-1, *surface.shapes.shape[2:]))
     behind = None if surface.behind is None else surface.behind.reshape(shapes.shape)
     squares = (shapes**2).sum(axis=2) if behind is None else (shapes**2 + behind**2).sum(axis=2)
     largest = np.sqrt(squares.max(axis=1))
@@ -214,10 +217,31 @@ def thinned(surface: Surface, most: int) -> Thinned:
     """The mesh itself where it has at most so many points, or else about as many of its points in triangles."""
     cells = surface.cells[1]
     if len(surface.points) > most:
-        return _thinned(surface, most)
+        return _thinned(surface, most) if surface.frame is None else _clustered(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     edges = surface.lines if surface.lines is not None else _sides(cells)
     return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
+
+
+def _clustered(surface: Surface, most: int) -> Thinned:
+    """A surface in space whose points in each cube of a grid are one, that nearest to the cube's middle."""
+    points = surface.points
+    spacing = float(np.ptp(points, axis=0).max()) / np.sqrt(most)
+    while True:
+        square = np.floor((points - points.min(axis=0)) / spacing)
+        off = np.linalg.norm((points - points.min(axis=0)) / spacing - square - 0.5, axis=1)
+        _, cube = np.unique(square, axis=0, return_inverse=True)
+        order = np.lexsort((off, cube.ravel()))
+        kept = order[np.unique(cube.ravel()[order], return_index=True)[1]]
+        if len(kept) <= most:
+            break
+        spacing *= 1.2
+    number = np.asarray(cube.ravel(), dtype=np.int64)
+    parts = [np.unique(np.sort(number[each], axis=1), axis=0) for each in (surface.outline, surface.root)]
+    outline, root = (each[each[:, 0] != each[:, 1]] for each in parts)
+    triangles = number[surface.cells[1]]
+    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return Thinned(np.asarray(kept), triangles[whole], None, outline, root)
 
 
 def _sides(cells: Indices) -> Indices:
@@ -389,12 +413,20 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class ModeShape:
-    """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3)."""
+    """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3).
+
+    `thick`: whether it is a mid-surface, to be drawn with a thickness.
+    """
 
     points: Floats
     cells: np.ndarray
     outline: np.ndarray
     shape: Floats
+    thick: np.ndarray
+
+
+def _extent(points: Floats) -> float:
+    return float(np.ptp(points, axis=0).max())
 
 
 class Artist:
@@ -428,12 +460,13 @@ class Artist:
     def draw(self, surface: Surface, speed: int, mode: int = 1) -> None:
         """Hand over a mode, numbered from 1, at the speed nearest to number `speed` of the run."""
         row = int(np.argmin(np.abs(np.asarray(surface.at) - speed)))
-        shape = surface.shapes[row, mode - 1]
+        shape, points = surface.drawn(surface.shapes[row, mode - 1]), surface.drawn(surface.points)
         largest = float(np.linalg.norm(shape, axis=1).max()) or 1.0
         sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
-        length = float(np.ptp(surface.points[:, 0]))
+        thick = surface.frame is None
+        low, length = (0.0, float(np.ptp(points[:, 0]))) if thick else (points.min(axis=0), _extent(points))
         moved = sign * _SCALE * shape / largest
-        self._shape = ModeShape(surface.points / length, surface.cells[1], surface.outline, moved)
+        self._shape = ModeShape((points - low) / length, surface.cells[1], surface.outline, moved, np.array(thick))
         archive = io.BytesIO()
         np.savez(archive, **vars(self._shape))
         if self._process is not None and self._process.stdin is not None:

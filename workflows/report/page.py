@@ -146,7 +146,8 @@ def _said(results: Results) -> dict[str, Any]:
         "scene": results.scene,
         "answer": verdict.answer(results),
         "thick": _thick(results),
-        "held": figures.held(results.scene),
+        "held": figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
+        "carrier": remarks.carrier(results),
         "assumptions": remarks.assumptions(results),
         "versions": versions(),
         "hashes": hashes(results),
@@ -260,6 +261,8 @@ def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
 
 
 def _text(value: object) -> str:
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_text(item)}' for key, item in value.items())} }}"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):

@@ -349,7 +349,7 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
 
 def as_it_moves(results: Results) -> str:
     """How a sentence on the tilt begins."""
-    return "As the plate bends" if results.scene.given is None else "As the structure moves"
+    return "As the structure moves" if results.scene.given is not None else f"As the {carrier(results)} bends"
 
 
 _MORE = 1.1
@@ -544,6 +544,12 @@ _NOTABLE_SHIFT = 1e-3
 """Relative shift of a frequency from which on it is worth a word, whatever the accuracy."""
 
 
+def carrier(results: Results) -> str:
+    """What carries the damper, in a word."""
+    scene = results.scene
+    return "blade" if scene.blade is not None else "plate" if scene.plate is not None else "structure"
+
+
 def cavities(results: Results) -> str | None:
     """What the frequencies leave out: the material of the cavities; None where that is nothing, or hardly anything."""
     hole, damper = limits.cavity_mass(results), results.scene.damper
@@ -551,7 +557,7 @@ def cavities(results: Results) -> str | None:
         return None
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (
-        f"That is of the plate before {cut}: {significant(1e3 * hole.mass, 2)} g less"
+        f"That is of the {carrier(results)} before {cut}: {significant(1e3 * hole.mass, 2)} g less"
         f" {'raise' if hole.shift > 0 else 'lower'} its first bending frequency by up to about"
         f" {percent(abs(hole.shift))} %."
     )
@@ -597,6 +603,8 @@ _DEFLECTED = "[effects] large_deflection = true"
 
 def _remedy(results: Results, part: str) -> str | None:
     """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    if results.scene.in_space:
+        return "a finer mesh" if part == "mesh" and results.scene.blade is not None else None
     if part in EFFECTS:
         return None if results.effects[part].on else f"[effects] {part} = true"
     plate, deflected = results.scene.plate, results.effects["large_deflection"].on

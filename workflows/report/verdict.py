@@ -516,7 +516,8 @@ def _plate_only(results: Results) -> Answer:
     speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
     said = remarks.sentence(results)
-    verdict = "The plate alone" if remarks.met(results) else "The plate alone, less exact than asked for"
+    alone = f"The {remarks.carrier(results)} alone"
+    verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"
     if (torn := remarks.torn_from(results)) is not None:
         verdict += f"; it cannot turn {torn}"
     return Answer(verdict, (text,) if said is None else (text, said))

@@ -9,7 +9,7 @@ import io
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ from workflows.scene import load, plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
-from workflows.solve.results import Floats, Mode, SpeedPoint, Surface, bare
+from workflows.solve.results import Diagram, Floats, Mode, SpeedPoint, Surface, Theory, bare
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -114,20 +114,25 @@ class Sight:
     Attributes:
         title: in a line.
         surface: with or without shapes; `speeds` are those that `surface.at` counts.
-        mark: where the damper is (x, y) [m]; None where there is none.
+        mark: where the damper is, (x, y) on a plate, (x, y, z) in space as it is drawn [m]; None where there is none.
         thickness: of the whole plate [m]; None where it varies or is not known.
-        root: what the root is, in words.
+        root: what the root is, in words; empty where none is known.
         facts: what was understood, name and words of each; `numbers` the same for programs.
     """
 
     title: str
     surface: Surface
     speeds: tuple[SpeedPoint, ...]
-    mark: tuple[float, float] | None
+    mark: tuple[float, ...] | None
     thickness: float | None
     root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
+
+    @property
+    def carrier(self) -> str:
+        """What it is, in a word."""
+        return "plate" if self.surface.frame is None else "structure"
 
 
 def of_plate(
@@ -135,14 +140,19 @@ def of_plate(
 ) -> Sight:
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
-    words, numbers = facts(surface)
+    words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
+    mark: tuple[float, ...] | None = None
+    if surface.frame is not None:
+        mark = None if surface.mark is None else tuple(surface.drawn(surface.mark).tolist())
+    elif scene.damper is not None:
+        mark = plate_mesh.damper_at(scene, surface.points.T[:2])
     return Sight(
         title=scene.title,
         surface=surface,
         speeds=speeds,
-        mark=None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2]),
+        mark=mark,
         thickness=thickness if isinstance(thickness, float) else None,
-        root=figures.held(scene),
+        root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
         numbers=numbers,
     )
@@ -219,10 +229,14 @@ def sight_of_results(folder: Path) -> Sight:
         found = serialise.read(folder)
     except BadInput as error:
         raise BadInput(error.problem, file=str(folder)) from error
-    if found.surface is None or found.diagram is None or found.theory is None:
+    if found.surface is None or found.diagram is None:
         raise BadInput("holds results without a plate: there is no shape to show", file=str(folder))
-    known = (("mesh", found.diagram.mesh), ("theory", found.theory.name))
-    return of_plate(found.scene, found.surface, found.speeds, known)
+    return of_plate(found.scene, found.surface, found.speeds, _known(found.diagram, found.theory))
+
+
+def _known(diagram: Diagram, theory: Theory | None) -> tuple[tuple[str, str], ...]:
+    """Mesh and theory, in words."""
+    return (("mesh", diagram.mesh), *((("theory", theory.name),) if theory is not None else ()))
 
 
 def sight_of_scene(scene: str, rpm: float | None) -> Sight:
@@ -232,17 +246,16 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
         BadInput, NoAnswer: as a run of it would; also where it has no plate.
     """
     source = load.load(scene)
-    if source.scene.plate is None:
+    if source.scene.given is not None:
         raise BadInput("the table is missing: view needs a plate", file=source.name, key="[plate]")
     if rpm is not None:
         source = _at(source, rpm)
     resources.check(source)
     with Stages() as stages:
         state = pipeline.structure(source, stages)
-    if state.surface is None or state.diagram is None or state.theory is None:
+    if state.surface is None or state.diagram is None:
         raise ValueError("a plate was solved without its surface")
-    known = (("mesh", state.diagram.mesh), ("theory", state.theory.name))
-    return of_plate(source.scene, state.surface, state.points, known)
+    return of_plate(source.scene, state.surface, state.points, _known(state.diagram, state.theory))
 
 
 def _at(source: SceneFile, rpm: float) -> SceneFile:
@@ -313,11 +326,11 @@ def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
 
 def archive(sight: Sight, first: int, mode: int, title: str) -> bytes:
     """What the window's program reads: every mode at every speed kept, one of them first."""
-    surface = sight.surface
-    length = float(np.ptp(surface.points[:, :2], axis=0).max())
-    mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0]]).reshape(-1, 3) / length
+    surface, points = sight.surface, sight.surface.drawn(sight.surface.points)
+    length = float(np.ptp(points[:, :2], axis=0).max())
+    mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0][:3]]).reshape(-1, 3) / length
     given: dict[str, Any] = {
-        "points": surface.points / length,
+        "points": points / length,
         "cells": surface.cells[1],
         "outline": surface.outline,
         "root": surface.root,
@@ -340,7 +353,7 @@ def _shapes(surface: Surface) -> dict[str, Any]:
     largest = np.sqrt(squares.max(axis=-1, initial=0.0))
     scale = (_SCALE / np.where(largest > 0, largest, 1.0))[..., None, None]
     return {
-        "shapes": (surface.shapes * scale).astype(np.float32),
+        "shapes": surface.drawn(surface.shapes * scale).astype(np.float32),
         "behind": (behind * scale[: len(behind)]).astype(np.float32),
     }
 
@@ -374,7 +387,8 @@ def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
 
     seen = view(sight, first, mode)
     with plots.style():
-        figure = figures.mesh_of(sight.surface, sight.mark, sight.root)
+        above = replace(sight.surface, points=sight.surface.drawn(sight.surface.points))
+        figure = figures.mesh_of(above, None if sight.mark is None else (sight.mark[0], sight.mark[1]), sight.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     words: dict[str, Callable[..., str]] = {"curly": formatting.curly, "whole": formatting.whole}
     return from_template("view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=script("viewer.js"))

@@ -12,7 +12,7 @@ from workflows.errors import BadInput
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
-from workflows.solve.known_modes import SpaceStructure, seat_of, turning
+from workflows.solve.known_modes import SpaceStructure, seat_of, space_structure, turning
 
 if TYPE_CHECKING:
     import fem
@@ -27,6 +27,22 @@ class _Asked:
 
     key: str
     source: SceneFile = field(compare=False)
+
+
+def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
+    """The structure in space of a scene: its blade, or what is known by its modes; None without one.
+
+    slowest: a blade at its lowest speed alone.
+
+    Raises:
+        BadInput, Divergence, NoEquilibrium: see `blade_structure` and `known_modes.space_structure`.
+    """
+    if source.scene.blade is None:
+        return space_structure(source) if source.scene.in_space else None
+    rotor = source.scene.rotor
+    if slowest:
+        source = source.changed(rotor=rotor.model_copy(update={"speeds": (min(rotor.speeds),)}))
+    return blade_structure(source)
 
 
 def blade_structure(source: SceneFile) -> SpaceStructure:

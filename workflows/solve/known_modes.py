@@ -218,7 +218,23 @@ class SpaceStructure:
         largest = np.abs(shapes).max(axis=(2, 3), keepdims=True)
         still = (np.abs(shapes) <= _HELD * largest).all(axis=(0, 1, 3))
         root = outline[still[outline].all(axis=1)] if used.size else outline
-        return Surface(points, ("triangle", triangles), outline, root, shapes, tuple(kept))
+        mark = None if self.seat is None else self.seat.place.point
+        return Surface(
+            points, ("triangle", triangles), outline, root, shapes, tuple(kept), frame=self._drawing(), mark=mark
+        )
+
+    def _drawing(self) -> Floats:
+        """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
+        from fem.reduction.known_modes import frame
+
+        if self.seat is not None:
+            floor = self.floor(self.modes(self.model.speeds[0].omega))
+            return np.array([floor.normal, floor.axes[1], floor.axes[0]])
+        load = self.model.load(self.model.points).mean(axis=0)
+        largest = float(np.linalg.norm(load))
+        normal = load / largest if largest > _STILL * self.model.size else np.eye(3)[int(self.model.axis[0] ** 2 > 0.5)]
+        axes = frame(normal, self.model.axis)
+        return np.array([normal, axes[1], axes[0]])
 
     def diagram(self) -> Diagram:
         """What modes over speed have beyond the modes themselves."""

@@ -775,6 +775,9 @@ class Surface:
         behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
         finer: the same with points between the mesh's, where these are too few for a smooth picture; its `lines` are
             the edges of the mesh's cells, (k, 2).
+        frame: of a surface in space the axes by which it is drawn, (3, 3): outwards, across, along the damper's axis 1;
+            None of a plate, which is drawn by its own.
+        mark: the damper's place in space, (3,) [m].
     """
 
     points: Floats = field(repr=False)
@@ -787,6 +790,12 @@ class Surface:
     behind: Floats | None = field(default=None, repr=False)
     finer: Surface | None = field(default=None, repr=False)
     lines: Ints | None = field(default=None, repr=False)
+    frame: Floats | None = field(default=None, repr=False)
+    mark: Floats | None = field(default=None, repr=False)
+
+    def drawn(self, vectors: Floats) -> Floats:
+        """Vectors (..., 3) in the axes by which the surface is drawn."""
+        return vectors if self.frame is None else np.asarray(vectors @ self.frame.T)
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
-from workflows.solve.blade import blade_structure
-from workflows.solve.known_modes import SpaceStructure, space_structure
+from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
 from workflows.solve.results import Diagram, Discrete, Results, SpeedPoint, Surface, Theory
 
@@ -174,10 +173,9 @@ class StructureSolver:
         for name, effect in self.choice.effects.items():
             LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
         self.discrete: Discrete | None = None
-        self.space: SpaceStructure | None = None
-        if source.scene.in_space:
-            with translated_errors(source), stages("modes"):
-                self.space = space_structure(source) if source.scene.blade is None else blade_structure(source)
+        with translated_errors(source), stages("modes"):
+            self.space = space_of(source)
+        if self.space is not None:
             self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):

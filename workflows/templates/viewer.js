@@ -14,11 +14,11 @@ const HOME = { yaw: -0.75, rise: 0.55, near: 1 };
 
 const MOVE = `
 uniform mat4 camera; uniform vec2 phase;
-vec3 moved(vec2 place, vec3 inPhase, vec3 behind) { return vec3(place, 0.) + inPhase * phase.x + behind * phase.y; }`;
+vec3 moved(vec3 place, vec3 inPhase, vec3 behind) { return place + inPhase * phase.x + behind * phase.y; }`;
 
 const SURFACE = [`#version 300 es
 ${MOVE}
-in vec2 place; in float offset; in vec3 inPhase; in vec3 behind; in vec4 slopes;
+in vec3 place; in float offset; in vec3 inPhase; in vec3 behind; in vec4 slopes;
 out vec3 normal; out vec3 at; out vec3 swing; out vec3 late;
 void main() {
   vec2 slope = slopes.xy * phase.x + slopes.zw * phase.y;
@@ -28,7 +28,7 @@ void main() {
   gl_Position = camera * vec4(at, 1.);
 }`, `#version 300 es
 precision highp float;
-uniform vec3 colours[${COLOURS.length}]; uniform vec3 eye; uniform vec3 plain; uniform float wall, still;
+uniform vec3 colours[${COLOURS.length}]; uniform vec3 eye; uniform vec3 plain; uniform float wall, facets, still;
 in vec3 normal; in vec3 at; in vec3 swing; in vec3 late;
 out vec4 colour;
 float reach() {  // the longer half axis of the ellipse that a place moves on
@@ -41,7 +41,7 @@ vec3 shade(float part) {
   return mix(colours[k], colours[k + 1], x - float(k));
 }
 void main() {
-  vec3 n = wall > .5 ? normalize(cross(dFdx(at), dFdy(at))) : normalize(normal);
+  vec3 n = max(wall, facets) > .5 ? normalize(cross(dFdx(at), dFdy(at))) : normalize(normal);
   vec3 to = normalize(eye - at);
   float part = reach(), steps = part * 10., width = fwidth(steps);
   float line = width < .5 ? 1. - smoothstep(0., 1.5 * width, abs(fract(steps + .5) - .5)) : 0.;
@@ -54,7 +54,7 @@ void main() {
 const LINES = [`#version 300 es
 ${MOVE}
 uniform vec2 screen; uniform float width, bias;
-in vec2 place, other; in float side; in vec3 inPhase, behind, otherInPhase, otherBehind;
+in vec3 place, other; in float side; in vec3 inPhase, behind, otherInPhase, otherBehind;
 void main() {  // a line is a strip as wide on the screen as it is to be
   vec4 a = camera * vec4(moved(place, inPhase, behind), 1.);
   vec4 b = camera * vec4(moved(other, otherInPhase, otherBehind), 1.);
@@ -66,7 +66,7 @@ precision highp float; uniform vec4 tint; out vec4 colour; void main() { colour 
 
 const CELLS = [`#version 300 es
 ${MOVE}
-in vec2 place; in float offset; in vec3 inPhase, behind; in vec4 slopes;
+in vec3 place; in float offset; in vec3 inPhase, behind; in vec4 slopes;
 void main() {
   vec2 slope = slopes.xy * phase.x + slopes.zw * phase.y;
   gl_Position = camera * vec4(moved(place, inPhase, behind) + offset * normalize(vec3(-slope, 1.)), 1.);
@@ -75,7 +75,7 @@ void main() {
 
 const MARK = [`#version 300 es
 ${MOVE}
-uniform float size; in vec2 place; in vec3 inPhase, behind;
+uniform float size; in vec3 place; in vec3 inPhase, behind;
 void main() { gl_Position = camera * vec4(moved(place, inPhase, behind), 1.); gl_PointSize = size; }`, `#version 300 es
 precision highp float; uniform vec4 tint; uniform vec3 ring; out vec4 colour;
 void main() {
@@ -90,16 +90,17 @@ const bytes = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0)
 const whole = text => new Uint16Array(bytes(text));
 const shorts = text => new Int16Array(bytes(text));
 
-/* The plate in its own lengths, its middle at the origin. */
+/* The plate, or the surface of what lies in space, in its own lengths, its middle at the origin. */
 function unpacked(data) {
-  const size = Math.max(...data.span), raw = whole(data.points), count = raw.length / 2;
+  const axes = data.span.length, size = Math.max(...data.span), raw = whole(data.points), count = raw.length / axes;
   const scaled = (x, k) => (x - data.low[k] - data.span[k] / 2) / size;
-  const places = Float32Array.from(raw, (q, i) => scaled(data.low[i % 2] + q / 65535 * data.span[i % 2], i % 2));
+  const places = new Float32Array(3 * count);
+  raw.forEach((q, i) => { const k = i % axes; places[3 * ((i - k) / axes) + k] = scaled(data.low[k] + q / 65535 * data.span[k], k); });
   const parts = data.thickness.parts ? shorts(data.thickness.parts) : null;
   const half = Float32Array.from({ length: count }, (_, k) =>
-    Math.max(data.thickness.largest / size * (parts ? parts[k] / 32767 : 1), THINNEST) / 2);
+    axes > 2 ? 0 : Math.max(data.thickness.largest / size * (parts ? parts[k] / 32767 : 1), THINNEST) / 2);
   return {
-    count, places, half, size,
+    count, places, half, size, solid: axes > 2,
     triangles: whole(data.triangles), edges: whole(data.edges), outline: whole(data.outline), root: whole(data.root),
     damper: data.damper && data.damper.map(scaled),
     directions: data.shapes.map(along => ({
@@ -124,10 +125,11 @@ function displacement(plate, number) {
 /* Slopes of the surface along x and y at each point: the means of those of the triangles about it. */
 function slopes(plate, shape) {
   const { places: p, triangles: t } = plate, sum = new Float32Array(2 * plate.count), area = new Float32Array(plate.count);
+  if (plate.solid) return sum;
   for (let i = 0; i < t.length; i += 3) {
     const [a, b, c] = [t[i], t[i + 1], t[i + 2]];
-    const ux = p[2 * b] - p[2 * a], uy = p[2 * b + 1] - p[2 * a + 1];
-    const vx = p[2 * c] - p[2 * a], vy = p[2 * c + 1] - p[2 * a + 1], twice = ux * vy - uy * vx;
+    const ux = p[3 * b] - p[3 * a], uy = p[3 * b + 1] - p[3 * a + 1];
+    const vx = p[3 * c] - p[3 * a], vy = p[3 * c + 1] - p[3 * a + 1], twice = ux * vy - uy * vx;
     const uz = shape[3 * b + 2] - shape[3 * a + 2], vz = shape[3 * c + 2] - shape[3 * a + 2], sign = Math.sign(twice);
     for (const k of [a, b, c]) {
       sum[2 * k] += sign * (uz * vy - vz * uy);
@@ -139,14 +141,22 @@ function slopes(plate, shape) {
 }
 
 /* Three points and their weights where the plate is at a place. */
-function located(plate, [x, y]) {
+function located(plate, [x, y, z]) {
   const { places: p, triangles: t } = plate;
+  if (plate.solid) {  // the point next to it
+    let next = 0, least = Infinity;
+    for (let k = 0; k < plate.count; k++) {
+      const off = Math.hypot(p[3 * k] - x, p[3 * k + 1] - y, p[3 * k + 2] - z);
+      if (off < least) [next, least] = [k, off];
+    }
+    return { points: [next], weights: [1] };
+  }
   let best = { points: [0, 0, 0], weights: [1, 0, 0], least: -Infinity };
   for (let i = 0; i < t.length; i += 3) {
     const [a, b, c] = [t[i], t[i + 1], t[i + 2]];
-    const ux = p[2 * b] - p[2 * a], uy = p[2 * b + 1] - p[2 * a + 1];
-    const vx = p[2 * c] - p[2 * a], vy = p[2 * c + 1] - p[2 * a + 1];
-    const dx = x - p[2 * a], dy = y - p[2 * a + 1], twice = ux * vy - uy * vx;
+    const ux = p[3 * b] - p[3 * a], uy = p[3 * b + 1] - p[3 * a + 1];
+    const vx = p[3 * c] - p[3 * a], vy = p[3 * c + 1] - p[3 * a + 1];
+    const dx = x - p[3 * a], dy = y - p[3 * a + 1], twice = ux * vy - uy * vx;
     const v = (dx * vy - dy * vx) / twice, w = (ux * dy - uy * dx) / twice, least = Math.min(1 - v - w, v, w);
     if (least > best.least) best = { points: [a, b, c], weights: [1 - v - w, v, w], least };
   }
@@ -169,9 +179,9 @@ class Painter {
     this.fill("place", twice(plate.places));
     this.fill("offset", Float32Array.from({ length: 2 * n }, (_, k) => k < n ? plate.half[k] : -plate.half[k - n]));
     this.top = this.indices(t);
-    this.bottom = this.indices(t.map(k => k + n), 2 * n);
+    this.bottom = this.indices(plate.solid ? [] : t.map(k => k + n), 2 * n);
     const walls = [];
-    for (let i = 0; i < plate.outline.length; i += 2) {
+    for (let i = 0; i < plate.outline.length && !plate.solid; i += 2) {
       const a = plate.outline[i], b = plate.outline[i + 1];
       walls.push(a, b, b + n, a, b + n, a + n);
     }
@@ -224,8 +234,8 @@ class Painter {
     const corners = this.strips[name], p = this.plate.places;
     const of = (array, size, end) => Float32Array.from({ length: size * corners.length },
       (_, i) => array[size * corners[Math.floor(i / size)][end] + i % size]);
-    this.fill(name + "Place", of(p, 2, 0));
-    this.fill(name + "Other", of(p, 2, 1));
+    this.fill(name + "Place", of(p, 3, 0));
+    this.fill(name + "Other", of(p, 3, 1));
     this.fill(name + "Side", Float32Array.from(corners, corner => corner[2]));
     for (const [end, label] of [[0, ""], [1, "Other"]]) {
       this.fill(name + label + "InPhase", of(inPhase, 3, end));
@@ -249,7 +259,7 @@ class Painter {
       const { points, weights } = located(plate, plate.damper);
       const at = (array, size) => Float32Array.from({ length: size },
         (_, i) => weights.reduce((sum, weight, k) => sum + weight * array[size * points[k] + i], 0));
-      this.fill("markPlace", new Float32Array(plate.damper));
+      this.fill("markPlace", Float32Array.from({ length: 3 }, (_, k) => plate.damper[k] ?? 0));
       this.fill("markInPhase", at(inPhase, 3));
       this.fill("markBehind", at(behind, 3));
     }
@@ -278,7 +288,7 @@ class Painter {
 
   draw({ camera, eye, screen, phase, moving, look, cells, ratio }) {
     const gl = this.gl, shared = { camera, phase, screen, colours: this.colours };
-    const points = { place: ["place", 2], offset: ["offset", 1], inPhase: ["inPhase", 3], behind: ["behind", 3], slopes: ["slopes", 4] };
+    const points = { place: ["place", 3], offset: ["offset", 1], inPhase: ["inPhase", 3], behind: ["behind", 3], slopes: ["slopes", 4] };
     gl.viewport(0, 0, ...screen);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -286,7 +296,7 @@ class Painter {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     for (const [set, wall] of [[this.top, 0], [this.bottom, 0], [this.walls, 1]]) {
-      this.use("surface", { ...shared, eye, wall, still: moving ? 0 : 1, plain: look.plate }, points);
+      this.use("surface", { ...shared, eye, wall, facets: this.plate.solid ? 1 : 0, still: moving ? 0 : 1, plain: look.plate }, points);
       this.elements(gl.TRIANGLES, set);
     }
     if (cells) for (const set of this.cells) {
@@ -298,13 +308,13 @@ class Painter {
     if (!this.plate.damper) return;
     gl.disable(gl.DEPTH_TEST);
     this.use("mark", { ...shared, size: 13 * ratio, tint: [...look.damper, 1], ring: look.paper },
-      { place: ["markPlace", 2], inPhase: ["markInPhase", 3], behind: ["markBehind", 3] });
+      { place: ["markPlace", 3], inPhase: ["markInPhase", 3], behind: ["markBehind", 3] });
     gl.drawArrays(gl.POINTS, 0, 1);
   }
 
   line(name, uniforms) {
     this.use("lines", uniforms, {
-      place: [name + "Place", 2], other: [name + "Other", 2], side: [name + "Side", 1],
+      place: [name + "Place", 3], other: [name + "Other", 3], side: [name + "Side", 1],
       inPhase: [name + "InPhase", 3], behind: [name + "Behind", 3],
       otherInPhase: [name + "OtherInPhase", 3], otherBehind: [name + "OtherBehind", 3],
     });
@@ -375,7 +385,7 @@ function start(figure) {
     if (canvas.width !== screen[0] || canvas.height !== screen[1]) [canvas.width, canvas.height] = screen;
     const swing = moving ? LARGEST * form.amplitude.value : 0;
     const sides = data.span.map(side => side / plate.size / 2);
-    const seen = camera(view, screen, moving ? [sides[0], sides[1], 0.75 * LARGEST] : [...sides, 0]);
+    const high = sides[2] ?? 0, seen = camera(view, screen, [sides[0], sides[1], high + (moving ? 0.75 * LARGEST : 0)]);
     painter.draw({
       camera: seen.matrix, eye: seen.eye, screen, moving, look, ratio, cells: !form.cells || form.cells.checked,
       phase: [swing * Math.cos(state.phase), swing * Math.sin(state.phase)],
@@ -428,7 +438,7 @@ function start(figure) {
     const found = speed().modes[mode];
     const text = `${found.family} mode at ${number(speed().rpm)} rpm: ${found.hz.toFixed(2)} Hz`;
     says.textContent = text;
-    canvas.setAttribute("aria-label", `The plate in three dimensions, ${text}. Arrow keys turn it.`);
+    canvas.setAttribute("aria-label", `${canvas.ariaLabel.split(/ in three|,/)[0]} in three dimensions, ${text}. Arrow keys turn it.`);
     figure.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: { speed: at, rpm: speed().rpm, mode } }));
     later();
   }

@@ -62,7 +62,8 @@ class _Balance(Protocol):
 
 def level(system: ParticleDamper) -> ParticleDamper:
     """The damper on a level floor with one mode along each axis, which is what the other methods know."""
-    return replace(system, floor_tilt=(0.0, 0.0), floor_radius=None, rotation=0.0, modes=None)
+    flat = replace(system, floor_tilt=(0.0, 0.0), floor_radius=None, rotation=0.0, modes=None)
+    return replace(flat, lateral_acceleration=(0.0, 0.0))
 
 
 def damper_study(

@@ -1,0 +1,137 @@
+"""Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import make
+from workflows import pipeline
+from workflows.errors import BadInput
+from workflows.scene.load import load, parse
+from workflows.solve import resources
+
+SCENE = """
+title = "fan"
+
+[blade]
+mesh = "fan.inp"
+root = "nroot"
+
+[material]
+name = "Ti-6Al-4V"
+
+[rotor]
+speeds = [{speeds}]
+origin = ["0 m", "0 m", "0 m"]
+stagger = "35 deg"
+modes = 4
+
+[accuracy]
+frequency = 0.2
+"""
+DAMPER = """
+[damper]
+at = ["340 mm", "26 mm", "25 mm"]
+ball_material = "steel"
+radius = "1.5 mm"
+cavity = ["4.5 mm", "4.5 mm"]
+restitution = 0.6
+friction = 0.2
+rolling_friction = "0.02 mm"
+damping_ratio = 0.001
+
+[release]
+cycles = 5
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("blade")
+    make.write_inp(folder / "fan.inp", make.solid(make.FAN, (12, 6, 1)), "fan")
+    return folder
+
+
+def scene(folder, text=SCENE + DAMPER, speeds="'0 rpm', '5900 rpm'", **changes):
+    text = text.format(speeds=speeds)
+    for old, new in changes.values():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "fan.toml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def test_a_run_has_the_frequencies_of_calculix_and_a_damper_at_the_tip(folder):
+    """CalculiX' C3D20R on the same mesh, to what its static iteration leaves; M2 from the shape at the place."""
+    results = pipeline.run(scene(folder))
+    rest, spinning = (np.array([mode.frequency_hz for mode in point.modes]) for point in results.speeds)
+    np.testing.assert_allclose(rest, [101.9927909, 395.1181656, 672.5577939, 1041.8809431], rtol=1e-6)
+    np.testing.assert_allclose(spinning, [156.5335592, 464.1662986, 647.1481493, 1103.9168585], rtol=4e-5)
+    for point in results.speeds:
+        assert point.reduced.f1_hz < point.reduced.f2_hz == pytest.approx(point.modes[0].frequency_hz)
+        assert 0.02 < point.reduced.M2 < 0.2  # the blade weighs 0.5 kg
+        assert all(0.0 < mode.error_estimate < 0.6 for mode in point.modes)
+    assert results.speeds[1].modes[1].error_parts.coriolis == pytest.approx(0.0001, abs=0.0003)
+    assert results.speeds[1].radius == pytest.approx(0.34, rel=0.01)
+
+
+def test_more_speeds_are_the_same_blade(folder):
+    """Speeds between those that are solved: what few speeds, each solved by itself, give."""
+    few = pipeline.results(*solved(folder, "'0 rpm', '3100 rpm', '5900 rpm'"))
+    many = pipeline.results(*solved(folder, "'0 rpm', '1000 rpm', '2000 rpm', '3100 rpm', '4000 rpm', '5900 rpm'"))
+    one, other = few.speeds[1], many.speeds[3]
+    for alone, between in zip(one.modes, other.modes, strict=True):
+        assert alone.error_parts.basis == 0.0 < between.error_parts.basis < 1e-3
+        assert between.frequency_hz == pytest.approx(alone.frequency_hz, rel=between.error_parts.basis)
+
+
+def solved(folder, speeds):
+    from workflows.progress import Stages
+
+    stages = Stages(visible=False)
+    return pipeline.structure(scene(folder, SCENE, speeds), stages), stages
+
+
+REFUSED = {
+    "no set": (("nroot", "base"), r"\[blade\] root = 'base': the mesh has no set 'base': its sets are EALL, NROOT"),
+    "no radius": (("nroot", "1 m"), r"\[blade\] root = '1 m': no nodes lie at the radius 1 m"),
+    "no file": (("fan.inp", "fin.inp"), r"\[blade\] mesh = 'fin.inp': no such file beside the scene"),
+    "no origin": (('origin = ["0 m", "0 m", "0 m"]\n', ""), r"\[rotor\] origin: missing: a point on the spin axis"),
+    "in mm": (('root = "nroot"', 'unit = "mm"'), r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m"),
+    "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
+    "an effect": (("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"), r"\[effects\] coriolis = true: of solid"),
+    "a pressure": (
+        ("[accuracy]", "[excitation]\norders = [2]\npressure = '1 Pa'\n[accuracy]"),
+        r"\[excitation\] pressure.*: modes know no surface",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_wrong_is_one_line_with_its_key(folder, case):
+    change, problem = REFUSED[case]
+    with pytest.raises(BadInput, match=problem) as refused:
+        pipeline.run(scene(folder, change=change))
+    assert "\n" not in str(refused.value)
+
+
+def test_too_large_a_blade_is_refused_before_it_is_solved(folder, monkeypatch):
+    monkeypatch.setattr(resources, "available", lambda: 1e6)
+    with pytest.raises(BadInput, match=r"\[blade\] mesh = 'fan.inp': this needs about .* coarsen the mesh"):
+        pipeline.run(scene(folder, SCENE + DAMPER + "\n", speeds="'0 rpm', '100 rpm'"))
+
+
+def test_plate_and_blade_exclude_each_other():
+    with pytest.raises(BadInput, match=r"\[plate\]: expected a \[blade\] or this: leave one out"):
+        parse({"blade": {"mesh": "a.inp"}, "plate": {}, "rotor": {"speeds": [1.0]}})
+
+
+def test_the_shipped_blade_is_what_make_writes(tmp_path):
+    folder = Path(make.__file__).parent
+    make.write_inp(
+        tmp_path / "again.inp", make.solid(make.FAN, (16, 8, 2)), "A twisted fan blade in m, x from the spin axis"
+    )
+    assert (tmp_path / "again.inp").read_text() == (folder / "fan_blade.inp").read_text()
+    assert load(folder / "fan_blade.toml").scene.blade is not None
