@@ -347,11 +347,11 @@ class ParticleDamper:
             holds up to that speed. Between two pairs e is linear in the logarithm of the speed; above the last it falls
             as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
             One pair thus stands for a yield speed; none: e is the same at all speeds.
+        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
+            up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
         lateral_acceleration: part of the load along x and y, which pulls the ball along the floor at all times, as on a
             floor that is not square to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
             Displacements are counted from where the structure stands with the ball in the middle of its cavity.
-        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
-            up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
@@ -395,8 +395,8 @@ class ParticleDamper:
     stagger: float = 0.0
     modes: tuple[Mode, ...] | None = None
     restitution_by_speed: tuple[tuple[float, float], ...] = ()
-    lateral_acceleration: tuple[float, float] = (0.0, 0.0)
     break_away: float = 0.0
+    lateral_acceleration: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
@@ -492,8 +492,8 @@ class ParticleDamper:
 
     @property
     def break_away_threshold(self) -> float:
-        """The same for a ball in its dent, a_r + Omega**2 R times the slope of the rim [m/s^2]."""
-        return self.rolling_threshold + self.break_away * self.centrifugal_acceleration
+        """The same for a ball in its dent, by Omega**2 R times the slope of the rim more [m/s^2]."""
+        return self.leaving_threshold + self.break_away * self.centrifugal_acceleration
 
     @property
     def inertia_ratio(self) -> float:
