@@ -337,13 +337,13 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     sizes = sorted(map(abs, shares))
     share, begin = f"{span(100 * sizes[0], 100 * sizes[-1])} %", f"{as_it_moves(results)}, the cavity's floor tilts"
     if max(shares) <= 0:
-        return f"{begin} the other way, and the slope adds {share} to the ball's drive, which these figures count in."
+        return f"{begin} the other way, and the slope adds {share} to the ball's drive; the figures include it."
     if min(shares) > 1:
         return f"{begin} so far that it is the slope that drives the ball, with a pull of {share} of the motion's own."
     beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
     return (
-        f"{begin} and the load pulls the ball back down the slope: these figures count in the {share} of the ball's"
-        f" drive that this opposes{beyond}."
+        f"{begin} and the load pulls the ball back down the slope, which cancels {share} of the ball's drive; the"
+        f" figures include it{beyond}."
     )
 
 

@@ -46,14 +46,16 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
         in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = ", all that the plate endures" if high < figures.half[1] else ""
-        ranges.append(f"{at_load(point)} at amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}")
+        amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
+        half = "" if ranges else "the ball gives at least half of its best damping "
+        ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     held = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
         for p, w in ends
         if w.cutoff > 0
     ]
     rests = f" The load holds it at rest {', '.join(held)}." if held else ""
-    return f"At least half of its best is left {', '.join(ranges)}.{rests}"
+    return f"{capital(', '.join(ranges))}.{rests}"
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
