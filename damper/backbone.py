@@ -168,10 +168,11 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
         damper: what is measured; the structure's own damping is set aside for it.
         threads: see :func:`damper.ringdowns`.
     """
-    found, bare = working(damper, threads=threads).descending, undamped(damper)
+    growing, bare = working(damper, threads=threads), undamped(damper)
+    found = growing.descending
     still = np.array([damper.stuck_frequency])
-    resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, found.cutoff))
-    branches = [resting] if found.cutoff > 0 else []
+    resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff))
+    branches = [resting] if growing.cutoff > 0 else []
     if found.peak > 0:
         branches.append(_hitting(bare, found))
     rolling = _rolling(bare, found.cutoff)

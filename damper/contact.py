@@ -107,6 +107,47 @@ def resting(load: float, radius: float, ball: Solid, floor: Solid, floor_radius:
     return Contact(a, peak, yields, 2 / 3 * peak / hardness, dent, dent**2 / (2 * radius), dent / radius)
 
 
+def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radius: float = math.inf) -> float:
+    """Slope of the dent's rim when the elastic part has gone with the ball: what a ball climbs before it rolls away.
+
+    The contact of radius a and mean pressure p closes again elastically, so that the hollow has the curvature 1/r less
+    that of Hertz's contact of the same a and load: its rim slopes by a/r - (3 pi / 4) p / E*. Between first yield and
+    full plasticity, at E* a / Y r = 40, the mean pressure grows from 1.07 Y to H with the logarithm of that (Johnson,
+    Fig. 6.16).
+
+    Args:
+        load: N [N].
+        radius: of the ball, r [m].
+        ball: its material.
+        floor: that of the floor.
+        floor_radius: of a hollow floor [m]; inf: flat.
+
+    Returns:
+        The slope [-]: 0 below first yield, nan where yield strength or hardness is not known.
+    """
+    found, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
+    strength, hardness = (_weaker(ball, floor, name) for name in ("yield_strength", "hardness"))
+    if math.isnan(strength + hardness) or found.yield_ratio <= 1:
+        return strength + hardness if math.isnan(strength + hardness) else 0.0
+    relative = 1 / (1 / radius - 1 / floor_radius)
+    first = 2 / 3 * ONSET * strength
+    onset = math.pi / 2 * ONSET * strength * relative / stiff
+
+    def pressure(a: float) -> float:
+        grown = math.log(a / onset) / math.log(_PLASTIC * strength * relative / stiff / onset)
+        return first + max(hardness - first, 0.0) * min(grown, 1.0)
+
+    low, high = onset, math.sqrt(load / (math.pi * first))
+    for _ in range(100):
+        a = math.sqrt(low * high)
+        low, high = (a, high) if math.pi * a**2 * pressure(a) < load else (low, a)
+    return max(low / relative - 0.75 * math.pi * pressure(low) / stiff, 0.0)
+
+
+_PLASTIC = 40.0
+"""E* a / Y r from which on a contact is fully plastic."""
+
+
 def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
     """Speed of a hit on a flat wall from which on the contact yields [m/s]; nan where no strength is known.
 

@@ -149,6 +149,15 @@ def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats) ->
     return replace(curve, error=error, from_above=above, folds=folds, jump=jump)
 
 
+def held_until(curve: Working, amplitude: float) -> Working:
+    """The same of a ball at rest that stays so up to an amplitude."""
+    ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
+    held = replace(curve, damping_ratio=ratio, cutoff=amplitude)
+    return (
+        at_bin(held, int(np.argmax(ratio))) if ratio.any() else replace(nothing(amplitude), from_above=curve.descending)
+    )
+
+
 def _bins(amplitude: Floats) -> list[int]:
     """Numbers of the bins in which amplitudes lie."""
     return [math.floor(place) for place in np.log(amplitude) / _WIDTH]

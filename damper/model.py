@@ -350,6 +350,8 @@ class ParticleDamper:
         lateral_acceleration: part of the load along x and y, which pulls the ball along the floor at all times, as on a
             floor that is not square to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
             Displacements are counted from where the structure stands with the ball in the middle of its cavity.
+        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
+            up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
@@ -394,6 +396,7 @@ class ParticleDamper:
     modes: tuple[Mode, ...] | None = None
     restitution_by_speed: tuple[tuple[float, float], ...] = ()
     lateral_acceleration: tuple[float, float] = (0.0, 0.0)
+    break_away: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what has no physical sense."""
@@ -408,6 +411,8 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
+        if not 0 <= number("break_away", self.break_away) < math.inf:
+            raise ValueError(f"break_away must be at least 0 and finite, got {self.break_away:g}")
         validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
@@ -484,6 +489,11 @@ class ParticleDamper:
     def leaving_threshold(self) -> float:
         """Drive along x above which a ball leaves where it rests for good: with a lateral pull, at a wall [m/s^2]."""
         return self.rolling_threshold + abs(self.lateral_acceleration[0])
+
+    @property
+    def break_away_threshold(self) -> float:
+        """The same for a ball in its dent, a_r + Omega**2 R times the slope of the rim [m/s^2]."""
+        return self.rolling_threshold + self.break_away * self.centrifugal_acceleration
 
     @property
     def inertia_ratio(self) -> float:

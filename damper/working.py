@@ -18,7 +18,7 @@ import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, nothing, spread
+from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, spread
 from damper.model import inertia_ratio, whole
 from damper.motion import CLOSED_FORM, flights, kinds, prepare
 from damper.state import nothing_kept
@@ -118,7 +118,9 @@ def working(
     for curve in (growing, growing.descending):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
-    return growing
+    if bare.break_away == 0:
+        return growing
+    return held_until(growing, bare.break_away_threshold / bare.stuck_frequency**2 / abs(1 - bare.tilt_share[0]))
 
 
 def falling(damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY) -> Working:

@@ -147,6 +147,19 @@ def test_the_pace_of_the_sweeps_is_in_the_error() -> None:
     assert working(quick).descending.error < 0.06
 
 
+def test_a_dent_holds_a_ball_at_rest() -> None:
+    """Up to (mu_r / r + slope) Omega² R over omega²: nothing below, the same beyond, and not on the way down."""
+    free = paper(2687, 208.9)
+    dented = working(replace(free, break_away=0.05))
+    first = (0.1 + 0.05) * 26870 / (2 * math.pi * 208.9) ** 2
+    assert dented.cutoff == pytest.approx(first)
+    held, rolls = dented.amplitude < first, working(free)
+    assert not dented.damping_ratio[held].any()
+    assert np.array_equal(dented.damping_ratio[~held], rolls.damping_ratio[~held])
+    assert np.array_equal(dented.descending.damping_ratio, rolls.descending.damping_ratio)
+    assert working(replace(free, break_away=10.0)).peak == 0
+
+
 @pytest.mark.parametrize("over_gap", [1.5, 3.0, 6.0])
 @pytest.mark.parametrize("rolling_friction", [1e-8, 1e-6])
 def test_ring_downs_of_a_ball_that_little_holds(over_gap: float, rolling_friction: float) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import damper.contact
 import workflows
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
@@ -18,6 +21,7 @@ from workflows.report.verdict import answer
 from workflows.scene.load import parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
+from workflows.solve.damper import particle_damper
 from workflows.solve.results import Results
 from workflows.studies.design import report
 from workflows.studies.design.study import design
@@ -232,7 +236,7 @@ def test_designs_keep_to_what_the_floor_carries(limits: dict[str, Any], diameter
     """Lead is denser and would win, but flows; a limit on first yield keeps the ball small; nothing but lead fails."""
     balls = ["hardened steel", "lead"] if diameter else ["lead"]
     free = {"ball_material": balls, "ball_diameter": ["2 mm", "3 mm", "4 mm"], "amplitude": ["3 mm", "5 mm"]}
-    scene = pressed("lead", "4", design=free | limits)
+    scene = pressed("lead", "4", design=free | limits, effects={"indentation": False})
     scene["damper"]["cavity"] = ["5 mm", "5 mm"]
     if not diameter:
         with pytest.raises(BadInput, match="the floor carries none of these balls"):
@@ -245,3 +249,50 @@ def test_designs_keep_to_what_the_floor_carries(limits: dict[str, Any], diameter
     told = " ".join(report.sentences(found))
     assert "Ball and floor carry the load at all speeds" in told
     assert (limit in dict(found.found.scored.used)) is ("allowed in first yields" in told) is bool(limit)
+
+
+def system(**changes: Any) -> damper.ParticleDamper:
+    """The damper of a steel ball on titanium at 15000 rpm, with other keys."""
+    scene = pressed("hardened steel", "4")
+    scene["damper"] = {key: value for key, value in (scene["damper"] | changes).items() if value is not None}
+    given = parse(scene)
+    point = workflows.run(pressed("hardened steel", "4")).speeds[1]
+    return particle_damper(given, selection.resolve(given), point)
+
+
+def test_hits_and_rolling_follow_from_the_materials() -> None:
+    """Restitution as Thornton has it, which tends to Johnson's power; rolling by hysteresis; a dent that holds."""
+    found = system(restitution="auto", rolling_friction="auto")
+    (onset, first), *_, (last, lowest) = found.restitution_by_speed
+    ball = damper.contact.Solid(210e9, 0.3, 2e9, 700 * 9.80665e6)
+    floor = damper.contact.Solid(113.8e9, 0.342, 880e6, 349 * 9.80665e6)
+    assert onset == pytest.approx(damper.contact.yield_speed(found.ball_mass, 2e-3, ball, floor))
+    assert 0.98 < first == found.restitution < 1
+    assert lowest == pytest.approx(1.18 * (onset / last) ** 0.25, rel=0.01)
+    for (speed, e), (further, less) in pairwise(found.restitution_by_speed):
+        middle = damper.contact.restitution(math.sqrt(speed * further), onset)
+        assert 0.5 * (e + less) == pytest.approx(middle, rel=0.02)
+    load = found.ball_mass * found.centrifugal_acceleration
+    pressed_floor = damper.contact.resting(load, 2e-3, ball, floor)
+    assert found.rolling_friction == pytest.approx(3 / 16 * 0.016 * pressed_floor.hertz_radius)
+    assert found.break_away == pytest.approx(damper.contact.rim_slope(load, 2e-3, ball, floor))
+    assert 0 < found.break_away < pressed_floor.dent_slope
+    table = system(restitution=[["0.1 m/s", 0.9], ["10 m/s", 0.5]])
+    assert (table.restitution, table.restitution_by_speed) == (0.9, ((0.1, 0.9), (10.0, 0.5)))
+    assert table.rolling_friction == 1e-5
+
+
+@pytest.mark.parametrize(
+    ("changes", "problem"),
+    [
+        ({"restitution": "auto", "floor_material": None}, "takes the materials of ball and floor by name"),
+        ({"rolling_friction": "auto", "floor_material": None}, "takes the materials of ball and floor by name"),
+        ({"restitution": "automatic"}, "expected a number from 0 to 1, 'auto', or pairs"),
+        ({"restitution": [["2 m/s", 0.9], ["1 m/s", 0.5]]}, "expected impact speeds above 0, ascending"),
+        ({"restitution": [["2 m/s", 1.9]]}, "expected at most 1"),
+        ({"rolling_friction": "-1 mm"}, "expected at least 0"),
+    ],
+)
+def test_what_materials_cannot_tell(changes: dict[str, Any], problem: str) -> None:
+    with pytest.raises(BadInput, match=re.escape(problem)):
+        system(**changes)

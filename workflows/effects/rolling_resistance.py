@@ -23,8 +23,9 @@ def called_for(case: Case) -> Called:
 
 
 def arguments(given: Damper, _: float, on: bool) -> dict[str, Any]:
-    """The lever arm of the resistance."""
-    return {"rolling_friction": given.rolling_friction if on else 0.0}
+    """The lever arm of the resistance, where a scene gives it."""
+    lever = given.rolling_friction
+    return {"rolling_friction": lever if on and isinstance(lever, float) else 0.0}
 
 
 EFFECT = Definition("damper", called_for, "rolling resistance", arguments=arguments)

@@ -306,7 +306,7 @@ def leaning_load(results: Results) -> str | None:
         return None
     across = abs(scene.damper.on_plate[1] * math.cos(scene.rotor.stagger))
     point = max((p for p, _, _ in ring_downs(results)), key=lambda p: p.load_g)
-    lean, rolls = across / point.radius, scene.damper.rolling_friction / scene.damper.radius
+    lean, rolls = across / point.radius, limits.lever(scene, point) / scene.damper.radius
     if point.load_g == 0 or lean <= 0.1 * rolls:
         return None
     held = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"

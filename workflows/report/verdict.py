@@ -89,16 +89,19 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     remedy = limits.what_moves(results, point)
     if remedy is None:
         return None
-    steps = [f"with a rolling friction below {_rounded(1e3 * remedy.rolling_friction)} mm"]
+    steps = []
+    if not math.isnan(remedy.rolling_friction):
+        steps.append(f"with a rolling friction below {_rounded(1e3 * remedy.rolling_friction)} mm")
     if not math.isnan(remedy.radius):
         steps.append(f"with a ball radius above {_rounded(1e3 * remedy.radius, up=True)} mm and the same clearance")
     if not math.isnan(remedy.omega):
         load = point.load_g * (remedy.omega / point.omega) ** 2
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
-    return (
-        f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm; at the"
-        f" {millimetres(limit)} mm that the plate endures, it would move {listed(steps, 'or')}."
-    )
+    moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
+    if not steps:
+        return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
+    would = f"at the {millimetres(limit)} mm that the plate endures, it would move {listed(steps, 'or')}"
+    return f"{moves}; {would}."
 
 
 def _rounded(value: float, *, up: bool = False) -> str:
@@ -491,6 +494,8 @@ def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
     if found.moves_from >= found.endured_level:
         held = f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
         friction = limits.friction_that_moves(results, found)
+        if math.isnan(friction):
+            return f"{held}, in its own dent"
         return f"{held}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
     if not math.isfinite(found.ratio):
         return f"{evaluated}: the ball takes nothing of the amplitude"

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from workflows.scene import materials
 from workflows.scene.quantities import (
     ROUNDING,
+    AutoLength,
     Cycles,
     Density,
     Direction,
@@ -22,6 +23,7 @@ from workflows.scene.quantities import (
     Place,
     Positive,
     Radii,
+    Restitution,
     Table,
     fault,
     name_of,
@@ -77,9 +79,12 @@ class Damper(Table):
         description="mass of what holds the cavity where it stands out of the plate, a point mass at the damper's"
         " place; without it the cavity must fit the plate",
     )
-    restitution: Annotated[Number, Field(ge=0, le=1)] = Field(description="e of a wall hit, dimensionless")
+    restitution: Restitution = Field(
+        description="e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the"
+        " logarithm of the speed; 'auto': by the strength of ball and floor"
+    )
     friction: Annotated[Number, NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
-    rolling_friction: Annotated[Length, NotNegative] = Field(description="μ_r, a length")
+    rolling_friction: AutoLength = Field(description="μ_r, a length; 'auto': elastic hysteresis of ball and floor")
     floor_radius: Radii | None = Field(
         None,
         description="of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat",
@@ -123,7 +128,10 @@ class Damper(Table):
                 )
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
-        if self.rolling_friction > self.radius * (1 + ROUNDING):
+        lever = self.rolling_friction
+        if isinstance(lever, float) and lever < 0:
+            raise fault("rolling_friction", "expected at least 0")
+        if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
             raise fault(
                 "rolling_friction",
                 f"expected a length of at most the ball's radius, {self.radius:g} m: over it, this is the coefficient",

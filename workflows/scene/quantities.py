@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -61,6 +62,7 @@ class Kind:
         return f"expected {self.name} such as '{self.example}'"
 
 
+SPEED = Kind("an impact speed", "1 m/s", "m/s", 1e-9, 1e6)
 LENGTH = Kind("a length", "20 cm", "m", 1e-12, 1e6)
 MASS = Kind("a mass", "1 kg", "kg", 1e-15, 1e12)
 ANGLE = Kind("an angle", "45 deg", "rad", 1e-15, 1e3)
@@ -434,6 +436,32 @@ def _cycles(value: object) -> float | str:
     return number
 
 
+def _auto_length(value: object, info: ValidationInfo) -> float | str:
+    return "auto" if value == "auto" else si(LENGTH, value, info)
+
+
+def _restitution(value: object, info: ValidationInfo) -> float | str | tuple[tuple[float, float], ...]:
+    if value == "auto":
+        return "auto"
+    if isinstance(value, str):
+        raise wrong(f"expected a number from 0 to 1, 'auto', or pairs such as {_PAIRS_EXAMPLE}")
+    if not isinstance(value, list | tuple):
+        return _share(value)
+    if not 1 <= len(value) <= _PAIRS or not all(isinstance(each, list | tuple) and len(each) == 2 for each in value):
+        raise wrong(f"expected up to {_PAIRS} pairs of an impact speed and a restitution, such as {_PAIRS_EXAMPLE}")
+    pairs = tuple((si(SPEED, speed, info), _share(e)) for speed, e in value)
+    if any(speed <= before for (before, _), (speed, _) in pairwise(((0.0, 0.0), *pairs))):
+        raise wrong("expected impact speeds above 0, ascending")
+    return pairs
+
+
+def _share(value: object) -> float:
+    number = _number(value)
+    if not 0 <= number <= 1:
+        raise wrong(f"expected at {'least 0' if number < 0 else 'most 1'}")
+    return number
+
+
 def _line(value: str) -> str:
     """Text that stays on its line wherever it is printed, and that every file format takes."""
     if not value.isprintable():
@@ -450,6 +478,20 @@ def _switch(value: object) -> bool | str:
 
 _CYCLES_SCHEMA = {"anyOf": [{"const": "auto"}, {"type": "number", "exclusiveMinimum": 0}]}
 
+_PAIRS, _PAIRS_EXAMPLE = 16, "[['0.1 m/s', 0.9], ['10 m/s', 0.5]]"
+_RESTITUTION_SCHEMA = {
+    "anyOf": [
+        {"type": "number", "minimum": 0, "maximum": 1},
+        {"const": "auto"},
+        {"type": "array", "minItems": 1, "maxItems": _PAIRS, "items": {"type": "array", "minItems": 2}},
+    ]
+}
+_AUTO_LENGTH_SCHEMA = quantity_schema(LENGTH) | {"examples": ["auto", LENGTH.example]}
+
+Restitution = Annotated[
+    float | str | tuple[tuple[float, float], ...], BeforeValidator(_restitution), WithJsonSchema(_RESTITUTION_SCHEMA)
+]
+AutoLength = Annotated[float | str, BeforeValidator(_auto_length), WithJsonSchema(_AUTO_LENGTH_SCHEMA)]
 Number = Annotated[float, BeforeValidator(_number)]
 Length = Annotated[float, *_quantity(LENGTH)]
 Mass = Annotated[float, *_quantity(MASS)]

@@ -325,6 +325,7 @@ class Effects(Table):
     impact_friction: Switch = Field(default="auto", description="friction where the ball hits a wall")
     ball_slip: Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
     floor_tilt: Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
+    indentation: Switch = Field(default="auto", description="the dent under a resting ball holds it")
     structural_modes: Switch = Field(
         default="auto",
         description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",

@@ -16,7 +16,7 @@ from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
-from workflows.solve import coupling
+from workflows.solve import coupling, limits
 from workflows.solve.results import (
     BallPath,
     CavityMode,
@@ -198,7 +198,7 @@ def particle_damper(
             ball_radius=given.radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
             formulation=Formulation(given.formulation),
-            **_terms(given, effects, point.omega),
+            **_terms(given, effects, point.omega) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
         tilts = scene.given is not None and str(error).startswith("floor_tilt")
@@ -213,6 +213,21 @@ def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str,
     """What effects on the ball have to say of a damper, at a speed in rad/s."""
     said = (kind.arguments(given, omega, effects[name].on) for name, kind in EFFECTS.items())
     return {argument: value for each in said for argument, value in each.items()}
+
+
+def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
+    """What follows from ball and floor for a damper: restitution, and rolling by hysteresis.
+
+    Raises:
+        BadInput: their materials are not known.
+    """
+    found = limits.hits(scene, point)
+    if scene.damper is not None and scene.damper.rolling_friction == "auto":
+        if limits.solids(scene) is None:
+            problem = "takes the materials of ball and floor by name: expected ball_material and floor_material"
+            raise BadInput(problem, key="[damper] rolling_friction", value="auto")
+        found["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
+    return found | ({"break_away": limits.rim_slope(scene, point)} if effects["indentation"].on else {})
 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
@@ -106,6 +107,51 @@ def solids(scene: Scene) -> tuple[Solid, Solid] | None:
     return (found[0], found[1]) if len(found) == 2 else None
 
 
+def lever(scene: Scene, point: SpeedPoint) -> float:
+    """Rolling friction at a speed, μ_r [m]: as given, or by elastic hysteresis."""
+    from damper.contact import rolling_lever
+
+    damper, pressed = scene.damper, contact(scene, point)
+    given = 0.0 if damper is None else damper.rolling_friction
+    if isinstance(given, float):
+        return given
+    return 0.0 if pressed is None else rolling_lever(pressed)
+
+
+SPEEDS_OF_HITS = 16
+"""Pairs of impact speed and restitution that stand for the law of dents."""
+
+_FASTEST = 100.0
+"""Impact speed over that of first yield from which on Johnson's power of it holds."""
+
+
+def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
+    """Restitution of a damper: its value at low speeds, and pairs of impact speed and restitution."""
+    from damper import contact as contacts
+
+    damper, made_of = scene.damper, solids(scene)
+    if damper is None or isinstance(damper.restitution, float):
+        return {} if damper is None else {"restitution": damper.restitution}
+    pairs = damper.restitution
+    if isinstance(pairs, str):
+        if made_of is None or point.reduced is None:
+            raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
+        mass = (point.reduced.M1 - point.reduced.M2) / damper.count
+        onset = contacts.yield_speed(mass, damper.radius, *made_of)
+        if math.isnan(onset):
+            raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
+        most = math.sqrt(1 - contacts.HYSTERESIS)
+        ratios = np.geomspace(1.0, _FASTEST, SPEEDS_OF_HITS).tolist()
+        pairs = tuple((ratio * onset, min(most, contacts.restitution(ratio, 1.0))) for ratio in ratios)
+    return {"restitution": pairs[0][1], "restitution_by_speed": pairs}
+
+
+_UNNAMED = (
+    "takes the materials of ball and floor by name, at least one of known strength: expected ball_material and"
+    " floor_material, or a number"
+)
+
+
 def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
     """Of the ball at rest on its floor; None without a load, or where the materials are not known.
 
@@ -113,12 +159,27 @@ def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
     """
     from damper.contact import resting
 
+    pressed = _pressed(scene, point)
+    return None if pressed is None else resting(*pressed)
+
+
+def rim_slope(scene: Scene, point: SpeedPoint) -> float:
+    """Slope that the resting ball climbs to leave its dent; 0 where that is not known."""
+    from damper.contact import rim_slope
+
+    pressed = _pressed(scene, point)
+    slope = 0.0 if pressed is None else rim_slope(*pressed)
+    return 0.0 if math.isnan(slope) else slope
+
+
+def _pressed(scene: Scene, point: SpeedPoint) -> tuple[float, float, Solid, Solid, float] | None:
+    """Load [N], the ball's radius [m], ball, floor, and its radius [m]."""
     damper, made_of = scene.damper, solids(scene)
     if damper is None or made_of is None or point.reduced is None or point.omega == 0:
         return None
     load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.radius
     floor = math.inf if damper.floor_radius is None else 2 / sum(1 / radius for radius in damper.floor_radius)
-    return resting(load, damper.radius, *made_of, floor)
+    return load, damper.radius, *made_of, floor
 
 
 def verdict(results: Results, point: SpeedPoint) -> Verdict:
@@ -226,7 +287,7 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
     drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * amplitude
-    resistance = damper.rolling_friction / damper.radius if results.effects["rolling_resistance"].on else 0.0
+    resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.radius) + 5 * resistance) / 7
 
 
@@ -286,7 +347,7 @@ class Remedy(NamedTuple):
 
     Attributes:
         amplitude: from which on the ball moves [m].
-        rolling_friction: up to which it moves at the amplitude that the plate endures [m].
+        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
         omega: speed up to which it does [rad/s]; nan of a plate at one speed alone.
     """
@@ -310,12 +371,17 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     if limit is None:
         return Remedy(figures.cutoff)
     ease = limit / figures.cutoff
-    radius = damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
+    slope = _dent(results, point)
+    radius = (
+        math.nan
+        if slope > 0
+        else damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
+    )
     return Remedy(
         figures.cutoff,
-        damper.rolling_friction * ease,
+        _eased(results, point, ease),
         radius if 2 * radius < _room(results) else math.nan,
-        _slower(results, point, damper.rolling_friction / damper.radius, limit),
+        _slower(results, point, lever(results.scene, point) / damper.radius + slope, limit),
     )
 
 
@@ -324,8 +390,23 @@ def friction_that_moves(results: Results, found: VibrationReduction) -> float:
 
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
+    near = min(results.speeds, key=lambda point: abs(point.rpm - found.rpm))
+    return _eased(results, near, found.endured_level / found.moves_from)
+
+
+def _dent(results: Results, point: SpeedPoint) -> float:
+    """Slope of the dent that holds a ball at rest, as far as it is counted in."""
+    return rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
+
+
+def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
+    """Rolling friction with which so much of the force that moves a resting ball would do [m]; nan: not even none."""
     damper = results.scene.damper
-    return math.nan if damper is None else damper.rolling_friction * found.endured_level / found.moves_from
+    if damper is None:
+        return math.nan
+    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point)
+    left = ease * (rolls + slope) - slope
+    return damper.radius * left if left > 0 or slope == 0 else math.nan
 
 
 def _room(results: Results) -> float:

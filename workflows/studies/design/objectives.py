@@ -106,7 +106,7 @@ def cutoff_of(damper: ParticleDamper) -> float:
     left = abs(1 - damper.tilt_share[0])
     if left < 1e-3:
         return math.inf
-    return damper.rolling_threshold / damper.stuck_frequency**2 / left
+    return damper.break_away_threshold / damper.stuck_frequency**2 / left
 
 
 def bound_of(damper: ParticleDamper, amplitude: float) -> float:
@@ -313,8 +313,10 @@ _SCAN = 2000
 def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
     own = here.force / (2 * resting * here.system.stiffness[0])
-    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {})).descending
-    return max(hitting(figures, own, resting), rolling(here.system, own, resting))
+    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    if resting <= figures.cutoff:
+        return resting
+    return max(hitting(figures.descending, own, resting), rolling(here.system, own, resting))
 
 
 def hitting(figures: Working, own: float, resting: float) -> float:

@@ -267,7 +267,7 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
         f"{place} the structure vibrates by {_mm(scored.without)} mm, and the load holds every ball at rest up to"
         f" {significant(scored.grows, 3)} times as much or more."
     ]
-    if damper is not None and damper.rolling_friction > 0:
+    if damper is not None and isinstance(damper.rolling_friction, float) and damper.rolling_friction > 0:
         lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
     return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
 
@@ -350,9 +350,10 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
         f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
     ]
-    if damper is not None and damper.rolling_friction > 0 and scored.cutoff > goal.low:
+    given = None if damper is None else damper.rolling_friction
+    if isinstance(given, float) and given > 0 and scored.cutoff > goal.low:
         share = goal.low / scored.cutoff
-        lines.append(_to_roll(damper.rolling_friction, share, "a least amplitude above the cut-off"))
+        lines.append(_to_roll(given, share, "a least amplitude above the cut-off"))
     return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
 
 

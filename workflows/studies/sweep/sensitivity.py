@@ -56,8 +56,10 @@ def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axi
 def defaults(scene: Scene) -> tuple[Axis, ...]:
     """What is hardly ever known well, about a scene's own values.
 
-    Restitution within ±0.1, friction ±30 %, rolling friction and the structure's damping a factor of 2 either way, the
-    clearance along the bending direction within ±0.05 mm, or half of it.
+    Rolling friction over two decades, since what it is made of (hysteresis, roughness, a dent) is hardly ever measured;
+    restitution within ±0.2, which impact speed and material leave; friction ±30 %, the structure's damping a factor of
+    2 either way, the clearance along the bending direction within ±0.05 mm, or half of it. What follows from materials
+    ('auto') is not varied.
     """
     damper = scene.damper
     if damper is None:
@@ -66,12 +68,14 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     tolerance = min(5e-5, gap / 2)
     e, rolling, zeta = damper.restitution, damper.rolling_friction, damper.damping_ratio
     spreads = {
-        "damper.restitution": Spread(max(e - 0.1, 0.0), min(e + 0.1, 1.0)),
         "damper.friction": Spread(0.7 * damper.friction, 1.3 * damper.friction),
-        "damper.rolling_friction": Spread(rolling / 2, min(2 * rolling, damper.radius), "log"),
         "damper.damping_ratio": Spread(zeta / 2, min(2 * zeta, 0.99), "log"),
         "damper.clearance[0]": Spread(gap - tolerance, gap + tolerance),
     }
+    if isinstance(e, float):
+        spreads = {"damper.restitution": Spread(max(e - 0.2, 0.0), min(e + 0.2, 1.0)), **spreads}
+    if isinstance(rolling, float):
+        spreads["damper.rolling_friction"] = Spread(rolling / 10, min(10 * rolling, damper.radius), "log")
     known = {name: spread for name, spread in spreads.items() if spread.high > spread.low}
     return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
 
