@@ -3,7 +3,7 @@
 State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
 would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
 frequencies differ, and are solved at nested Chebyshev-Lobatto points of it: the two ends with factors of their own,
-those between by conjugate gradients and Davidson's method with the factor of one end (`fem.linalg.lowest_modes`). The
+those between with one factor each, by Davidson's method from the modes foretold (`fem.linalg.lowest_modes`). The
 modes at each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J.
 Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
 
@@ -24,7 +24,7 @@ from scipy.linalg import polar
 
 from fem.linalg import lowest_modes
 from fem.modal_model import ModalModel, ModesAtSpeed, lagrange
-from fem.modes.real import Modes, solve_real
+from fem.modes.real import solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, tangent
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem.linalg import Factor, Solver
+    from fem.linalg import Solver
     from fem.solid.assembly import SolidOperators
 
     Array = NDArray[np.float64]
@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 
 SPARE = 2
 """Modes solved beyond those asked for, so that one that comes down with speed is known before."""
+
+FIRST = 4
+"""Parts into which Chebyshev's points divide the range at first, solved from above, where a state leads to the next."""
 
 FINEST = 16
 """Parts into which Chebyshev's points divide the range at most."""
@@ -241,21 +244,21 @@ def sweep_blade(
     known = _Solved()
     alone = asked if asked.size <= ALONE else asked[[0, -1]]
     for omega in map(float, alone):
-        last = _solve_alone(operators, omega, count, known)
+        _solve_alone(operators, omega, count, known)
         if progress is not None:
             progress(len(known.states))
     if asked.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(asked[0] ** 2), float(asked[-1] ** 2), known.bend
     reach = float(np.log1p((high - low) / bend))
-    parts, errors, missed = 2, np.full(count, np.inf), np.ones(count)
+    parts, errors, missed = FIRST, np.full(count, np.inf), np.ones(count)
     while parts <= FINEST:
         foretelling = _gathered(operators, known, count, errors)
         before, missed = missed, np.zeros(count)
-        for k in range(parts - 1, 0, -2):
+        for k in range(parts - 1, 0, -1 if parts == FIRST else -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
             guess = foretelling.modes(square**0.5)[0]
-            _solve_between(operators, square, known, foretelling, last.factor)
+            _solve_between(operators, square, known, foretelling)
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
             if progress is not None:
                 progress(len(known.states))
@@ -267,7 +270,7 @@ def sweep_blade(
     return _gathered(operators, known, count, errors)
 
 
-def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> Modes:
+def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> None:
     """Solve a speed with factors of its own."""
     start = known.states[max(known.states)] if known.states else None
     if omega == 0.0:
@@ -279,7 +282,6 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
     modes = solve_real(operators, omega, stiffness, wanted, state)
     operators.keep(modes.factor)
     known.add(omega**2, state, _slope(operators, state, modes.factor), modes.eigenvalues, modes.shapes)
-    return modes
 
 
 def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
@@ -288,17 +290,17 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _solve_between(
-    operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep, factor: Factor
-) -> None:
-    """Solve a speed with the factor of another."""
+def _solve_between(operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep) -> None:
+    """Solve a speed from what others foretell, with one factor for state and modes."""
     omega = square**0.5
+    operators.known.clear()
     state = equilibrium(operators, omega, known.foretold(square))
     stiffness = tangent(operators, omega, state)
-    slope = _slope(operators, state, operators.solver(stiffness))
+    solver = operators.solver(stiffness)
+    slope = _slope(operators, state, solver)
     start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
-    factor = operators.known[-1] if operators.known else factor
-    found = lowest_modes(stiffness, operators.mass, start, factor, SETTLED)
+    near = operators.known[-1] if operators.known else solver
+    found = lowest_modes(stiffness, operators.mass, start, near, SETTLED)
     if found is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
         found = modes.eigenvalues, modes.shapes

@@ -108,7 +108,7 @@ def bad_meshes():
     tetra = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
     return {
         "crossed": (points, [("quad", crossed)], "cells are inverted or flat"),
-        "bumped": (bumped, [("quad", quads)], "plane of constant z.*a flat one"),
+        "bumped": (bumped, [("quad", quads)], r"plane of constant z.*as \[blade\] mesh"),
         "disconnected": (far, [("quad", np.vstack([quads, quads + len(points)]))], "2 parts"),
         "no root": (tilted, [("quad", quads)], "nothing to clamp"),
         "bent root": (bent, [("quad", quads)], r"beyond \(0, 0\) its edge continues at 2.9° .* of length 0.04"),
@@ -174,7 +174,9 @@ def test_shipped_meshes_are_what_the_script_makes(tmp_path, monkeypatch):
     spec.loader.exec_module(make)
     monkeypatch.setattr(make, "HERE", tmp_path)
     make.main()
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in MESHES.glob("*.msh"))
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
+        p.name for kind in ("msh", "inp") for p in MESHES.glob(f"*.{kind}")
+    )
     for path in tmp_path.iterdir():
         assert path.read_text() == (MESHES / path.name).read_text()
 

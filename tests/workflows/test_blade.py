@@ -130,15 +130,6 @@ def test_plate_and_blade_exclude_each_other():
         parse({"blade": {"mesh": "a.inp"}, "plate": {}, "rotor": {"speeds": [1.0]}})
 
 
-def test_the_shipped_blade_is_what_make_writes(tmp_path):
-    folder = Path(make.__file__).parent
-    make.write_inp(
-        tmp_path / "again.inp", make.solid(make.FAN, (16, 8, 2)), "A twisted fan blade in m, x from the spin axis"
-    )
-    assert (tmp_path / "again.inp").read_text() == (folder / "fan_blade.inp").read_text()
-    assert load(folder / "fan_blade.toml").scene.blade is not None
-
-
 PLATE = """
 [material]
 name = "Ti-6Al-4V"
