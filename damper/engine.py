@@ -14,7 +14,7 @@ import numpy as np
 
 from damper.compiled import by_flights, kernel
 from damper.events import account, look, schedule, seek, strongest_drive
-from damper.flight import begin, expand, increment, increments, rates, structure, travel, velocity, viscous_loss
+from damper.flight import begin, expand, increment, increments, places, structure, travel, velocity, viscous_loss
 from damper.impacts import let_go, level_hit, level_rub, level_settle, read, resolve, roll, roll_on, slip
 from damper.slip import spend
 from damper.state import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
@@ -164,13 +164,18 @@ def _linear_speed(it: Record, time: float) -> tuple[float, float]:
     """`_speed` in linear flights."""
     system, square, rate = it.system, 0.0, 0.0
     for g in range(system.groups):
-        span, cavity = system.span[g], system.high[g] - system.low[g]
+        span = system.span[g]
         x = (time - it.motion.start[g]) / span
-        for lane in range(cavity, cavity + system.last[g] - system.first[g]):
-            c = it.motion.series[g, lane]
-            v, acceleration = (c[1], 2.0 * c[2]) if x == 0.0 else rates(c, x)
-            square += v * v / (span * span)
-            rate += v * acceleration / (span * span * span)
+        for i in range(system.first[g], system.last[g]):
+            c = it.motion.series[g, system.cavity[i]]
+            if x == 0.0:
+                v, acceleration = c[1] / span, 2.0 * c[2] / (span * span)
+            else:
+                inverse = 1.0 / (x * span)
+                _, v, acceleration = places(c, x)
+                v, acceleration = v * inverse, acceleration * inverse * inverse
+            square += v * v
+            rate += v * acceleration
     return square, rate
 
 

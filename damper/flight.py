@@ -321,7 +321,7 @@ def expand(g: int, it: Record, flow: Floats) -> None:
     first, last, count = system.first[g], system.last[g], system.high[g] - system.low[g]
     sources = gather(g, it.motion.start[g], it)
     c, source, series = it.motion.series[g], it.motion.source, count + last - first
-    for lane in range(series):
+    for lane in range(count if system.cavity[first] == 0 else series):
         _combine(c[lane], terms[lane], source, sources)
     for i in range(first, last):
         if axes[i].regime == STUCK:
@@ -542,8 +542,11 @@ def _scale(c: Floats, one: Floats, two: Floats, three: Floats, scaled: Floats) -
 @fused
 def _at_points(scaled: Floats, table: Floats) -> Floats:
     """A scaled series at the points of the rule."""
-    even, odd = times(load(table[0], 0), fill(scaled[0])), times(load(table[1], 0), fill(scaled[1]))
-    for k in range(2, TERMS, 2):
-        even = add_times(even, load(table[k], 0), fill(scaled[k]))
-        odd = add_times(odd, load(table[k + 1], 0), fill(scaled[k + 1]))
-    return add_times(even, odd, fill(1.0))
+    one, two = times(load(table[0], 0), fill(scaled[0])), times(load(table[1], 0), fill(scaled[1]))
+    three, four = times(load(table[2], 0), fill(scaled[2])), times(load(table[3], 0), fill(scaled[3]))
+    for k in range(4, TERMS, 4):
+        one = add_times(one, load(table[k], 0), fill(scaled[k]))
+        two = add_times(two, load(table[k + 1], 0), fill(scaled[k + 1]))
+        three = add_times(three, load(table[k + 2], 0), fill(scaled[k + 2]))
+        four = add_times(four, load(table[k + 3], 0), fill(scaled[k + 3]))
+    return add_times(add_times(one, two, fill(1.0)), add_times(three, four, fill(1.0)), fill(1.0))

@@ -73,7 +73,7 @@ def _read(i: int, x: float, it: Record, out: Floats) -> None:
     """Displacement, velocity, relative position and velocity along an axis x steps on."""
     system, g = it.system, it.system.group[i]
     c, span = it.motion.series[g], system.span[g]
-    cavity = c[system.high[g] - system.low[g] + i - system.first[g]]
+    cavity = c[system.cavity[i]]
     gain, rate = increment(cavity, x)
     out[0], out[1] = cavity[0] + gain, rate / span
     out[2], out[3] = it.motion.z[system.place[i]], 0.0

@@ -187,7 +187,7 @@ def systems_of(
     spans = _spans(equations, members)
     constants = np.zeros(n, SYSTEM)
     for values in (
-        _places(members, k),
+        _places(members, k, alone=_alone(structures, members)),
         _sorted(_inertia(rows, structures), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "span": spans},
@@ -200,7 +200,12 @@ def systems_of(
     return Systems(constants, flows_of(equations, members, spans), equations, order)
 
 
-def _places(members: list[list[int]], k: int) -> dict[str, Any]:
+def _alone(structures: Structures, members: list[list[int]]) -> bool:
+    """Whether each axis has one mode, scaled to 1 at the cavity: it is the cavity's displacement itself."""
+    return len(members) == 2 == structures.mass.shape[1] and bool((structures.shape == np.eye(2)).all())
+
+
+def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
     """Which coordinates and axes each group has."""
     ends, axes = np.cumsum([0, *map(len, members)]), [0, 1, 2] if len(members) == 2 else [0, 2]
     order = [z for group in members for z in group]
@@ -215,6 +220,7 @@ def _places(members: list[list[int]], k: int) -> dict[str, Any]:
         "group": group,
         "place": [order.index(k), order.index(k + 1)],
         "lane": [members[g].index(k + i) for i, g in enumerate(group)],
+        "cavity": [0 if alone else len(members[g]) + i - axes[g] for i, g in enumerate(group)],
     }
 
 

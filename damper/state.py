@@ -235,6 +235,7 @@ SYSTEM = record(
     ("group", "i8", 2),  # of each axis
     ("place", "i8", 2),  # which coordinate is s along each axis
     ("lane", "i8", 2),  # and which series of its group
+    ("cavity", "i8", 2),  # and which is that of the cavity's displacement along it
     ("flow", "i8"),  # which terms its flights have
     ("damped", "i8"),
     ("inertia", "f8", _N),  # of the modes [kg]

@@ -62,12 +62,17 @@ def read(path: Path) -> Raw:
             raise ModesFileError(f"not a whole .gz file: {error}") from error
     if not data.strip():
         raise ModesFileError("the file is empty")
-    if name.endswith(".frd"):
-        return _checked(Raw(_frd(data)))
-    if name.endswith(".npz"):
-        return _checked(_neutral(_npz(data)))
-    if name.endswith(".json"):
-        return _checked(_neutral(_json(data)))
+    try:
+        if name.endswith(".frd"):
+            return _checked(Raw(_frd(data)))
+        if name.endswith(".npz"):
+            return _checked(_neutral(_npz(data)))
+        if name.endswith(".json"):
+            return _checked(_neutral(_json(data)))
+    except (ValueError, TypeError, LookupError, ArithmeticError) as error:
+        if isinstance(error, ModesFileError):
+            raise
+        raise ModesFileError(f"cannot be read: {error}") from error
     problem = "expected a file of modes whose name ends in .frd, .npz or .json"
     if name.endswith((".rst", ".op2", ".unv", ".csv")):
         problem += ": the guide 'Modes from elsewhere' shows how to write .npz from this one"
@@ -239,6 +244,7 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
     frequencies: list[float] = []
     shapes: list[Array] = []
     steps: set[bytes] = set()
+    numbers: list[int] = []
     begin = 0
     for head in re.finditer(rb"^  100C.*\n -4  (\S+)", data, re.M):
         before, begin = data[begin : head.start()], head.end()
@@ -266,6 +272,7 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
             static = placed
             continue
         steps.add(_parameter(before, b"1PSTEP", 2) or b"1")
+        numbers.append(int(_parameter(before, b"1PMODE", 0) or len(numbers) + 1))
         frequencies.append(value)
         shapes.append(placed / _norm(before, value, len(frequencies)))
     if not frequencies:
@@ -275,6 +282,8 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
         raise ModesFileError(
             f"modes of {len(steps)} steps: expected one *FREQUENCY step in a file; a file for each speed"
         )
+    if lost := [one for one, other in pairwise(numbers) if other != one + 1]:
+        raise ModesFileError(f"mode {lost[0] + 1} is missing: expected its displacements after those of mode {lost[0]}")
     return ModesAtSpeed(np.nan, np.array(frequencies), np.array(shapes), static)
 
 

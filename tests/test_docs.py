@@ -125,7 +125,7 @@ ANSWERS = {
         ("CONTRIBUTING.md", "workflows/effects/<key>.py"),
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
-    "Where is the law of hits, restitution?": [
+    "Where is the law of impact?": [
         ("damper/impacts.py", "def level_hit"),
         ("damper/laws.py", "def check_hits"),
         ("workflows/studies/work_precision/integration.py", "self.e"),

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.meshes.cells import cell
-from fem.solid.assembly import mapped
-from fem.solid.quadrature import rule
+from fem.solid.assembly import mapped, rule
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,13 +9,13 @@ Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the poly
 
 How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
 is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
-more by four times the factor by which it fell last, where it falls by the square of that.
+more by ten times the factor by which it fell last, where it falls by the square of that.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -23,8 +23,9 @@ import numpy as np
 from scipy.linalg import polar
 
 from fem.linalg import lowest_modes
-from fem.modal_model import lagrange
+from fem.modal_model import ModalModel, ModesAtSpeed, lagrange
 from fem.modes.real import Modes, solve_real
+from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, tangent
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem.linalg import Factor
+    from fem.linalg import Factor, Solver
     from fem.solid.assembly import SolidOperators
 
     Array = NDArray[np.float64]
@@ -54,7 +55,10 @@ SETTLED = 1e-10
 FLOOR = 1e-8
 """Least relative error of frequencies that is claimed: of what Davidson's method and rounding leave."""
 
-CAUTION = 4.0
+NEIGHBOURS = 5
+"""Speeds by whose states, and their slopes, another state is foretold."""
+
+CAUTION = 10.0
 """Factor on what a point more leaves of the error: modes exchange theirs where they cross."""
 
 LINEAR = 0.1
@@ -186,9 +190,24 @@ class _Solved:
     states: dict[float, Array] = field(default_factory=dict)
     values: dict[float, Array] = field(default_factory=dict)
     shapes: dict[float, Array] = field(default_factory=dict)
+    slopes: dict[float, Array] = field(default_factory=dict)
 
-    def add(self, square: float, state: Array, values: Array, shapes: Array) -> None:
-        self.states[square], self.values[square], self.shapes[square] = state, values, shapes
+    def add(self, square: float, state: Array, slope: Array, values: Array, shapes: Array) -> None:
+        """Know a speed; slope: what the state (n,) changes by Omega²."""
+        self.states[square], self.slopes[square] = state, slope
+        self.values[square], self.shapes[square] = values, shapes
+
+    def foretold(self, square: float) -> Array:
+        """The state (n,) at another speed, by the polynomial that has the states known and their slopes."""
+        from scipy.interpolate import KroghInterpolator
+
+        low, bend = min(self.states), self.bend
+        here = np.log1p((square - low) / bend)
+        at, values = [], []
+        for each in sorted(self.states, key=lambda each: abs(np.log1p((each - low) / bend) - here))[:NEIGHBOURS]:
+            at += [np.log1p((each - low) / bend)] * 2
+            values += [self.states[each], self.slopes[each] * (bend + each - low)]
+        return np.asarray(KroghInterpolator(at, values)(here))
 
     @property
     def bend(self) -> float:
@@ -203,7 +222,7 @@ def sweep_blade(
     speeds: Array,
     count: int = 6,
     *,
-    tolerance: float = 3e-5,
+    tolerance: float = 2e-4,
     progress: Callable[[int], None] | None = None,
 ) -> BladeSweep:
     """Solve a blade for all speeds from the lowest to the highest of some (k,) in rad/s.
@@ -233,14 +252,14 @@ def sweep_blade(
     while parts <= FINEST:
         foretelling = _gathered(operators, known, count, errors)
         before, missed = missed, np.zeros(count)
-        for k in range(1, parts, 2):
+        for k in range(parts - 1, 0, -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
             guess = foretelling.modes(square**0.5)[0]
             _solve_between(operators, square, known, foretelling, last.factor)
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
             if progress is not None:
                 progress(len(known.states))
-        falling = min(float((missed / np.maximum(before, FLOOR)).max()), 1.0)
+        falling = float(missed.max() / before.max())
         errors = np.full(count, FLOOR + min(CAUTION * falling, 1.0) * float(missed.max()))
         if errors.max() <= tolerance:
             break
@@ -259,8 +278,14 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
     wanted = min(count + SPARE, operators.load.size)
     modes = solve_real(operators, omega, stiffness, wanted, state)
     operators.keep(modes.factor)
-    known.add(omega**2, state, modes.eigenvalues, modes.shapes)
+    known.add(omega**2, state, _slope(operators, state, modes.factor), modes.eigenvalues, modes.shapes)
     return modes
+
+
+def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
+    """What a state (n,) changes by Omega², by what solves the stiffness about it."""
+    load = operators.load
+    return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
 def _solve_between(
@@ -268,14 +293,16 @@ def _solve_between(
 ) -> None:
     """Solve a speed with the factor of another."""
     omega = square**0.5
-    state = equilibrium(operators, omega, foretelling.state(omega))
+    state = equilibrium(operators, omega, known.foretold(square))
     stiffness = tangent(operators, omega, state)
+    slope = _slope(operators, state, operators.solver(stiffness))
     start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
+    factor = operators.known[-1] if operators.known else factor
     found = lowest_modes(stiffness, operators.mass, start, factor, SETTLED)
     if found is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
         found = modes.eigenvalues, modes.shapes
-    known.add(square, state, *found)
+    known.add(square, state, slope, *found)
 
 
 def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Array) -> BladeSweep:
@@ -294,3 +321,88 @@ def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Arr
         turned = (beside.T @ (operators.gyroscopic @ beside)).reshape(sides)
     states = np.array([known.states[each] for each in squares])
     return BladeSweep(np.array(squares), known.bend, states, shapes, np.array(small), products, turned, count, errors)
+
+
+MORE = 5
+"""Speeds that a range is swept by at least, so that what lies between is known with its error."""
+
+KEPT = 64
+"""Speeds of which the shapes are kept, for who asks again."""
+
+
+class SolvedBlade:
+    """A solid blade whose modes are solved over a range of speeds, which grows where speeds beyond are asked for.
+
+    Attributes:
+        operators: its matrices; sweep: what is solved so far.
+        errors: estimated relative errors (count,) of frequencies by the mesh.
+    """
+
+    def __init__(
+        self,
+        operators: SolidOperators,
+        speeds: Array,
+        count: int,
+        tolerance: float,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        """Solve for the count lowest modes at speeds (k,) in rad/s; tolerance, progress: see `sweep_blade`.
+
+        Raises:
+            NoEquilibrium, Divergence: where the blade has no stable state at the highest speed.
+        """
+        self.operators, self.tolerance, self.progress = operators, tolerance, progress
+        self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance, progress=progress)
+        ends = [(float(self.sweep.squares[k]) ** 0.5, self.sweep.states[k]) for k in (0, -1)]
+        solved = [(*self.sweep.modes(omega), state) for omega, state in ends[: self.sweep.squares.size]]
+        self.errors = np.max(
+            [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved], axis=0
+        )
+        self._at = lru_cache(KEPT)(self._solved)
+
+    def model(self) -> ModalModel:
+        """The blade with its modes at the lowest speed."""
+        blade = self.operators.blade
+        lowest = self.at(float(self.sweep.squares[0]) ** 0.5)
+        mesh = blade.mesh
+        return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets)
+
+    def at(self, omega: float) -> ModesAtSpeed:
+        """Its modes at a speed in rad/s.
+
+        Raises:
+            NoEquilibrium, Divergence: where the blade has no stable state there.
+        """
+        self._reach(omega)
+        return self._at(omega)
+
+    def coriolis_shifts(self, omega: float) -> Array:
+        """Relative shifts (count,) of frequencies by Coriolis forces, which the modes leave out."""
+        self._reach(omega)
+        return self.sweep.coriolis_shifts(omega)
+
+    def _reach(self, omega: float) -> None:
+        """Solve a range that holds a speed."""
+        if self.sweep.covers(omega):
+            return
+        known = np.sqrt(np.append(self.sweep.squares, omega**2))
+        speeds = np.linspace(known.min(), known.max(), MORE)
+        count, tolerance = self.sweep.count, self.tolerance
+        self.sweep = sweep_blade(self.operators, speeds, count, tolerance=tolerance, progress=self.progress)
+        self._at.cache_clear()
+
+    def _solved(self, omega: float) -> ModesAtSpeed:
+        sweep, operators = self.sweep, self.operators
+        values, shapes = sweep.modes(omega)
+        moved = np.moveaxis(operators.spread(shapes), 2, 0)
+        exact = np.isinf(sweep.errors).any()
+        return ModesAtSpeed(
+            omega=omega,
+            frequencies_hz=np.sqrt(values) / (2.0 * np.pi),
+            shapes=moved,
+            static=operators.spread(sweep.state(omega)),
+            errors=self.errors,
+            interpolation=np.zeros(sweep.count) if exact else sweep.errors,
+            drawn=np.einsum("kni,n->ki", moved, operators.masses),
+            tracks=sweep.tracks(omega),
+        )

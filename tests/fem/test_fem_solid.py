@@ -107,7 +107,7 @@ def test_tangent_and_force_are_derivatives(kind):
 
 
 def references():
-    lines = (Path(__file__).parent / "calculix_solid_blades.csv").read_text().splitlines()
+    lines = (Path(__file__).parent / "data" / "calculix_solid_blades.csv").read_text().splitlines()
     found = {}
     for row in csv.DictReader(line for line in lines if not line.startswith("#")):
         own = [np.array([float(row[f"{name}{k}"]) for k in range(1, 9)]) for name in "fu"]

@@ -1,5 +1,7 @@
 """Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +10,10 @@ import pytest
 from meshes import make
 from workflows import pipeline
 from workflows.errors import BadInput
-from workflows.scene.load import load, parse
+from workflows.progress import Stages
+from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import resources
+from workflows.solve.blade import blade_of, in_words
 
 SCENE = """
 title = "fan"
@@ -88,8 +92,6 @@ def test_more_speeds_are_the_same_blade(folder):
 
 
 def solved(folder, speeds):
-    from workflows.progress import Stages
-
     stages = Stages(visible=False)
     return pipeline.structure(scene(folder, SCENE, speeds), stages), stages
 
@@ -135,3 +137,65 @@ def test_the_shipped_blade_is_what_make_writes(tmp_path):
     )
     assert (tmp_path / "again.inp").read_text() == (folder / "fan_blade.inp").read_text()
     assert load(folder / "fan_blade.toml").scene.blade is not None
+
+
+PLATE = """
+[material]
+name = "Ti-6Al-4V"
+
+[rotor]
+speeds = ["10000 rpm"]
+modes = 4
+{place}
+
+[damper]
+at = {at}
+ball_material = "steel"
+radius = "2 mm"
+count = 20
+cavity = ["5 mm", "5 mm"]
+restitution = 0.5
+friction = 0.3
+rolling_friction = "0.02 mm"
+damping_ratio = 0.001
+
+[effects]
+structural_modes = true
+
+[accuracy]
+frequency = 0.005
+"""
+
+
+def test_a_flat_plate_of_bricks_has_the_plates_numbers(tmp_path):
+    """Frequencies within both estimates; what the damper meets within 0.4 %: two theories, two meshes."""
+    flat = make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05)
+    make.write_inp(tmp_path / "flat.inp", make.solid(flat, (10, 4, 2), 3.0), "flat")
+    plate = PLATE.format(place="hub_radius = '50 mm'", at="['200 mm', '0 mm']")
+    bricks = PLATE.format(place="origin = [0.0, 0.0, 0.0]", at="['250 mm', '0 mm', '0 mm']")
+    (tmp_path / "plate.toml").write_text(f"[plate]\nlength = 0.2\nwidth = 0.08\nthickness = 0.01\n{plate}")
+    (tmp_path / "bricks.toml").write_text(f"[blade]\nmesh = 'flat.inp'\n{bricks}")
+    (one,), (other,) = (
+        pipeline.structure(load(tmp_path / f"{name}.toml"), Stages(visible=False)).points
+        for name in ("plate", "bricks")
+    )
+    for known, found in zip(one.modes, other.modes, strict=True):
+        assert found.family == known.family
+        off = abs(found.frequency_hz / known.frequency_hz - 1.0)
+        assert off <= found.error_estimate + known.error_estimate
+    for name in ("f1_hz", "f2_hz", "M2", "K2", "floor_tilt"):
+        assert getattr(other.reduced, name) == pytest.approx(getattr(one.reduced, name), rel=4e-3), name
+    for known, found in zip(one.cavity_modes, other.cavity_modes, strict=True):
+        for axis in range(2):
+            assert abs(found.shape[axis]) == pytest.approx(abs(known.shape[axis]), rel=5e-3, abs=1e-6)
+            assert abs(found.slope[axis]) == pytest.approx(abs(known.slope[axis]), rel=5e-3, abs=1e-4)
+
+
+def test_the_scene_of_the_guide_is_read():
+    """`check`, word for word, beside the mesh that it names."""
+    folder = Path(make.__file__).parent
+    text = (folder.parent / "docs" / "guide" / "blades.md").read_text(encoding="utf-8")
+    (scene_of_guide,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
+    source = SceneFile(parse(tomllib.loads(scene_of_guide)), "guide", folder)
+    blade = blade_of(source)
+    assert in_words(source, blade) == ("256 hexahedron20 cells of fan_blade.inp, 4608 unknowns, 69 nodes held")

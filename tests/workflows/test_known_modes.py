@@ -14,6 +14,7 @@ import pytest
 
 import spindamp as package
 from tests.workflows.conftest import Command, Scene, changed, refused, write
+from workflows.report import mode_viewer
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -33,6 +34,7 @@ SCENE: Scene = {
         "rolling_friction": "0.06 mm",
         "damping_ratio": 0.001,
     },
+    "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
 }
 BOTH = {"0 rpm": "rest.frd", "10000 rpm": "fast.frd"}
 
@@ -107,11 +109,33 @@ def test_orders_forces_and_sweeps_take_known_modes(files: Path, monkeypatch: pyt
     assert np.isfinite(swept["best_damping_ratio"].values).all()
 
 
+def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In three dimensions, with fewer points where it has many, also from a folder; a cloud has marks at its nodes."""
+    monkeypatch.chdir(files)
+    results = package.run(changed(SCENE, damper=None, release=None))
+    package.save(results, "out")
+    surface = package.load_results("out").surface
+    assert surface is not None
+    assert surface.frame is not None
+    seen = mode_viewer.of_surface(surface, results.speeds, room=mode_viewer.Room(points=200))
+    data = json.loads(seen.data)
+    assert data["span"] == pytest.approx([0.2, 0.08, 0.01], rel=1e-6)
+    assert seen.points < seen.of / 2
+    whole = mode_viewer.thinned(surface, 10**6)
+    corners = surface.points[whole.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+    assert area == pytest.approx(2 * (0.2 * 0.08 + 0.2 * 0.01 + 0.08 * 0.01))
+    (files / "bar.json").write_text(json.dumps(small()))
+    cloud = package.run(changed(OF_THE_BAR, damper=None, release=None)).surface
+    assert cloud is not None
+    assert len(cloud.points) == 4 * 9
+
+
 def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
-    between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None))
+    between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))
     assert any("how good that is is not known" in note for note in between.notes)
-    at_rest = package.run(changed(SCENE, damper=None))
+    at_rest = package.run(changed(SCENE, damper=None, release=None))
     assert any("does not say at what speed" in note for note in at_rest.notes)
 
 
@@ -182,6 +206,8 @@ SPOILT_FRD: list[tuple[str, Callable[[str], str], str]] = [
     ("frequency nought", sub(r"(CL  10\d) 198.6395470", r"\1 000.0000000"), "mode 1 has 0 Hz"),
     ("no frequency", sub(r"(CL  10\d) 198.6395470", r"\1 abc.abcdefg"), "hold no frequency"),
     ("another frequency", sub(r"(CL  10\d) 198.6395470", r"\1 298.6395470"), "is not the square"),
+    ("a mode less", sub(r"(1PMODE +2 *\n.*\n) -4  DISP ", r"\1 -4  DISQ "), "mode 2 is missing"),
+    ("no number", sub(r"1PGM +1.0", "1PGM                x.0", 9), "cannot be read"),
     ("no modal mass", sub(r"^    1PGM.*\n", "", 9), "no modal mass"),
     ("no modal mass to speak of", sub(r"1PGM +1.0", "1PGM                0.0", 9), "modal mass of 0"),
     ("shapes of displacement 1", lambda t: unit_shapes(t), "not normalised to mass"),

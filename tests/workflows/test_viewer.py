@@ -163,6 +163,34 @@ def test_a_million_unknowns_are_thinned() -> None:
     assert len(view.data) < 150_000
 
 
+def test_a_surface_in_space_is_thinned_to_points_of_its_own_without_a_dent() -> None:
+    """Of a lens, bent and twisted, a fifth of the points enclose the same volume, by the divergence theorem."""
+    turn, along = np.meshgrid(np.linspace(0, 2 * np.pi, 60, endpoint=False), np.linspace(0, 0.3, 40))
+    y, z = 0.05 * np.cos(turn), 0.004 * np.sin(turn) + 0.01 * np.cos(turn) ** 2
+    c, s = np.cos(2 * along), np.sin(2 * along)
+    ring = np.stack([along, c * y - s * z, s * y + c * z], axis=2)
+    points = np.vstack([ring.reshape(-1, 3), ring[0].mean(axis=0), ring[-1].mean(axis=0)])
+    number = np.arange(40 * 60).reshape(40, 60)
+    a, b, u, v = number[:-1], np.roll(number, -1, axis=1)[:-1], number[1:], np.roll(number, -1, axis=1)[1:]
+    ends = [(2400, number[0, k], number[0, k - 1]) for k in range(60)]
+    ends += [(2401, number[-1, k - 1], number[-1, k]) for k in range(60)]
+    triangles = np.vstack(
+        [np.stack([a, b, v], axis=2).reshape(-1, 3), np.stack([a, v, u], axis=2).reshape(-1, 3), ends]
+    )
+    held = np.column_stack([number[0], np.roll(number[0], -1)])
+    none = np.zeros((0, 0, len(points), 3))
+    surface = Surface(points, ("triangle", triangles), held, held, none, (), frame=np.eye(3))
+    drawn = mode_viewer.thinned(surface, 480)
+
+    def enclosed(corners: np.ndarray) -> float:
+        return float(abs(np.linalg.det(corners).sum())) / 6
+
+    assert 300 < len(drawn.kept) <= 500
+    assert np.isin(drawn.root, np.flatnonzero(np.isin(drawn.kept, [*number[0], 2400]))).all()
+    assert len(drawn.root) > 5
+    assert enclosed(points[drawn.kept][drawn.triangles]) == pytest.approx(enclosed(points[triangles]), rel=0.02)
+
+
 def test_the_script_is_small_and_fetches_nothing() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
     assert len(text) < 60_000

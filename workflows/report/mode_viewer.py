@@ -40,6 +40,9 @@ Indices = npt.NDArray[np.int64]
 _CORNER = 0.94
 """Cosine of the turn from which a boundary point is a corner, and kept."""
 
+_FOLD = 30.0
+"""Angle [deg] between triangles from which their edge is one of the structure's."""
+
 _CLEAR = 0.6
 """Spacings that inner points keep away from the boundary's, so that no triangle reaches across it."""
 
@@ -66,7 +69,7 @@ class Room:
     """What a page has room for: points of a surface, and bytes of its shapes' vectors before they are text."""
 
     points: int = POINTS
-    bytes: int = 60_000
+    bytes: int = 110_000
 
 
 IN_A_REPORT = Room()
@@ -217,31 +220,26 @@ def thinned(surface: Surface, most: int) -> Thinned:
     """The mesh itself where it has at most so many points, or else about as many of its points in triangles."""
     cells = surface.cells[1]
     if len(surface.points) > most:
-        return _thinned(surface, most) if surface.frame is None else _clustered(surface, most)
+        return _thinned(surface, most) if surface.frame is None else _decimated(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     edges = surface.lines if surface.lines is not None else _sides(cells)
     return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
 
 
-def _clustered(surface: Surface, most: int) -> Thinned:
-    """A surface in space whose points in each cube of a grid are one, that nearest to the cube's middle."""
-    points = surface.points
-    spacing = float(np.ptp(points, axis=0).max()) / np.sqrt(most)
-    while True:
-        square = np.floor((points - points.min(axis=0)) / spacing)
-        off = np.linalg.norm((points - points.min(axis=0)) / spacing - square - 0.5, axis=1)
-        _, cube = np.unique(square, axis=0, return_inverse=True)
-        order = np.lexsort((off, cube.ravel()))
-        kept = order[np.unique(cube.ravel()[order], return_index=True)[1]]
-        if len(kept) <= most:
-            break
-        spacing *= 1.2
-    number = np.asarray(cube.ravel(), dtype=np.int64)
-    parts = [np.unique(np.sort(number[each], axis=1), axis=0) for each in (surface.outline, surface.root)]
-    outline, root = (each[each[:, 0] != each[:, 1]] for each in parts)
-    triangles = number[surface.cells[1]]
-    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
-    return Thinned(np.asarray(kept), triangles[whole], None, outline, root)
+def _decimated(surface: Surface, most: int) -> Thinned:
+    """A surface in space with the triangles that its curvature needs, about so many points of its own."""
+    import pyvista as pv
+    from scipy.spatial import KDTree
+
+    from fem.modal_model import edges
+
+    whole = pv.PolyData.from_regular_faces(surface.points, surface.cells[1])
+    left = whole.decimate_pro(1.0 - most / len(surface.points), feature_angle=_FOLD, preserve_topology=True)
+    triangles = np.asarray(left.regular_faces, dtype=np.int64)
+    kept = np.asarray(KDTree(surface.points).query(left.points)[1], dtype=np.int64)
+    outline = edges(surface.points[kept], triangles)
+    held = np.isin(kept, surface.root)
+    return Thinned(kept, triangles, None, outline, outline[held[outline].all(axis=1)])
 
 
 def _sides(cells: Indices) -> Indices:

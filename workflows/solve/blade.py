@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import fem
     from fem.meshes.volume import VolumeMesh
     from fem.solid.blade import Blade
-    from fem.solid.model import SolvedBlade
+    from fem.solid.sweep import SolvedBlade
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def _solved(asked: _Asked) -> SolvedBlade:
     """The blade at the speeds of a scene, kept for other dampers on it."""
     from fem import Effects
     from fem.solid.assembly import assemble_solid
-    from fem.solid.model import SolvedBlade
+    from fem.solid.sweep import SolvedBlade
 
     source = asked.source
     scene, blade = source.scene, blade_of(source)
@@ -84,7 +84,7 @@ def _solved(asked: _Asked) -> SolvedBlade:
     return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
 
 
-_FINEST = 1e-5
+_FINEST = 2e-4
 """Least relative error of frequencies between solved speeds that is asked for."""
 
 

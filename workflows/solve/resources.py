@@ -175,7 +175,7 @@ def of_a_blade(unknowns: float) -> float:
     return float(unknowns * (_EACH_OF_A_BLADE + _FILL_OF_A_BLADE * float(unknowns / _FILLING) ** (1.0 / 3.0)))
 
 
-_EACH_OF_A_BLADE, _FILL_OF_A_BLADE = 1.0e4, 3.0e4
+_EACH_OF_A_BLADE, _FILL_OF_A_BLADE = 1.5e4, 3.5e4
 """Bytes for each unknown: of what grows with their number, and of factors at _FILLING unknowns."""
 
 
