@@ -282,3 +282,29 @@ def test_a_tilt_that_no_spring_holds_names_its_key(structure: Scene) -> None:
     soft = changed(structure, structure__frequency="20 Hz", structure__floor_tilt=[900, 0], damper__mass_ratio=0.1)
     with pytest.raises(BadInput, match=r"\[structure\] floor_tilt: floor_tilt must be at most stiffness"):
         workflows.run(soft)
+
+
+def test_what_coriolis_forces_on_the_ball_would_add() -> None:
+    """Of a blade at a stagger of 60°, by its velocity at its best over that of the tip; none on a structure."""
+    blade = {
+        "plate": {"length": "20 cm", "width": "8 cm", "thickness": "1 cm"},
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"},
+        "damper": {
+            "mass": "0.26 g",
+            "radius": "2 mm",
+            "cavity": ["6 mm", "6 mm"],
+            "restitution": 0.5,
+            "friction": 0.3,
+            "rolling_friction": "0.01 mm",
+        },
+    }
+    found = workflows.run(blade)
+    (point,) = found.speeds
+    speed = 2 * math.pi * point.reduced.f1_hz * point.verdict.amplitude
+    chord = 2 * speed * math.sin(math.pi / 3) / (point.omega * point.radius)
+    assert chord > 0.01
+    (said,) = (note for note in found.notes if note.startswith("Coriolis forces on the ball are left out"))
+    assert f"up to {100 * chord:.2g} % of the load, by its chordwise motion (at 5000 rpm)" in said
+    across = 2 * point.omega * 1.2 * speed * point.verdict.amplitude / 0.2 / 2 / (0.005 * point.omega**2 * point.radius)
+    assert (f"{100 * across:.2g} % of the rolling resistance" in said) == (across > 0.01)

@@ -105,7 +105,8 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
     own = point["working"]
     names |= {*_flat(own), *(f"level_{name}" for name in _flat(own["level_floor"]))}
-    names |= {f"level_{name}" for name in ("amplitude", "damping_ratio")}
+    names |= {f"from_above_{name}" for name in _flat(own["from_above"])}
+    names |= {f"{floor}_{name}" for floor in ("level", "from_above") for name in ("amplitude", "damping_ratio")}
     names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     names |= {f"verdict_{name}" for name in _flat(point["verdict"])}
@@ -116,7 +117,9 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
 
 def _flat(figures: dict[str, Any]) -> list[str]:
     """Names of numbers; what is low and high has two."""
-    plain = {name: value for name, value in figures.items() if name not in ("curve", "level_floor", "error")}
+    plain = {
+        name: value for name, value in figures.items() if name not in ("curve", "level_floor", "error", "from_above")
+    }
     return [
         name + end for name, value in plain.items() for end in (("_low", "_high") if isinstance(value, list) else ("",))
     ]

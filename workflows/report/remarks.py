@@ -224,6 +224,46 @@ def turning_floor(results: Results) -> str | None:
     )
 
 
+_FORESHORTENED = 1.2
+"""Rate at which the tip of a cantilever comes nearer to its root, in u u' over its length: its first mode."""
+
+
+def sideways(results: Results) -> str | None:
+    """Coriolis forces on the ball, which are left out: by chordwise motion beside the load, by foreshortening.
+
+    A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
+    nearer to the axis by 1.2 u u' / L pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
+    """
+    scene, length = results.scene, limits.span(results)
+    if scene.damper is None or length is None or limits.is_printed(results):
+        return None
+    chord, along = (0.0, ""), (0.0, "")
+    for point in results.speeds:
+        best = limits.best(results, point)
+        if best is None or point.reduced is None or point.load_g == 0:
+            continue
+        speed, at = 2 * math.pi * point.reduced.f1_hz * best.amplitude, at_load(point)
+        tip = point.omega * point.radius
+        chord = max(chord, (2 * speed * abs(math.sin(scene.rotor.stagger)) / tip, at))
+        rolls = limits.lever(scene, point) / scene.damper.radius
+        pushed = _FORESHORTENED * speed * best.amplitude / length / tip
+        along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
+    notable = [
+        f"{percent(share)} % of {what} ({at})"
+        for (share, at), what in (
+            (chord, "the load, by its chordwise motion"),
+            (along, "the rolling resistance, across, as the plate's bending draws its tip in"),
+        )
+        if share > _NOTABLE_SIDEWAYS
+    ]
+    if not notable:
+        return None
+    return f"Coriolis forces on the ball are left out: at the amplitude of its best up to {' and '.join(notable)}."
+
+
+_NOTABLE_SIDEWAYS = 0.01
+"""Share of the load, or of the rolling resistance, from which on a Coriolis force on the ball is worth a sentence."""
+
 _LINEAR = 0.3
 """Way over the radius of its path up to which a pendulum's frequency is off by 1 %: 1 - (s/rho)²/16 and the load's."""
 
@@ -923,6 +963,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     _work_bound,
     pendulum,
     turning_floor,
+    sideways,
     scattered,
     modes_left_out,
     lent,
