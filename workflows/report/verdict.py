@@ -40,7 +40,7 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
     if not working:
         return None
     ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
-    ranges = []
+    ranges: list[str] = []
     for point, figures in ends:
         low, high = useful[point.omega]
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
