@@ -587,6 +587,40 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
 _CHUNK = 2000
 """Cells whose integrals are taken at once."""
 
+STILL = 1e-9
+"""Displacement over the largest of its mode that counts as none."""
+
+
+def held(modes: ModesAtSpeed) -> NDArray[np.bool_]:
+    """Which nodes (n,) no mode moves."""
+    largest = np.abs(modes.shapes).max(axis=(1, 2), keepdims=True)
+    return np.asarray((np.abs(modes.shapes) <= STILL * largest).all(axis=(0, 2)))
+
+
+def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
+    """Largest principal strain at the nodes that are held, mode by mode, (k,) [m^-1 per kg^1/2 m].
+
+    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp, the mesh
+    has finite. None where no cell with a volume is held.
+    """
+    still = held(modes)
+    total = np.zeros((len(model.points), modes.frequencies_hz.size, 3, 3))
+    count = np.zeros(len(model.points))
+    for name, cells in model.cells:
+        kind = cell(name)
+        if kind.dimension != 3:
+            continue
+        there = cells[still[cells].any(axis=1)]
+        slopes = kind.gradients(model.points[there], kind.nodes)[0]
+        turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there])
+        np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
+        np.add.at(count, there, 1.0)
+    at = still & (count > 0.0)
+    if not at.any():
+        return None
+    mean = total[at] / count[at][:, None, None, None]
+    return np.asarray(np.abs(np.linalg.eigvalsh(mean)).max(axis=(0, 2)))
+
 
 def faces(model: ModalModel) -> Ints:
     """Triangles (m, 3) of the structure's surface, mid-side nodes among their corners; none without cells."""

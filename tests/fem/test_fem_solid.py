@@ -12,11 +12,12 @@ from scipy.spatial.transform import Rotation
 from fem import Effects, Material, MeshError, equilibrium
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
+from fem.modal_model import root_strains
 from fem.modes.real import solve_real
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, named_root, root_at
 from fem.solid.mesh_error import mesh_errors
-from fem.solid.sweep import sweep_blade
+from fem.solid.sweep import SolvedBlade, sweep_blade
 from fem.statics import _unbalanced, tangent
 from meshes import make
 
@@ -292,3 +293,17 @@ def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
     path.write_text("\n".join(lines[: len(lines) // 2]))
     with pytest.raises(MeshError, match=r"blade\.inp: "):
         read_volume(path, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "n"), [("hexahedron20", (24, 2, 1)), ("tetra10", (16, 2, 2)), ("wedge15", (16, 2, 2))]
+)
+def test_the_strain_at_the_root_is_that_of_a_cantilever(kind, n):
+    """Euler and Bernoulli: 3.516 w / L² times half of the thickness, where the clamp does not hold the width."""
+    sides = 0.2, 0.02, 0.004
+    mesh, steel = box(kind, n, sides), Material(2.1e11, 0.0, 7850.0)
+    root = np.flatnonzero(mesh.points[:, 0] == 0.0)
+    solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 2, 1e-3)
+    modes = solved.at(0.0)
+    lift = np.abs(modes.shapes[0, :, 2]).max()
+    assert root_strains(solved.model(), modes)[0] / lift == pytest.approx(3.516 * sides[2] / 2 / sides[0] ** 2, rel=0.1)

@@ -145,7 +145,7 @@ def test_the_plates_thickness_is_room():
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the plate's root by over 0.4 %"),
+        ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the root by over 0.4 %"),
         ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
         ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is left out, is more than"),
         (

@@ -27,7 +27,7 @@ from workflows.solve.results import Damping, ErrorParts, Reduced, Results, Speed
 PRINTED = "the equations as printed do not conserve energy"
 WEIGHT = "the ball's weight, which is left out, is more than the load"
 
-BEYOND, BEYOND_MEANS = "†", "† At a larger amplitude, or a higher speed, than the plate endures"
+BEYOND, BEYOND_MEANS = "†", "† At a larger amplitude, or a higher speed, than the structure endures"
 NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ A speed that the answer gives no verdict on"
 AT_REST, AT_REST_MEANS = "*", "* Up to there a ball at rest stays at rest; the ring-down itself shows no cut-off."
 """Marks of numbers in tables, and what they stand for below."""
@@ -107,7 +107,7 @@ def beyond(*, by_deflection: bool) -> str:
     """What a larger amplitude than the plate endures would do to it."""
     if by_deflection:
         return f"bend the plate by over {100 * limits.SMALL:g} % of its length, beyond what it can be computed for"
-    return f"strain the plate's root by over {100 * limits.ENDURED:g} %, which no blade metal endures in vibration"
+    return f"strain the root by over {100 * limits.ENDURED:g} %, which no blade metal endures in vibration"
 
 
 def torn_from(results: Results) -> str | None:

@@ -10,7 +10,17 @@ from itertools import groupby
 from fem.rotor import in_rpm
 from workflows.formatting import significant, span, whole
 from workflows.report import remarks
-from workflows.report.remarks import as_it_moves, at_load, at_speed, capital, millimetres, percent, stretch, tilt
+from workflows.report.remarks import (
+    as_it_moves,
+    at_load,
+    at_speed,
+    capital,
+    carrier,
+    millimetres,
+    percent,
+    stretch,
+    tilt,
+)
 from workflows.scene import paper
 from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
@@ -45,7 +55,7 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
         low, high = useful[point.omega]
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
         in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
-        ends_there = ", all that the plate endures" if high < figures.half[1] else ""
+        ends_there = f", all that the {carrier(results)} endures" if high < figures.half[1] else ""
         amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
         half = "" if ranges else "the ball gives at least half of its best damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
@@ -102,7 +112,7 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
     if not steps:
         return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
-    would = f"at the {millimetres(limit)} mm that the plate endures, it would move {listed(steps, 'or')}"
+    would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
     return f"{moves}; {would}."
 
 
@@ -335,7 +345,7 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
-        within = ", within what the plate endures," if least.limited else ""
+        within = f", within what the {carrier(results)} endures," if least.limited else ""
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {capital(said)}"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
@@ -488,7 +498,7 @@ def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
     """That the ball is of no use at any level that was evaluated, and why."""
     evaluated = "at any level"
     if math.isfinite(found.endured_level):
-        evaluated += f" that the plate endures (up to {significant(found.endured_level)} {unit})"
+        evaluated += f" that the {carrier(results)} endures (up to {significant(found.endured_level)} {unit})"
     elif found.detail:
         evaluated = f"at {found.detail}"
     if not math.isfinite(found.moves_from) or not found.levels:

@@ -106,7 +106,7 @@ class SpaceStructure:
         return tuple(self._point(source, effects, omega) for omega in source.scene.rotor.speeds)
 
     def _point(self, source: SceneFile, effects: dict[str, Effect], omega: float) -> SpeedPoint:
-        from fem.modal_model import families
+        from fem.modal_model import families, root_strains
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
@@ -129,6 +129,8 @@ class SpaceStructure:
             )
         except NoMotion as error:
             raise BadInput(str(error), file=source.name, key="[damper] direction") from error
+        strains, lifts = root_strains(self.model, modes), every.shape[0, 0]
+        leads = int(np.argmax(lifts**2 / every.stiffness[0]))
         reduced = Reduced(found.f1_hz, found.M1, found.K1, found.f2_hz, found.M2, found.K2, found.slope)
         at_cavity = tuple(
             CavityMode(
@@ -147,6 +149,7 @@ class SpaceStructure:
             reduced=reduced,
             cavity_modes=at_cavity if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
+            root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
         )
 
     @property
@@ -199,7 +202,7 @@ class SpaceStructure:
 
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        from fem.modal_model import edges, faces
+        from fem.modal_model import STILL, edges, faces
 
         kept = range(len(speeds))
         if len(speeds) > SHAPES_AT_MOST:
@@ -216,7 +219,7 @@ class SpaceStructure:
             shapes = np.repeat(shapes, 4, axis=2)
         outline = edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
         largest = np.abs(shapes).max(axis=(2, 3), keepdims=True)
-        still = (np.abs(shapes) <= _HELD * largest).all(axis=(0, 1, 3))
+        still = (np.abs(shapes) <= STILL * largest).all(axis=(0, 1, 3))
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
         return Surface(
@@ -240,9 +243,6 @@ class SpaceStructure:
         """What modes over speed have beyond the modes themselves."""
         return Diagram(self.described, 0.0, (), (), (), None)
 
-
-_HELD = 1e-9
-"""Displacement over the largest of its mode that counts as none."""
 
 _MARK = 0.006
 """Half of what a node's mark measures, in sizes of the structure."""

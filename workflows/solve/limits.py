@@ -332,13 +332,15 @@ def _of_a_mesh(surface: Surface, heights: Floats) -> tuple[tuple[float, float], 
 
 
 def endured(results: Results) -> float | None:
-    """Amplitude at the cavity [m] that strains the plate's root by what metals endure; None without a plate.
+    """Amplitude at the cavity [m] that strains the root by what metals endure; None where the strain is not known.
 
     Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
     """
     strain, length = root_strain(results, 1.0), span(results)
-    if strain is None or length is None:
+    if strain is None:
         return None
+    if length is None:
+        return ENDURED / strain
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
@@ -486,8 +488,11 @@ def root_strain(results: Results, amplitude: float) -> float | None:
 
     The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
     leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
-    to half of its thickness.
+    to half of its thickness. That of a structure in space is its mesh's, the largest over the speeds.
     """
+    known = [point.root_strain for point in results.speeds if point.root_strain is not None]
+    if known:
+        return max(known) * amplitude
     plate, damper = results.scene.plate, results.scene.damper
     length, thickness = span(results), _root_thickness(results)
     if plate is None or damper is None or length is None or thickness is None:

@@ -662,6 +662,8 @@ class SpeedPoint:
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
+        root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
+            the mode that bends it most [1/m]; None where that is not known.
         pendulum: of a ball in a hollow floor.
     """
 
@@ -706,6 +708,7 @@ class SpeedPoint:
     ] = None
     tilted: CutOff | None = None
     stagger: Annotated[float | None, KEPT] = None
+    root_strain: Annotated[float | None, KEPT] = None
     pendulum: Annotated[
         Pendulum | None,
         part(
