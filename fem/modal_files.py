@@ -323,7 +323,7 @@ _OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ra
 
 def _npz(data: bytes) -> dict[str, Any]:
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+        with np.load(io.BytesIO(data)) as file:
             return {name: file[name] for name in file.files}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
         raise ModesFileError(f"not a whole .npz file of plain arrays: {error}") from error

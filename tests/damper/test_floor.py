@@ -284,7 +284,8 @@ def test_energy_scatters_into_higher_modes() -> None:
 def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     """Nothing is lost here, and a third mode comes to hold up to a tenth of it: no maximum tells of more than there is.
 
-    The cavity's speed alone would, by up to (sqrt(0.9) + sqrt(0.1))² = 1.6; the ball holds less than a tenth.
+    The cavity's speed alone would, by up to (sqrt(0.9) + sqrt(0.1))² = 1.6; the ball holds less than a tenth. But it
+    counts as stuck, with that speed.
     """
     damper = replace(PAPER, damping_ratio=0.0, friction=0.0, ball_mass=0.01, rolling_friction=0.0, restitution=1.0)
     third = Mode(damper.modal_mass, 36 * damper.stiffness[0], (1.0, 0.0))
@@ -292,7 +293,8 @@ def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     assert run.modal_energies is not None
     assert run.modal_energies[2] > 2e-3 * run.energy.initial
     told = 0.5 * damper.modal_mass * run.peak_velocities**2 / run.energy.initial
-    assert 0.85 < told.min() < told.max() < 1.0
+    share = damper.ball_mass / damper.modal_mass
+    assert 0.85 < told.min() < told.max() < (1 + 1.6 * share) / (1 + share)
 
 
 def test_working_of_modes() -> None:

@@ -271,6 +271,10 @@ def test_the_cells_of_the_guide_run_in_a_notebook_and_show_their_pictures(tmp_pa
     assert sum("results.plot." in cell for cell in cells) >= 3
 
 
+OTHERWISE = ("python.md", "modes.md")
+"""Pages whose code is run by tests of their own."""
+
+
 @pytest.mark.parametrize("page", [*sorted(GUIDE.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
 def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each runs as it stands, beside the scene of its page."""
@@ -278,7 +282,7 @@ def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatc
         (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(executor, "local", lambda *_: executor.given(ThreadPoolExecutor(1), 1))
-    for number, text in enumerate(_blocks(page, "python") if page.name != "python.md" else []):
+    for number, text in enumerate(_blocks(page, "python") if page.name not in OTHERWISE else []):
         exec(compile(text, f"{page.name}, snippet {number + 1}", "exec"), {"__name__": "__main__"})
     pyplot.close("all")
 

@@ -327,4 +327,4 @@ def test_scenes_with_meshes_are_solved(path: Path) -> None:
     assert path.stem in results.diagram.mesh
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6
-    assert all(part.mesh is not None and 0 < part.mesh <= 1e-3 for part in parts)
+    assert all(part.mesh is not None and 0 < part.mesh <= source.scene.accuracy.frequency for part in parts)

@@ -207,7 +207,7 @@ class OwnFigures(Figures):
             " up, from a ball at rest in the middle",
             prefix="from_above_",
         ),
-    ]
+    ] = field(repr=False)
     folds: Annotated[
         Pair,
         quantity(
