@@ -381,7 +381,7 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
-    top = max(*peaks, 100 * limits.AIR[1])
+    top = max(*peaks, *(100 * float(other.y.max()) for other in others if other is not None), 100 * limits.AIR[1])
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
     axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
     axes.set_xlim(_from_to(lines, ranges))
