@@ -409,7 +409,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     paper = workflows.load("paper")
     plate = paper.scene.plate.model_copy(update={"length": 0.5, "width": 0.01, "thickness": 0.001})
     ruler = paper.changed(plate=plate, damper=paper.scene.damper.model_copy(update={"at": None}))
-    found = SimpleNamespace(scene=ruler.scene, surface=None)
+    found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=())
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
     assert beyond(by_deflection=limits.deflection_governs(found)).startswith(
