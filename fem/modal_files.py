@@ -199,7 +199,7 @@ def _rows(labels: Ints, lookup: tuple[Ints, Ints], what: str) -> Ints:
     unknown = labels[known[at] != labels]
     if unknown.size:
         raise ModesFileError(f"{what} names node {int(unknown[0])}, which the file does not have")
-    return order[at]
+    return np.asarray(order[at])
 
 
 def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints], ...]:

@@ -189,7 +189,7 @@ def _mixed(near: Sequence[ModesAtSpeed], weights: Array, omega: float) -> ModesA
 
     def mixed(parts: Sequence[Array | None]) -> Array | None:
         known = [part for part in parts if part is not None]
-        return np.tensordot(weights, np.array(known), axes=1) if len(known) == len(parts) else None
+        return np.asarray(np.einsum("p,p...->...", weights, np.array(known))) if len(known) == len(parts) else None
 
     squares, shapes = mixed([modes.squares for modes in near]), mixed([modes.shapes for modes in near])
     if squares is None or shapes is None or squares.min() <= 0.0:

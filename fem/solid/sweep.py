@@ -298,7 +298,7 @@ def _solve_between(operators: SolidOperators, square: float, known: _Solved, for
     stiffness = tangent(operators, omega, state)
     solver = operators.solver(stiffness)
     slope = _slope(operators, state, solver)
-    start = np.tensordot(foretelling.weights(omega), foretelling.shapes, 1)
+    start: Array = np.einsum("p,pnk->nk", foretelling.weights(omega), foretelling.shapes)
     near = operators.known[-1] if operators.known else solver
     found = lowest_modes(stiffness, operators.mass, start, near, SETTLED)
     if found is None:
@@ -357,9 +357,8 @@ class SolvedBlade:
         self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance, progress=progress)
         ends = [(float(self.sweep.squares[k]) ** 0.5, self.sweep.states[k]) for k in (0, -1)]
         solved = [(*self.sweep.modes(omega), state) for omega, state in ends[: self.sweep.squares.size]]
-        self.errors = np.max(
-            [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved], axis=0
-        )
+        every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
+        self.errors: Array = np.vstack(every).max(axis=0)
         self._at = lru_cache(KEPT)(self._solved)
 
     def model(self) -> ModalModel:
