@@ -166,7 +166,7 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
     """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
     from damper import capacity, ringdown
 
-    begin = coupling.moves_from(system)
+    begin = system.amplitude_of(system.rolling_threshold)
     if not begin < coupling.OUT_OF_REACH:
         return CutOff(None, None)
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
