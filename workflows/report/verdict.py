@@ -80,7 +80,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = limits.endured(results)
     lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.working) is not None]
-    lost = [(p, w) for p, w in lost if w.peak > 0]
+    lost = [(p, w) for p, w in lost if w.peak > limits.ROUNDING]
     if limit is None or not lost:
         return None
     point, figures = lost[0]
@@ -110,6 +110,9 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
         load = point.load_g * (remedy.omega / point.omega) ** 2
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
     moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
+    if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
+        without = f"without its dent it would above {millimetres(remedy.without_dent)} mm"
+        return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
     if not steps:
         return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
     would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
