@@ -39,7 +39,6 @@ def legend(figure: Figure) -> list[str]:
 def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: int, slow: Results) -> None:
     found = many(slow, count)
     for figure in (figures.damping_ratio(found), figures.capacity(found)):
-        assert figure is not None
         said = legend(figure)
         assert len(said) == named
         assert {said[0], said[-1]} == {"1 g", f"{count} g"}
@@ -50,8 +49,6 @@ def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: in
 def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
     (point,) = slow.speeds
     own, figure = point.working, figures.damping_ratio(slow)
-    assert own is not None
-    assert figure is not None
     shown = own.amplitude[own.damping_ratio > 0]
     assert own.cutoff < 1e-2 * shown.min()
     low, high = figure.axes[0].get_xlim()
@@ -61,11 +58,9 @@ def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
 
 def test_a_tick_within_a_decade_of_its_curve_is_on_the_axis(slow: Results) -> None:
     (point,) = slow.speeds
-    assert point.working is not None
     least = float(point.working.amplitude[point.working.damping_ratio > 0].min())
     near = replace(point, working=replace(point.working, cutoff=least / 5))
     figure = figures.damping_ratio(replace(slow, speeds=(near,)))
-    assert figure is not None
     assert figure.axes[0].get_xlim()[0] < 1e3 * least / 5
 
 

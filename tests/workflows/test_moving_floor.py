@@ -132,7 +132,6 @@ def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     scene = changed(paper, effects=None, rotor__speeds=["0 rpm", "10000 rpm"])
     system, point = built(scene)
     lag = coupling.leading(point.cavity_modes, 1)
-    assert lag is not None
     assert math.sqrt(lag.stiffness) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
     shear = 3 * 0.08**2 / 12 * 2.6 / (5 / 6 * 0.2**2)  # of a Timoshenko beam's deflection, over that by bending
     assert lag.slope[1] / lag.shape[1] == pytest.approx(1.3765 / 0.2 / (1 + shear), rel=0.03)

@@ -179,7 +179,6 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
     with subprocess.Popen(
         [sys.executable, "-c", WRITER, str(out)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     ) as process:
-        assert process.stdout is not None
         assert process.stdout.readline() == b"writing\n"
         process.send_signal(with_what)
         process.wait(HANG)
