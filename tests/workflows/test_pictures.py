@@ -285,18 +285,6 @@ def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
     assert f", the first {point.damping.history.t[-1]:.3g} s of {point.damping.duration:.3g} s" in page
 
 
-def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
-    """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: effects_report.draw(EFFECTS))
-    left = figures[0].axes[0]
-    assert left.get_xlim()[0] == pytest.approx(1e-5)
-    ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
-    assert ends == [2e-4, 0.4, 5e3]
-    said = [text.get_text() for text in left.texts]
-    assert "none above 0.001 %" in said
-    assert "none" in said
-
-
 def boundary(cells: np.ndarray) -> set[tuple[int, int]]:
     """Edges of one cell only."""
     edges = [tuple(sorted((int(a), int(b)))) for cell in cells for a, b in pairwise([*cell, cell[0]])]
@@ -406,10 +394,6 @@ def test_every_plate_shows_its_mesh(
     said = json.loads((tmp_path / "out" / "results.json").read_text())
     assert said["speeds"]
     assert "quadrilaterals, finer towards the edges; 10 mm thick" in " ".join(page.split())
-
-
-def test_a_known_structure_has_no_mesh(spinning_up: Drawn) -> None:
-    assert spinning_up.pictures.figures["mesh"] == ""
 
 
 def study() -> WorkPrecision:

@@ -21,7 +21,7 @@ from workflows.io import provenance
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
-from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
+from workflows.scene.load import SHIPPED, load, parse, schema, shipped
 from workflows.scene.plate import Plate
 from workflows.solve import model_choice
 
@@ -113,11 +113,6 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
         assert point.damping.events > 0
 
 
-def test_mass_alternatives(paper: Scene) -> None:
-    scene = parse(changed(paper, damper__mass_ratio=None, damper__mass="1.9 g"))
-    assert scene.damper.mass == pytest.approx(0.0019)
-
-
 def test_a_plate_may_have_every_theory_that_there_is() -> None:
     known = get_args(Plate.model_fields["theory"].annotation)
     assert sorted(known) == sorted(("auto", *THEORIES))
@@ -125,14 +120,6 @@ def test_a_plate_may_have_every_theory_that_there_is() -> None:
 
 def test_a_ball_may_fill_its_cavity(paper: Scene) -> None:
     assert parse(changed(paper, damper__cavity=["2 mm", "2 mm"])).damper is not None
-
-
-def test_mesh_is_beside_the_scene(paper: Scene, tmp_path: Path) -> None:
-    (tmp_path / "deep").mkdir()
-    (tmp_path / "deep" / "plate.msh").write_text("a mesh, perhaps")
-    scene = on_mesh(paper, "plate.msh")
-    found = load(write(scene, tmp_path / "deep" / "scene.toml"))
-    assert found.mesh == tmp_path / "deep" / "plate.msh"
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -285,12 +272,6 @@ def test_nothing_spins_is_the_reason_at_rest(paper: Scene) -> None:
         assert (decided[name].on, decided[name].why) == (False, "nothing spins")
     asked = selection.resolve(parse(changed(still, effects__coriolis=True)))["coriolis"]
     assert (asked.on, asked.why) == (True, "asked for by the scene, although nothing spins")
-
-
-def test_slug() -> None:
-    assert slug("The paper's plate") == "the-papers-plate"
-    assert slug("../../etc") == "etc"
-    assert slug("ζ") == "run"
 
 
 @pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
