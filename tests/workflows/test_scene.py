@@ -182,12 +182,12 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     decided = selection.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
     plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
-    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes"}
+    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes", "cavity_mass"}
     assert all(effect.why for effect in decided.values())
 
     still = selection.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
     on = {name for name, effect in still.items() if effect.on}
-    assert on == {"rotary_inertia", "impact_friction", "structural_modes"}
+    assert on == {"rotary_inertia", "impact_friction", "structural_modes", "cavity_mass"}
 
     one = changed(paper, effects=None, rotor__modes=1)
     assert selection.resolve(parse(one))["spin_softening"].on  # cross-sections turn across the axis
