@@ -53,12 +53,12 @@ def text(found: Results) -> str:
 
 
 def moves(point: SpeedPoint) -> bool:
-    return point.damping is not None and point.damping.events > 0
+    return point.damper is not None and point.damper.events > 0
 
 
 def test_a_ball_that_rolls_without_hitting_moves() -> None:
     found = results(cavity="100 100")
-    assert all(p.damping.impacts == 0 and moves(p) for p in found.speeds)
+    assert all(p.damper.impacts == 0 and moves(p) for p in found.speeds)
     assert "never moves" not in text(found)
 
 
@@ -267,11 +267,11 @@ def test_without_a_plate_only_the_amplitude_is_known() -> None:
 def test_cutoff_is_never_far_from_the_threshold(speed: str) -> None:
     """Both axes at the threshold give at most √2 μ_r/r; a run that ends earlier has no cut-off to report."""
     point = results(speeds=speed, damping_ratio="0").speeds[0]
-    assert point.damping.cutoff_ratio is None or 0.1 <= point.damping.cutoff_ratio <= 0.1 * 2**0.5 * 1.01
+    assert point.damper.cutoff_ratio is None or 0.1 <= point.damper.cutoff_ratio <= 0.1 * 2**0.5 * 1.01
 
 
 def test_no_load_ends_when_the_vibration_has_died_out() -> None:
-    damping = results(speeds="0").speeds[0].damping
+    damping = results(speeds="0").speeds[0].damper
     assert "died out" in damping.outcome
     assert damping.cutoff_g is None
     assert damping.peak_sdc < 0.5
@@ -288,7 +288,7 @@ def test_a_ball_that_loses_nothing_lends(structure: Scene) -> None:
     for zeta, loses in ((0.0, "0.000"), (0.001, f"{-100 * math.expm1(-4e-3 * math.pi / 1.006**0.5):.3f}")):
         run = workflows.run(changed(scene, damper__damping_ratio=zeta))
         (point,) = run.speeds
-        assert point.damping.peak_sdc > point.damping.intrinsic_sdc + 0.005
+        assert point.damper.peak_sdc > point.damper.intrinsic_sdc + 0.005
         heads, row = summary.rows(run)
         assert row[heads.index("SDC %")] == loses
         assert any(note.startswith("Ball and structure exchange energy") for note in run.notes)
@@ -300,7 +300,7 @@ def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene
     """At e = 1 without rolling resistance nothing is lost along one axis; no hit is so slow as to stick."""
     scene = changed(structure, damper__restitution=1, damper__friction=friction, damper__rolling_friction=0)
     run = workflows.run(changed(scene, damper__sticking_ratio=1e-9, release__displacement=["20 mm", 0]))
-    energy = run.speeds[0].damping.energy
+    energy = run.speeds[0].damper.energy
     assert energy.final == pytest.approx(energy.initial, rel=1e-9)
     said = answer(run)
     assert said.verdict == "No: the ball takes nothing"
@@ -310,7 +310,7 @@ def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene
 def test_damping_that_was_not_found_is_not_denied(structure: Scene) -> None:
     """So light a ball takes less than rounding leaves, though it hits walls with e = 0.5."""
     run = workflows.run(changed(structure, damper__mass_ratio=1e-20, damper__count=None))
-    assert run.speeds[0].damping.impacts > 0
+    assert run.speeds[0].damper.impacts > 0
     assert "neither rolls" not in text(run)
     assert answer(run).verdict == "Not found: whether the ball damps"
     assert "at any of the amplitudes searched, from 7.6 mm on, which does not tell that there is none" in text(run)
@@ -345,7 +345,7 @@ def test_a_bound_above_all_energy_is_no_remark(side: str, remarked: bool, struct
     """4 (m_p/M2) d/A = 8 d/A: 0.5 mm over 7.6 mm bounds the loss, 2 mm do not."""
     heavy = changed(structure, damper__mass_ratio=2, damper__cavity=[side, side], release__cycles=None)
     run = workflows.run(heavy)
-    assert run.speeds[0].damping.cutoff_g
+    assert run.speeds[0].damper.cutoff_g
     said = [note.split() for note in run.notes if note.startswith("However often it bounces")]
     assert len(said) == remarked
     for words in said:
@@ -375,7 +375,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     """The capacity of a cycle in the table, and the answer above it; and down to where a ball in motion goes on."""
     found = workflows.run(HOLLOW)
     (point,) = found.speeds
-    own, rung = point.working, point.damping
+    own, rung = point.working, point.damper
     assert np.nanmin(rung.sdc) < 0, "the ball gives back"
     peak = own.from_above.peak
     assert rung.peak_sdc > 2 * -math.expm1(-4 * math.pi * peak)
@@ -427,7 +427,7 @@ def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
     amplitude = first.working.peak_amplitude
     release = {"displacement": [amplitude, 0.0], "cycles": 3}
     again = workflows.run(HOLLOW | {"damper": flat, "release": release}).speeds[0]
-    demand = again.damping.largest_rolling_demand
+    demand = again.damper.largest_rolling_demand
     assert limits.friction_demand(whole, first, amplitude) == pytest.approx(demand, rel=0.02)
 
 

@@ -110,10 +110,10 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
     assert parse(changed(scene, release={"cycles": 20})).release == Release(cycles=20)
     for point in workflows.run(scene).speeds:
         load, square = 0.2 * point.omega**2, (2 * math.pi * 269.5) ** 2
-        assert point.damping is not None
+        assert point.damper is not None
         free = 0.25e-3  # with no load the ball does not roll: it stays where it is, and the wall comes to it
-        assert point.damping.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
-        assert point.damping.events > 0
+        assert point.damper.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
+        assert point.damper.events > 0
 
 
 def test_mass_alternatives(paper: Scene) -> None:

@@ -79,7 +79,7 @@ def test_friction_beyond_the_given_names_every_speed() -> None:
 
 def test_ring_downs_that_would_slip_are_all_named() -> None:
     found = at(400, 600, 3500)
-    demands = [point.damping.largest_rolling_demand for point in found.speeds]
+    demands = [point.damper.largest_rolling_demand for point in found.speeds]
     assert demands[0] > demands[1] > 0.3 > demands[2]
     (said,) = (note for note in found.notes if "olling without slip" in note)
     assert f"a friction of {demands[1]:.2g} to {demands[0]:.2g} up to 600 rpm" in said
