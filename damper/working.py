@@ -120,7 +120,7 @@ def working(
         laws.check_readings(curve, samples)
     if bare.break_away == 0:
         return growing
-    return held_until(growing, bare.break_away_threshold / bare.stuck_frequency**2 / abs(1 - bare.tilt_share[0]))
+    return held_until(growing, bare.amplitude_of(bare.break_away_threshold))
 
 
 def falling(damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY) -> Working:
@@ -137,7 +137,7 @@ def _down(
     gap = bare.half_gap[0]
     if left < _BALANCED:
         return nothing(math.inf), *none
-    cutoff = bare.leaving_threshold / bare.stuck_frequency**2 / left
+    cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return nothing(cutoff), *none

@@ -32,7 +32,7 @@ TABLE = "speeds"
 
 _OF_A_SPEED = r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above)?)_[\d.e+]+rpm"
 
-FILES = rf"(speeds|frequency_errors|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
+FILES = rf"({TABLE}|{ERRORS}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
