@@ -73,7 +73,7 @@ def _full() -> Any:
         modes=(results.Mode(1.0, "flap", parts, 0.0),),
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
-        damping=damping,
+        damper=damping,
         working=results.OwnFigures(
             **figures, error=0.0, from_above=results.Figures(**figures), folds=(1.0, 2.0), jump=(1.0, 2.0)
         ),

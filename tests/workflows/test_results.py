@@ -197,7 +197,7 @@ def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, lef
     # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
     speeds = [math.sqrt(219_320 / 0.2)]
     scene = changed(structure, rotor__speeds=speeds, damper__formulation=formulation)
-    damping = workflows.run(scene).speeds[0].damping
+    damping = workflows.run(scene).speeds[0].damper
     assert damping.impacts == impacts
     assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
 
@@ -228,4 +228,4 @@ def test_a_scene_may_name_a_mesh(paper: Scene, document: dict[str, Any], name: s
     same = document["speeds"][3]
     assert point.load_g == pytest.approx(same["load_g"])
     assert point.modes[0].frequency_hz == pytest.approx(same["modes"][0]["frequency_hz"], rel=1e-3)
-    assert point.damping.cutoff_ratio == pytest.approx(same["damper"]["cutoff_ratio"], rel=0.13)
+    assert point.damper.cutoff_ratio == pytest.approx(same["damper"]["cutoff_ratio"], rel=0.13)

@@ -660,7 +660,7 @@ class SpeedPoint:
 
     Attributes:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
-        damping: what the scene's release leads to, with its effects.
+        damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
@@ -684,7 +684,7 @@ class SpeedPoint:
             along="cavity_mode",
         ),
     ] = ()
-    damping: Annotated[Damping | None, part("the ring-down of the scene's release", "damper")] = None
+    damper: Annotated[Damping | None, part("the ring-down of the scene's release")] = None
     working: Annotated[
         OwnFigures | None,
         part(
