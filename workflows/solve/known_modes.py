@@ -661,8 +661,8 @@ def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[
     middle = at.point - damper.radius * seen.normal
     room = [thickness(model, middle, axis) for axis in seen.axes]
     return [
-        f"The cavity does not fit: along axis {axis} it measures {significant(1e3 * side)} mm, and the structure is"
-        f" {significant(1e3 * thick)} mm thick there. Take a smaller one, or a structure that includes its housing."
+        f"Unless the mesh has the cavity cut or housed, it does not fit: along axis {axis} it measures"
+        f" {significant(1e3 * side)} mm, and the structure is {significant(1e3 * thick)} mm thick there."
         for axis, (side, thick) in enumerate(zip(damper.cavity, room, strict=True), 1)
         if thick is not None and side >= thick
     ]
