@@ -513,8 +513,8 @@ def _plate_only(results: Results) -> Answer:
     if not first:
         return Answer("Nothing was solved", ())
     rpm = [p.rpm for p in results.speeds]
-    speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
-    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
+    speeds = f"between {whole(min(rpm))} and {whole(max(rpm))} rpm" if len(rpm) > 1 else f"at {whole(rpm[0])} rpm"
+    text = f"The first frequency is {span(min(first), max(first), 5)} Hz {speeds}."
     said = remarks.sentence(results)
     alone = f"The {remarks.carrier(results)} alone"
     verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"
