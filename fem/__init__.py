@@ -17,14 +17,12 @@ if TYPE_CHECKING:
     from fem.accuracy.error_estimates import estimate_error
     from fem.accuracy.mesh_selection import Choice, choose_mesh
     from fem.accuracy.theory_selection import choose_theory
+    from fem.assembly import Operators, assemble, with_coriolis, with_point_mass
     from fem.linalg import NotConverged, SingularMatrix
     from fem.meshes.mesh_sequence import Given, Rectangle
     from fem.meshes.planform import MeshError, PlaceError, rectangle
     from fem.meshes.read import read_mesh
-    from fem.modes.gyroscopic import critical_speed
-    from fem.modes.real import Divergence, Modes, families
-    from fem.modes.solve import solve_modes
-    from fem.operators.assembly import Operators, assemble, with_coriolis, with_point_mass
+    from fem.modes import Divergence, Modes, critical_speed, families, solve_modes
     from fem.output import displacement
     from fem.plate import ElasticRoot, Material, Plate
     from fem.reduction.modal import ModesAtPlace, modes_at
@@ -37,19 +35,19 @@ if TYPE_CHECKING:
 _HOMES = {
     "Campbell": "fem.sweep.campbell",
     "Choice": "fem.accuracy.mesh_selection",
-    "Divergence": "fem.modes.real",
+    "Divergence": "fem.modes",
     "Effects": "fem.rotor",
     "ElasticRoot": "fem.plate",
     "Given": "fem.meshes.mesh_sequence",
     "LawViolation": "fem.sweep.laws",
     "Material": "fem.plate",
     "MeshError": "fem.meshes.planform",
-    "Modes": "fem.modes.real",
+    "Modes": "fem.modes",
     "ModesAtPlace": "fem.reduction.modal",
     "NoEquilibrium": "fem.statics",
     "NoFlapMode": "fem.reduction.single_mode",
     "NotConverged": "fem.linalg",
-    "Operators": "fem.operators.assembly",
+    "Operators": "fem.assembly",
     "PlaceError": "fem.meshes.planform",
     "Plate": "fem.plate",
     "Rectangle": "fem.meshes.mesh_sequence",
@@ -59,23 +57,23 @@ _HOMES = {
     "SingularMatrix": "fem.linalg",
     "Unresolved": "fem.statics",
     "Veering": "fem.sweep.campbell",
-    "assemble": "fem.operators.assembly",
+    "assemble": "fem.assembly",
     "campbell": "fem.sweep.campbell",
     "choose_mesh": "fem.accuracy.mesh_selection",
     "choose_theory": "fem.accuracy.theory_selection",
-    "critical_speed": "fem.modes.gyroscopic",
+    "critical_speed": "fem.modes",
     "displacement": "fem.output",
     "equilibrium": "fem.statics",
     "estimate_error": "fem.accuracy.error_estimates",
-    "families": "fem.modes.real",
+    "families": "fem.modes",
     "modes_at": "fem.reduction.modal",
     "read_mesh": "fem.meshes.read",
     "rectangle": "fem.meshes.planform",
     "reduce_at": "fem.reduction.single_mode",
     "reduce_over": "fem.reduction.single_mode",
-    "solve_modes": "fem.modes.solve",
-    "with_coriolis": "fem.operators.assembly",
-    "with_point_mass": "fem.operators.assembly",
+    "solve_modes": "fem.modes",
+    "with_coriolis": "fem.assembly",
+    "with_point_mass": "fem.assembly",
 }
 
 __all__ = [

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    Array = NDArray[np.float64]
-
+Array = NDArray[np.float64]
 
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""

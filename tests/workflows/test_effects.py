@@ -1,15 +1,11 @@
-"""Every effect has a module of its own, of its key's name, and a word for people."""
+"""Every effect has a definition under its key, and a word for people."""
 
 from __future__ import annotations
 
-import pkgutil
-from pathlib import Path
-
 import pytest
 
-import workflows.effects
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import selection
+from workflows.effects import ball, plate, selection
 from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput
 from workflows.pipeline import run
@@ -17,14 +13,11 @@ from workflows.report.remarks import assumptions
 from workflows.scene.load import parse
 from workflows.scene.scene import Effects
 
-SHARED = {"definition", "selection"}
-"""What several effects share."""
 
-
-def test_every_key_has_a_module_and_every_module_a_key() -> None:
-    modules = {found.name for found in pkgutil.iter_modules([str(Path(workflows.effects.__file__).parent)])}
-    assert modules - SHARED == set(Effects.model_fields) == set(EFFECTS)
-    assert modules >= SHARED
+def test_every_key_has_a_definition_and_every_definition_a_key() -> None:
+    assert [*plate.EFFECTS, *ball.EFFECTS] == list(Effects.model_fields) == list(EFFECTS)
+    assert {kind.of for kind in plate.EFFECTS.values()} == {"plate"}
+    assert {kind.of for kind in ball.EFFECTS.values()} == {"damper"}
 
 
 @pytest.mark.parametrize("name", EFFECTS)

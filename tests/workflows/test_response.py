@@ -23,9 +23,10 @@ from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
+from workflows.studies import response as study
+from workflows.studies import response_report as report
 from workflows.studies.design import objectives
-from workflows.studies.response import report, study
-from workflows.studies.response.study import FEW_SPEEDS, respond
+from workflows.studies.response import FEW_SPEEDS, respond
 
 STRUCTURE = """
 title = "known"

@@ -74,6 +74,12 @@ class Case:
         """Whether anything spins."""
         return any(speed > 0 for speed in self.scene.rotor.speeds)
 
+    @property
+    def damper(self) -> Damper:
+        """The scene's; effects of a damper are asked where there is one."""
+        assert self.scene.damper is not None
+        return self.scene.damper
+
 
 class Refusal(NamedTuple):
     """Why a scene cannot have an effect as it asks for it, and the key and value that say so."""

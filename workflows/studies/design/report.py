@@ -18,12 +18,12 @@ from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
+from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
 from workflows.studies.design.space import NAMES, Found, Scored, Space
-from workflows.studies.response import report, study
-from workflows.studies.response.study import Response
+from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep.axes import Spread
@@ -129,8 +129,8 @@ def draw(found: Designed) -> list[Picture]:
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
             shades = map_spread(len(through.forces) + 1)[:-1]
-            drawn = report.response(found.response, through, str(number), shades)
-            pictures.append(Picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
+            drawn = response_report.response(found.response, through, str(number), shades)
+            pictures.append(Picture(drawn, f"{response_report.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
         pictures.append(Picture(_map(found, found.grid), f"{caption} {_OF_THE_MAP}"))
@@ -467,13 +467,13 @@ class Designed:
             "why": sentences(self),
         }
         if self.response is not None:
-            found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
+            found |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
         return found
 
     @property
     def confirmed(self) -> float | None:
         """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in study.rows(self.response))
+        return None if self.response is None else max(row.mean for row in rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)

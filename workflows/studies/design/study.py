@@ -25,7 +25,7 @@ from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
 from workflows.studies.design.space import Found, Scored, Space
-from workflows.studies.response.study import respond
+from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers

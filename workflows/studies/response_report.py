@@ -23,7 +23,7 @@ from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response.study import Response, Row, Through, is_beyond, peak, rows
+from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
