@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.accuracy.error_estimates import estimate_error
     from fem.accuracy.mesh_selection import Choice, choose_mesh
     from fem.accuracy.theory_selection import choose_theory
-    from fem.assembly import Operators, assemble, with_coriolis, with_point_mass
+    from fem.assembly import Operators, assemble, with_cavity, with_coriolis, with_point_mass
     from fem.linalg import NotConverged, SingularMatrix
     from fem.meshes.mesh_sequence import Given, Rectangle
     from fem.meshes.planform import MeshError, PlaceError, rectangle
@@ -72,6 +72,7 @@ _HOMES = {
     "reduce_at": "fem.reduction.single_mode",
     "reduce_over": "fem.reduction.single_mode",
     "solve_modes": "fem.modes",
+    "with_cavity": "fem.assembly",
     "with_coriolis": "fem.assembly",
     "with_point_mass": "fem.assembly",
 }
@@ -116,6 +117,7 @@ __all__ = [
     "reduce_at",
     "reduce_over",
     "solve_modes",
+    "with_cavity",
     "with_coriolis",
     "with_point_mass",
 ]

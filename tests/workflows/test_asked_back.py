@@ -120,11 +120,5 @@ def test_the_weight_left_out_is_said(structure):
         assert any("weight is left out: at 0 rpm" in text for text, _ in found) is said
 
 
-def test_a_misspelt_floor(structure):
-    free = {"floor_radius": ["flatt", "8 mm"], "amplitude": ["1 mm", "2 mm"]}
-    with pytest.raises(BadInput, match="did you mean 'flat'"):
-        parse(structure | {"design": free})
-
-
 def test_balls_as_heavy_as_the_structure_are_taken(structure):
     assert parse(changed(structure, damper__mass_ratio=10)).damper.mass_ratio == 10

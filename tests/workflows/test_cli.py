@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests.limits import HANG
-from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, refused, write
 from workflows import cli
 from workflows.cli.commands import COMMANDS
 
@@ -69,32 +69,6 @@ def test_help_names_every_command(spindamp: Command) -> None:
 
 def test_version(spindamp: Command) -> None:
     assert spindamp("--version") == Outcome(0, f"spindamp {version('spindamp')}\n", "")
-
-
-def test_signatures_of_commands_are_read_once(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert spindamp("--version").status == 0
-
-    def read(_: object) -> None:
-        raise AssertionError("read again")
-
-    monkeypatch.setattr("typer.main.get_params_from_function", read)
-    assert spindamp("--version").status == 0
-
-
-RUBBISH = """
-import atexit, gc
-atexit.register(lambda: print(gc.get_freeze_count(), gc.get_threshold()[0]))
-from workflows.cli.main import main
-raise SystemExit(main())
-"""
-
-
-def test_a_process_seldom_looks_for_rubbish() -> None:
-    """Neither while its packages are loaded nor while it ends, where next to nothing is found."""
-    done = python("-c", RUBBISH, "--version")
-    kept, threshold = map(int, done.stdout.split()[-2:])
-    assert kept > 1000
-    assert threshold >= 100_000
 
 
 @pytest.mark.parametrize("command", ["run", "campbell", "ringdown"])

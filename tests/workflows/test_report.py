@@ -33,25 +33,6 @@ def test_self_contained(page: str) -> None:
     assert not re.search(r"https?:|@import|url\((?!#)|fetch\(|XMLHttpRequest|\beval\(", page)
 
 
-def test_says_what_it_must(page: str) -> None:
-    text = re.sub(r"<[^>]+>", " ", page)
-    for words in (
-        "Will the damper work?",
-        "Table II",
-        "373.5",
-        "Campbell diagram",
-        "The plate in motion",
-        "Ring-down at 10\u2009000 rpm",
-        "Damping over amplitude",
-        "What to bear in mind",
-        "Where the energy went",
-        "Assumptions",
-        "the centrifugal pull stiffens it",
-        "prestress",
-    ):
-        assert words in text, words
-
-
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
 def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:

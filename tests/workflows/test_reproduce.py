@@ -114,7 +114,6 @@ def test_the_damper_of_the_figures_is_that_of_the_run(found: Reproduction, formu
     """Figs. 4 to 7 change one thing at a time of the very motion that Figs. 2 and 3 show."""
     damping = found.study.points[formulation][SHOWN].damping
     curve = found.study.curve("as it is", found.study.system(formulation))
-    assert damping is not None
     assert curve.sdc.tolist() == damping.sdc.tolist()
     assert curve.amplitude_g.tolist() == damping.amplitude_g.tolist()
 
@@ -143,7 +142,6 @@ def _another(study: Simulated, **changes: object) -> Simulated:
 def test_a_ball_that_took_all_would_be_said_to_make_the_decay(found: Reproduction) -> None:
     """Which verdict F2-decay gets rests on the energy books and on the velocity."""
     damping = found.study.plate[SHOWN].damping
-    assert damping is not None
     taken = replace(damping.energy, rolling=damping.energy.structure, structure=damping.energy.rolling)
     lasting = np.full_like(damping.peak_velocity, damping.peak_velocity[0])
     for changes, verdict in (

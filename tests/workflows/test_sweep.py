@@ -114,10 +114,6 @@ def test_what_is_replaced_is_said_first(spindamp):
     assert ": 1 point (" in done.out.splitlines()[1]
 
 
-def test_both_elements_of_a_pair():
-    assert len(axes.read(["damper.cavity[0]=3 mm,4 mm", "damper.cavity[1]=3 mm,4 mm"], G)) == 2
-
-
 def test_every_key_of_the_schema_is_known():
     published = json.loads((SHIPPED.parent / "scene.schema.json").read_text(encoding="utf-8"))
     tables = {name: published["$defs"][name.capitalize()] for name in ("plate", "rotor", "damper", "release")}

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import re
 from html import unescape
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.workflows.browser import driven, needs_chromium
-from workflows.solve import engine_orders
 from workflows.solve.engine_orders import ENGINE_ORDERS
 
 SHOWN = 6e-6
@@ -25,28 +21,6 @@ def titles(page: Path, name: str) -> list[str]:
     text = page.read_text(encoding="utf-8")
     start = text.index(f'<figure id="{name}">')
     return [unescape(title) for title in re.findall(r"<title>(.*?)</title>", text[start : text.index("</svg>", start)])]
-
-
-@pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize(("f0", "share"), [(100.0, 0.4), (50.0, 2.5)])
-def test_crossings_of_a_mode_that_keeps_its_shape_are_exact(order: int, f0: float, share: float) -> None:
-    """f² = f0² + s (Ω/2π)² and f = k Ω/2π give Ω/2π = f0 / √(k² - s), wherever k² > s."""
-    if order**2 <= share:
-        meeting = engine_orders._meeting(order, (0.0, f0), (60_000.0, math.hypot(f0, 1000 * math.sqrt(share))))
-        assert meeting is None
-        return
-    exact = 60 * f0 / math.sqrt(order**2 - share)
-    for low, high in ((0.0, 3 * exact), (0.9 * exact, 1.5 * exact)):
-        ends = [(rpm, math.sqrt(f0**2 + share * (rpm / 60) ** 2)) for rpm in (low, high)]
-        assert engine_orders._meeting(order, *ends) == pytest.approx(exact, rel=1e-12)
-    beyond = [(rpm, math.sqrt(f0**2 + share * (rpm / 60) ** 2)) for rpm in (1.1 * exact, 2 * exact)]
-    assert engine_orders._meeting(order, *beyond) is None
-
-
-def test_a_crossing_at_a_speed_of_the_run_is_counted_once() -> None:
-    points = [(0.0, 100.0), (6000.0, 100.0), (9000.0, 100.0)]
-    met = [engine_orders._meeting(1, *pair) for pair in pairwise(points)]
-    assert [rpm for rpm in met if rpm is not None] == [pytest.approx(6000.0)]
 
 
 def test_every_frequency_has_a_title(finished: Path, document: dict[str, Any]) -> None:
@@ -142,13 +116,3 @@ def test_a_click_shows_that_mode_in_motion(finished: Path) -> None:
         assert f"at {float(rpm):,.0f} rpm:".replace(",", "\u2009") in said
         assert float(said.split()[-2].replace("\u2009", "")) == pytest.approx(float(hz), abs=0.006)
         assert marked == 1
-
-
-def test_results_without_modes_have_no_crossings(finished: Path) -> None:
-    from workflows.scene.load import load
-    from workflows.solve.results import Results, SpeedPoint
-
-    scene = load("structure").scene
-    results = Results(scene=scene, effects={}, speeds=(SpeedPoint(0.0, 0.0, 0.1, 0.0),))
-    assert engine_orders.crossings(results) == []
-    assert engine_orders.crossings(dataclasses.replace(results, speeds=())) == []

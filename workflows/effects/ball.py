@@ -243,6 +243,50 @@ def _mass_ratio(case: Case) -> float:
     return (damper.balls or 0.0) / (SHARE * beam_like(case.scene, case.form).mass + case.scene.point_mass)
 
 
+HOUSED = "the housing holds the cavities outside the plate"
+"""Why a plate loses nothing."""
+
+IN_THE_MESH = "the mesh says whether the cavities are cut into the blade"
+"""Why a solid blade loses nothing."""
+
+
+def _cavity_mass(case: Case) -> Called:
+    """Where it shifts a frequency, as a beam's, by more than a tenth of the accuracy: other modes move more."""
+    scene, damper = case.scene, case.damper
+    if scene.in_space:
+        return Called(False, IN_THE_MESH if scene.blade is not None else "the modes are known")
+    if scene.material is None:
+        return GIVEN
+    if damper.housing:
+        return Called(False, HOUSED)
+    beam, mass = beam_like(scene, case.form), scene.material.density * damper.cut
+    shift = mass / (2 * (SHARE * beam.mass + scene.point_mass))
+    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate, about {significant(100 * shift, 2)} %"
+    return Called(shift > scene.budget.rough_shift, f"{why} of its lowest frequency, if they are at its tip")
+
+
+def _cavity_refused(scene: Scene) -> Refusal | None:
+    """What has no plate out of which metal could be taken."""
+    damper = scene.damper
+    if scene.effects.cavity_mass is not True or damper is None:
+        return None
+    key = "[effects] cavity_mass"
+    if scene.plate is None:
+        return Refusal(IN_THE_MESH if scene.blade is not None else "the scene has no plate", key, True)
+    return Refusal(HOUSED, key, True) if damper.housing else None
+
+
+def _cavity_assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
+    """What the cavities take out."""
+    if scene.plate is None or scene.damper is None or not scene.damper.cut:
+        return None
+    if not on:
+        return Assumption("The plate is as heavy as if no cavities were cut into it.", "ours")
+    return Assumption(
+        "The metal of the cavities is taken out of what is nearest to the damper's place; the stiffness stays.", "ours"
+    )
+
+
 EFFECTS = {
     "rolling_resistance": Definition("damper", _rolling_resistance, "rolling resistance", arguments=_rolling_arguments),
     "impact_friction": Definition(
@@ -262,6 +306,14 @@ EFFECTS = {
     "indentation": Definition("damper", _indentation, "indentation", assumed=_dent_assumed),
     "structural_modes": Definition(
         "damper", _structural_modes, "modes of the plate", refused=_modes_refused, assumed=_modes_assumed
+    ),
+    "cavity_mass": Definition(
+        "damper",
+        _cavity_mass,
+        "mass of the cavities",
+        refused=_cavity_refused,
+        assumed=_cavity_assumed,
+        costs=("fem.assembly.footprint",),
     ),
 }
 """By their keys of a scene."""

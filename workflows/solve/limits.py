@@ -555,9 +555,9 @@ def cavity_mass(results: Results) -> CavityMass | None:
     """
     damper, material = results.scene.damper, results.scene.material
     reduced = [point.reduced for point in results.speeds if point.reduced is not None]
-    if damper is None or material is None or damper.housing or not reduced:
+    if damper is None or material is None or not damper.cut or not reduced:
         return None
-    mass = material.density * damper.count * 2 * damper.radius * damper.cavity[0] * damper.cavity[1]
+    mass = material.density * damper.cut
     return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
 
 
