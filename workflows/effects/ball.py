@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from fem.meshes.mesh_sequence import Planform
 from fem.rotor import in_rpm
 from workflows.effects.definition import GIVEN, PRINTED, Assumption, Called, Case, Definition, Refusal, not_printed
 from workflows.formatting import significant, whole
@@ -12,10 +13,6 @@ from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-
 
 SLOPE = 1.3765
 """Of a uniform cantilever's first mode at the tip, over w/L."""

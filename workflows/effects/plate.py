@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import fem
+from fem.meshes.mesh_sequence import Planform
 from fem.rotor import in_rpm
 from workflows.effects.definition import (
     AT_REST,
@@ -27,9 +29,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
-    import fem
     from fem.accuracy.neglected_effects import Bent, Turned
-    from fem.meshes.mesh_sequence import Planform
 
 
 def _stress_stiffening(case: Case) -> Called:
@@ -111,13 +111,12 @@ def _by_stretching(scene: Scene, form: Planform | None) -> float:
 
 
 def _solved_with_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
-    from fem import Effects
     from fem.accuracy.neglected_effects import turned
 
     names = ("stress_stiffening", "spin_softening", "rotary_inertia")
     switches = {name: getattr(scene.effects, name) is not False for name in names}
     theory = "kirchhoff" if scene.plate is not None and scene.plate.theory == "kirchhoff" else "mindlin"
-    effects = Effects(**switches, large_deflection=large_deflection)
+    effects = fem.Effects(**switches, large_deflection=large_deflection)
     return turned(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes, theory)
 
 
@@ -230,10 +229,9 @@ def moved_by_strain(scene: Scene, strain: float) -> float:
 
 
 def _solved_with_deflection(scene: Scene, form: Planform | None) -> Bent | None:
-    from fem import Effects
     from fem.accuracy.neglected_effects import bent
 
-    effects = Effects(spin_softening=scene.effects.spin_softening is not False)
+    effects = fem.Effects(spin_softening=scene.effects.spin_softening is not False)
     return bent(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes)
 
 

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from fem.meshes.mesh_sequence import Planform
 from workflows.effects import ball, plate
 from workflows.effects.definition import NO_DAMPER, Called, Case, Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
 from workflows.scene.scene import Effects, Scene
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.scene.load import SceneFile
-
 
 EFFECTS = {name: (plate.EFFECTS | ball.EFFECTS)[name] for name in Effects.model_fields}
 """In the order of the scene's keys: those of the plate, then those of the ball."""

@@ -25,13 +25,11 @@ from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from workflows.solve.results import OwnFigures
 
 _LINE = 0.052
 """Height of a line of text, in heights of the Campbell diagram."""

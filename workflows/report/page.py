@@ -6,7 +6,7 @@ import base64
 import json
 import os
 import secrets
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -74,18 +74,26 @@ def _packed(motion: Floats) -> dict[str, Any]:
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
+_FILTERS = (
+    formatting.fixed,
+    formatting.amount,
+    formatting.significant,
+    formatting.percent,
+    formatting.curly,
+    formatting.whole,
+)
+"""By which templates turn values into words."""
 
-def from_template(template: str, words: Mapping[str, Callable[..., str]], css: str = "", **values: Any) -> str:
+
+def from_template(template: str, css: str = "", **values: Any) -> str:
     """A page as text.
 
     Args:
         template: its name.
-        words: the filters by which it turns values into words.
         css: style beside that of every page.
         values: what it shows.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
 
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
@@ -94,9 +102,9 @@ def from_template(template: str, words: Mapping[str, Callable[..., str]], css: s
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= words
+    environment.filters |= {word.__name__: word for word in _FILTERS}
     style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return environment.get_template(template).render(css=Markup(style), **values)
+    return environment.get_template(template).render(css=style, **values)
 
 
 def script(name: str) -> str:
@@ -127,10 +135,8 @@ def draw(results: Results) -> Drawings:
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    words = (formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.curly)
     return from_template(
         "report.html.j2",
-        {word.__name__: word for word in words},
         drawings.css,
         **_said(results),
         **_tabulated(results),

@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import fem
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant, whole
@@ -192,11 +192,9 @@ def sight_of_mesh(path: Path) -> Sight:
     Raises:
         BadInput: it is no mesh of a plate's mid-surface; the message says what is wrong.
     """
-    from fem import MeshError, read_mesh
-
     try:
-        mesh = read_mesh(path)
-    except MeshError as error:
+        mesh = fem.read_mesh(path)
+    except fem.MeshError as error:
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare(mesh)
     words, numbers = facts(surface)
@@ -383,15 +381,12 @@ def view(sight: Sight, first: int = 0, mode: int = 0) -> mode_viewer.View:
 
 def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
-    from markupsafe import Markup
-
     seen = view(sight, first, mode)
     with plots.style():
         above = replace(sight.surface, points=sight.surface.drawn(sight.surface.points))
         figure = figures.mesh_of(above, None if sight.mark is None else (sight.mark[0], sight.mark[1]), sight.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    words: dict[str, Callable[..., str]] = {"curly": formatting.curly, "whole": formatting.whole}
-    return from_template("view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=script("viewer.js"))
+    return from_template("view.html.j2", sight=sight, view=seen, still=still, script=script("viewer.js"))
 
 
 def thinned(seen: mode_viewer.View) -> str:

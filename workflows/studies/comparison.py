@@ -208,8 +208,6 @@ def write(found: Comparison, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    from markupsafe import Markup
-
     figure = draw(found)
     runs = [
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
@@ -218,13 +216,12 @@ def write(found: Comparison, out: Path) -> None:
     differences = [(key, [_value(value) for value in values]) for key, values in found.differences.items()]
     page = from_template(
         "compare.html.j2",
-        {"curly": formatting.curly},
         found=found,
         runs=runs,
         differences=differences,
         heads=("rpm", "run", *_QUANTITIES.values()),
         rows=[_cells(row) for row in rows(found)],
-        figure=Markup(figure),
+        figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )
     contents = {

@@ -12,11 +12,12 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+import damper
 from workflows import pipeline
 from workflows.effects.definition import Effect
 from workflows.formatting import significant
@@ -27,13 +28,9 @@ from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
-from workflows.solve import damper
+from workflows.solve.damper import particle_damper, simulate
 from workflows.solve.results import Figures, SpeedPoint
 from workflows.versions import versions
-
-if TYPE_CHECKING:
-    from damper import ParticleDamper
-
 
 Floats = npt.NDArray[np.float64]
 
@@ -84,7 +81,7 @@ class Simulated:
         """The paper's g [m/s^2]."""
         return self.scene.rotor.gravity
 
-    def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> ParticleDamper:
+    def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> damper.ParticleDamper:
         """The damper that the run simulates at 10000 rpm, changed.
 
         Its stiffness is kept, so that curves differ by what was changed alone.
@@ -92,13 +89,11 @@ class Simulated:
         scene, point = _with(self.scene, formulation=formulation), self.plate[SHOWN]
         if mass_ratio is not None and point.reduced is not None:
             changes["ball_mass"] = mass_ratio * point.reduced.M2
-        return replace(damper.particle_damper(scene, self.effects, point), **changes)
+        return replace(particle_damper(scene, self.effects, point), **changes)
 
-    def curve(self, label: str, system: ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
+    def curve(self, label: str, system: damper.ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
         """Ring a damper down to rest, cycle by cycle."""
-        from damper import capacity, ringdown
-
-        cycles = capacity(ringdown(system, release, max_cycles=20_000))
+        cycles = damper.capacity(damper.ringdown(system, release, max_cycles=20_000))
         clearance = system.stuck_frequency**2 * 2 * system.half_gap[0] / self.gravity
         cutoff = None if cycles.cutoff is None else cycles.cutoff / self.gravity
         ball = cycles.sdc - cycles.intrinsic_sdc
@@ -112,7 +107,7 @@ def study(stages: Stages) -> Simulated:
     points = {}
     for formulation in FORMULATIONS:
         scene = _with(source.scene, formulation=formulation)
-        points[formulation] = damper.simulate(scene, structure.effects, structure.points, stages, SHOWN)
+        points[formulation] = simulate(scene, structure.effects, structure.points, stages, SHOWN)
     rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
     return Simulated(source.scene, structure.effects, points, rest)
 
@@ -348,31 +343,25 @@ def of_equations(study: Simulated) -> Iterator[Claim]:
     yield _claim("S2-rotation", (None, change), judge(abs(change) <= 0.01))
 
 
-def gain(system: ParticleDamper, *, loss: bool = False) -> float:
+def gain(system: damper.ParticleDamper, *, loss: bool = False) -> float:
     """Energy after 20 cycles over that at the release, less one; or the loss, one less it."""
-    from damper import ringdown
-
-    energy = ringdown(system, RELEASE, _CYCLES).energy
+    energy = damper.ringdown(system, RELEASE, _CYCLES).energy
     ratio = energy.final / energy.initial
     return 1 - ratio if loss else ratio - 1
 
 
 def _threshold(study: Simulated, formulation: str) -> float:
     """Acceleration at which the ball sets off over the load; NaN where it does not, or sets off below."""
-    from damper import ringdown
-
     system = study.system(formulation, damping_ratio=0.0)
     square = system.stuck_frequency**2
     amplitude = system.rolling_threshold / square
-    still = ringdown(system, (amplitude * (1 - 1e-9), 0.0), 3).events == 0
-    moves = ringdown(system, (amplitude * (1 + 1e-6), 0.0), 3).events > 0
+    still = damper.ringdown(system, (amplitude * (1 - 1e-9), 0.0), 3).events == 0
+    moves = damper.ringdown(system, (amplitude * (1 + 1e-6), 0.0), 3).events > 0
     return amplitude * square / system.centrifugal_acceleration if still and moves else math.nan
 
 
 def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]:
     """Over single oblique hits: worst momentum, restitution farthest from e, least loss, hits at the cap."""
-    from damper import ringdown, sample
-
     base = study.system(formulation, centrifugal_acceleration=0.0, damping_ratio=0.0, stiffness=(1e-9, 1e-9))
     m2, ball, gap = base.modal_mass, base.ball_mass, base.half_gap[0]
     system = replace(base, cavity=(base.cavity[0], 1.0), sticking_ratio=0.0)
@@ -381,8 +370,8 @@ def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]
         w = (math.cos(angle), math.sin(angle))
         duration = 1.5 * gap / w[0]
         cycles = duration * system.stuck_frequency / (2 * math.pi)
-        run = ringdown(system, (0.0, 0.0), cycles, ball_velocity=w, keep_events=True)
-        end = sample(run, run.duration)
+        run = damper.ringdown(system, (0.0, 0.0), cycles, ball_velocity=w, keep_events=True)
+        end = damper.sample(run, run.duration)
         after, v = end.relative_velocity[0], end.velocity[0]
         for axis in range(2):
             worst = max(worst, abs(m2 * v[axis] + ball * (v[axis] + after[axis]) - ball * w[axis]) / ball)
@@ -395,13 +384,11 @@ def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]
 
 
 def _sticking(study: Simulated) -> Claim:
-    from damper import capacity, ringdown
-
     changes, fewer = [], []
     for formulation in FORMULATIONS:
         systems = [study.system(formulation, sticking_ratio=epsilon) for epsilon in (1e-2, 1e-6)]
-        runs = [ringdown(system, RELEASE, _CYCLES) for system in systems]
-        part = [float(capacity(run).sdc.mean()) for run in runs]
+        runs = [damper.ringdown(system, RELEASE, _CYCLES) for system in systems]
+        part = [float(damper.capacity(run).sdc.mean()) for run in runs]
         lossless = 1 - runs[1].energy.final / runs[1].energy.initial == 0
         changes.append(math.nan if lossless else abs(part[0] / part[1] - 1))
         fewer.append(1 - runs[0].impacts / runs[1].impacts)
@@ -410,11 +397,9 @@ def _sticking(study: Simulated) -> Claim:
 
 
 def _steps(study: Simulated) -> Claim:
-    from damper import capacity, ringdown, stepped_ringdown
-
     systems = [study.system(formulation, damping_ratio=0.0) for formulation in FORMULATIONS]
-    exact = [float(capacity(ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
-    stepped = [float(stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
+    exact = [float(damper.capacity(damper.ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
+    stepped = [float(damper.stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
     verdict = judge(all(abs(s / e - 1) < 0.1 for s, e in zip(stepped, exact, strict=True)))
     shown = {"printed": 100 * exact[0], "consistent": 100 * exact[1]}
     return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
@@ -514,8 +499,6 @@ class Slip:
 
 def slips(study: Simulated) -> tuple[Slip, ...]:
     """The slips, in the order of the paper."""
-    from damper import ball_density
-
     printed, consistent = study.system("printed"), study.system("consistent")
     undamped = study.system("printed", damping_ratio=0.0)
     lossless = replace(undamped, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
@@ -527,7 +510,7 @@ def slips(study: Simulated) -> tuple[Slip, ...]:
         1e3 * (RELEASE[0] - RELEASE[1]),
         math.sqrt(TABLE_II[0].frequency ** 2 - (slowest**2 - study.rest_hz**2)),
         100 * (shown.omega**2 * shown.radius / 9.80665 / TABLE_II[SHOWN].load - 1),
-        ball_density(consistent, 1) / OSMIUM,
+        damper.ball_density(consistent, 1) / OSMIUM,
         100 * shown.tilt_share,
     )
     return tuple(Slip(value=value, **words) for value, words in zip(values, TEXTS["slips"], strict=True))
@@ -583,7 +566,7 @@ def closure(study: Simulated) -> tuple[Closure, ...]:
     return tuple(table)
 
 
-def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> ParticleDamper:
+def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> damper.ParticleDamper:
     system = study.system(formulation, damping_ratio=0.01 if ZETA in case else 0.0)
     if MASS in case:
         scene, m2 = study.scene, system.modal_mass
@@ -595,17 +578,15 @@ def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) ->
     return system
 
 
-def _velocity(system: ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
+def _velocity(system: damper.ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
     """The structure's velocity along both axes, shape (cycles, times, 2) [m/s]."""
-    from damper import ringdown, sample, stepped_ringdown
-
     if STEPS in case:
-        run = stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
+        run = damper.stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
         return run.velocity[1:].reshape(_CYCLES, _STEPS, 2)
-    exact = ringdown(system, RELEASE, _CYCLES, keep_events=True)
+    exact = damper.ringdown(system, RELEASE, _CYCLES, keep_events=True)
     fine = 100 * _STEPS
     times = np.linspace(0, exact.duration, _CYCLES * fine + 1)[1:]
-    return sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
+    return damper.sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
 
 
 def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
@@ -614,11 +595,9 @@ def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
     return 100 * float(np.mean(1 - (peaks[1:] / peaks[:-1]) ** 2))
 
 
-def _bound(system: ParticleDamper, velocity: Floats) -> float:
+def _bound(system: damper.ParticleDamper, velocity: Floats) -> float:
     """Mean over the same cycles of the most that the ball can take, in %."""
-    from damper import work_bound
-
-    return 100 * float(np.mean([work_bound(system, v / system.stuck_frequency) for v in _speeds(velocity)[:-1]]))
+    return 100 * float(np.mean([damper.work_bound(system, v / system.stuck_frequency) for v in _speeds(velocity)[:-1]]))
 
 
 def _speeds(velocity: Floats) -> Floats:

@@ -130,14 +130,12 @@ def dumps(found: Reproduction) -> str:
 
 def render(found: Reproduction) -> str:
     """The page."""
-    from markupsafe import Markup
-
     return from_template(
         "reproduce.html.j2",
-        {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
         plots.shades_css(7),
+        value=value,
         found=found,
-        figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
+        figures=draw(found),
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
         assumptions=TEXTS["assumptions"],
         low=14.0,

@@ -22,21 +22,10 @@ from workflows.scene.scene import FLAT, Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import (
-    HELPS,
-    across,
-    at_cavity,
-    checked,
-    free_vibration,
-    harmonic_of,
-    held_well,
-    idle_structure,
-    with_forced_effects,
-)
 from workflows.solve.results import SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
+from workflows.studies.design.space import BEYOND, NAMES, NONE, Floats, Obstacle, Scored, Space
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep.axes import Axis, Spread, find
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
@@ -45,8 +34,6 @@ from workflows.studies.sweep.plan import size
 if TYPE_CHECKING:
     from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
     from damper.starts import Motions
-    from workflows.studies.design.space import Floats
-
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
@@ -172,12 +159,12 @@ class Crossed:
     @property
     def force(self) -> float:
         """At the cavity along x, of the same effect on the leading mode [N]."""
-        return at_cavity(self.system, self.harmonic)
+        return excitation.at_cavity(self.system, self.harmonic)
 
     @property
     def backbone(self) -> Backbone:
         """Free vibration at the crossing."""
-        return free_vibration(self.system, threads=1)
+        return excitation.free_vibration(self.system, threads=1)
 
     @property
     def stuck(self) -> float:
@@ -235,11 +222,11 @@ def crossing_objective(
     """
     asked = scene.excitation
     modes, axis, leads = excitation.crossed(point, crossing)
-    if asked is None or (modes is not None and idle_structure(modes, asked)):
+    if asked is None or (modes is not None and excitation.idle_structure(modes, asked)):
         return None
     kept = None if modes is None else excitation.kept(point, modes)
     system = particle_damper(scene, effects, point, kept)
-    harmonic = harmonic_of(system, crossing, point, asked, max(asked.levels))
+    harmonic = excitation.harmonic_of(system, crossing, point, asked, max(asked.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
 
 
@@ -421,7 +408,7 @@ class LeastAmplitude:
             speed=at.crossing.omega,
             amplitude=value,
             cutoff=lines.resting * lines.grows,
-            why=None if value <= HELPS * without else obstacle,
+            why=None if value <= excitation.HELPS * without else obstacle,
             order=at.crossing.order,
             without=without,
             grows=lines.grows,
@@ -432,7 +419,7 @@ class LeastAmplitude:
         if here is None:
             return []
         lines = linear(here)
-        if here.leads and held_well(here.system):
+        if here.leads and excitation.held_well(here.system):
             return [(amplitude(here, lines.resting, quick=quick), here, lines)]
         return [(followed(here, lines, quick=quick), here, lines)]
 
@@ -469,27 +456,27 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     Raises:
         BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
     """
-    excitation, given = source.scene.excitation, source.scene.damper
-    if excitation is None or given is None:
+    shaken, given = source.scene.excitation, source.scene.damper
+    if shaken is None or given is None:
         raise ValueError("the scene has no [excitation]")
     if given.damping_ratio == 0:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
         raise BadInput(problem, file=source.name, key="[damper] damping_ratio", value=0)
     solver = StructureSolver(source, stages)
-    points = across(solver).points
+    points = excitation.across(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
-    met = engine_orders.of_points(points, excitation.orders)
+    met = engine_orders.of_points(points, shaken.orders)
     if not met:
-        raise engine_orders.unmet(points, excitation.orders, source.name)
+        raise engine_orders.unmet(points, shaken.orders, source.name)
     alone = []
     for crossing in met:
         (point,) = solver.at([crossing.omega]).points
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.undriven(points, excitation.orders, source.name)
-    return LeastAmplitude(excitation, tuple(met), (low, high), max(alone))
+        raise engine_orders.undriven(points, shaken.orders, source.name)
+    return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
 
 
 _WIDE = 4.0
@@ -526,8 +513,8 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     axes = tuple(found)
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
-    checked(source)
-    as_shaken = with_forced_effects(source)
+    excitation.checked(source)
+    as_shaken = excitation.with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
 
 

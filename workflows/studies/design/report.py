@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.rotor import in_rpm
 from workflows import formatting
@@ -22,7 +23,7 @@ from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
-from workflows.studies.design.space import NAMES, Found, Scored, Space
+from workflows.studies.design.space import NAMES, Floats, Found, Scored, Space
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
@@ -31,10 +32,7 @@ from workflows.studies.sweep.evaluate import PlateCache, measured
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from damper import ParticleDamper, Working
-    from workflows.studies.design.space import Floats, Found, Scored
 
 
 @dataclass(frozen=True, eq=False)
@@ -528,16 +526,13 @@ def in_short(found: Designed) -> str:
 
 def render(found: Designed) -> str:
     """The page."""
-    from markupsafe import Markup
-
     return from_template(
         "design.html.j2",
-        {},
         plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
         sentences=sentences(found),
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
+        figures=draw(found),
         toml=found.toml,
         evaluations=formatting.fixed(found.found.evaluations),
     )

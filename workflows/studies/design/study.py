@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -24,16 +24,12 @@ from workflows.solve.model_choice import choose_model
 from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
-from workflows.studies.design.space import Found, Scored, Space
+from workflows.studies.design.space import Floats, Found, Scored, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers
 from workflows.versions import versions
-
-if TYPE_CHECKING:
-    from workflows.studies.design.space import Floats
-
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""

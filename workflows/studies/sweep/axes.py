@@ -14,6 +14,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
 from workflows.scene.load import unit, worded
+from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 
 Value: TypeAlias = float | int | bool | str
@@ -472,8 +473,6 @@ def plain(scene: Scene) -> Data:
 
 def written_out(data: Data, keys: Sequence[Key]) -> Data:
     """The data with a plate's material in numbers where one of these is varied."""
-    from workflows.scene.materials import KNOWN
-
     name = data.get("material", {}).get("name")
     numbers = {key.field for key in keys if key.table == ("material",)} - {"name"}
     if name is None or not numbers:

@@ -11,7 +11,9 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from fem.meshes.mesh_sequence import Planform
 from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
@@ -29,14 +31,10 @@ from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from damper import ParticleDamper, Working
-    from fem.meshes.mesh_sequence import Planform
 
-    Rows = npt.NDArray[np.void]
-    Block = tuple[Rows, tuple[str, ...]]
-
+Rows = npt.NDArray[np.void]
+Block = tuple[Rows, tuple[str, ...]]
 
 QUICK = {"sweeps": 4, "stay": 60}
 """What the working range is measured with where a percent of it does not count."""

@@ -6,9 +6,10 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from workflows.errors import BadInput
 from workflows.scene.load import SceneFile, parse
@@ -28,10 +29,6 @@ from workflows.studies.sweep.axes import (
     plain,
     written_out,
 )
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
 
 SAMPLE = "sample"
 """The dimension of a sample."""

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
 from workflows.report import plots
@@ -567,19 +566,16 @@ def dumps(data: xr.Dataset) -> str:
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    from markupsafe import Markup
-
     found = document(data)
     return from_template(
         "sweep.html.j2",
-        {"significant": formatting.significant, "fixed": formatting.fixed},
         plots.shades_css(SHADES),
         found=found,
         best=_best_line(data, found),
         headline=headline(data, found),
         doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
         spreads=_spreads(data) if "ST" in data else {},
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(data)],
+        figures=draw(data),
         code=json.loads(data.attrs["code"]),
     )
 

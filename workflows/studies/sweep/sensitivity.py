@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
@@ -20,11 +21,9 @@ from workflows.studies.sweep.evaluate import HEADLINE
 from workflows.studies.sweep.plan import SAMPLE, Sample, sample
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
     import xarray as xr
 
-    Floats = npt.NDArray[np.float64]
-
+Floats = npt.NDArray[np.float64]
 
 BASE = 128
 """Base points, unless it is said; the study has as many times the parameters and two."""

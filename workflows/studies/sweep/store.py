@@ -24,14 +24,13 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.io import folder
+from workflows.solve.results import rounded_rpm
 from workflows.studies.sweep.axes import SPEEDS, Value
-from workflows.studies.sweep.evaluate import QUANTITIES
+from workflows.studies.sweep.evaluate import QUANTITIES, Rows
+from workflows.studies.sweep.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from workflows.studies.sweep.evaluate import Rows
-    from workflows.studies.sweep.plan import Plan
 
 DATA, DONE, LOCK = "sweep.zarr", "done", ".lock"
 
@@ -292,8 +291,6 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     for name, (along, values) in plan.coordinates().items():
         found[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            from workflows.solve.results import rounded_rpm
-
             found["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
     return found
 

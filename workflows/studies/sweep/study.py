@@ -19,15 +19,13 @@ from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
 from workflows.studies.sweep import axes, evaluate, executor, plan, sensitivity, store
-from workflows.studies.sweep.evaluate import PlateCache
+from workflows.studies.sweep.evaluate import Block, PlateCache
 from workflows.studies.sweep.executor import Workers, workers_of
 from workflows.studies.sweep.plan import Plan
 from workflows.studies.sweep.store import Folder, Region
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from workflows.studies.sweep.evaluate import Block
 
 LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a block at most, and the number of blocks above which they grow."""

@@ -386,19 +386,16 @@ def write(found: Switches, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    from markupsafe import Markup
-
     figure = draw(found)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in found.rows for name in row.changes)
     columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
-    words = {"significant": formatting.significant}
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
     contents = {
         "effects.json": dumps(found) + "\n",
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, found.rows)),
-        "report.html": from_template("effects.html.j2", words, found=found, figure=Markup(figure), **constant),
+        "report.html": from_template("effects.html.j2", found=found, figure=figure, **constant),
     }
     write_study(out, contents)
 
