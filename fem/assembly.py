@@ -127,15 +127,12 @@ class StressedBody(Protocol):
 
     def force(self) -> Array:
         """The internal force (n,) in N."""
-        ...
 
     def ahead(self, step: Array) -> Any:
         """The stress that a step (n,) leads to, to first order."""
-        ...
 
     def stiffness(self, stress: Any = None) -> csc_array:
         """The tangent stiffness (n, n) in N/m, or that under another stress."""
-        ...
 
 
 class Body(Protocol):
@@ -144,58 +141,46 @@ class Body(Protocol):
     @property
     def theory(self) -> str:
         """Name of its theory."""
-        ...
 
     @property
     def effects(self) -> Effects:
         """What counts."""
-        ...
 
     @property
     def stiffness(self) -> csc_array:
         """At rest, (n, n)."""
-        ...
 
     @property
     def mass(self) -> csc_array:
         """Its mass, (n, n)."""
-        ...
 
     @property
     def softening(self) -> csc_array | None:
         """What spin softening takes from the stiffness, per Omega²; None: left out."""
-        ...
 
     @property
     def gyroscopic(self) -> csc_array | None:
         """G of the Coriolis forces; None: left out."""
-        ...
 
     @property
     def load(self) -> Array:
         """The centrifugal load (n,) per Omega²."""
-        ...
 
     @property
     def prestress(self) -> Array | None:
         """A displacement (n,) per Omega² to begin an equilibrium with; None: rest."""
-        ...
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), its prestress linear in Omega²."""
-        ...
 
     def stressed(self, state: Array) -> StressedBody:
         """Its elastic energy at a displacement (n,)."""
-        ...
 
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix over its unknowns."""
-        ...
 
     def solver(self, matrix: csc_array) -> Solver:
         """What solves a stiffness on the way to an equilibrium: its factor, or less."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

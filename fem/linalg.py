@@ -92,12 +92,10 @@ class Solver(Protocol):
 
     def solve(self, right: Array) -> Array:
         """Solution for one (n,) or several (n, k) right-hand sides."""
-        ...
 
     @property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix is known to have, once it has solved."""
-        ...
 
 
 INNER = 30

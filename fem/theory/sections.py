@@ -104,15 +104,12 @@ class Stressed(Protocol):
 
     def force(self) -> Array:
         """The internal force (n,), the energy's derivative."""
-        ...
 
     def ahead(self, step: Array) -> Array:
         """The stress that a step (n,) leads to, to first order."""
-        ...
 
     def terms(self, stress: Array | None = None) -> Terms:
         """Fields and coefficients of the tangent stiffness (see `gram`), or of that under a given stress."""
-        ...
 
 
 class Energy(Protocol):
@@ -120,7 +117,6 @@ class Energy(Protocol):
 
     def at(self, state: Array) -> Stressed:
         """The same at a state (n,)."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.scene.load import SHIPPED, load
 from workflows.solve.results import Damping
-from workflows.studies.sweep import axes, report, study
+from workflows.studies.sweep import plan as axes
+from workflows.studies.sweep import report, study
 from workflows.studies.sweep.plan import base, grid, of_a_point, sample, with_values
 
 G = 9.80665

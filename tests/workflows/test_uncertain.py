@@ -14,7 +14,8 @@ import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load
-from workflows.studies.sweep import axes, report, sensitivity
+from workflows.studies.sweep import plan as axes
+from workflows.studies.sweep import report, sensitivity
 
 A, B = 7.0, 0.1
 

@@ -24,7 +24,7 @@ from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
 from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
-from workflows.scene import load, plate_mesh
+from workflows.scene import load
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
@@ -141,16 +141,11 @@ def of_plate(
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
     words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
-    mark: tuple[float, ...] | None = None
-    if surface.frame is not None:
-        mark = None if surface.mark is None else tuple(surface.drawn(surface.mark).tolist())
-    elif scene.damper is not None:
-        mark = plate_mesh.damper_at(scene, surface.points.T[:2])
     return Sight(
         title=scene.title,
         surface=surface,
         speeds=speeds,
-        mark=mark,
+        mark=mode_viewer.damper_mark(scene, surface),
         thickness=thickness if isinstance(thickness, float) else None,
         root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),

@@ -27,9 +27,8 @@ from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
 from workflows.studies.design.space import BEYOND, NAMES, NONE, Floats, Obstacle, Scored, Space
 from workflows.studies.sweep import evaluate
-from workflows.studies.sweep.axes import Axis, Spread, find
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
-from workflows.studies.sweep.plan import size
+from workflows.studies.sweep.plan import Axis, Spread, find, size
 
 if TYPE_CHECKING:
     from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working

@@ -27,8 +27,8 @@ from workflows.studies.design.space import NAMES, Floats, Found, Scored, Space
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.axes import Spread
 from workflows.studies.sweep.evaluate import PlateCache, measured
+from workflows.studies.sweep.plan import Spread
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 if TYPE_CHECKING:

@@ -17,9 +17,8 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import limits
 from workflows.solve.results import SpeedPoint
-from workflows.studies.sweep.axes import SPEEDS, Axis, Value, find
 from workflows.studies.sweep.evaluate import DamperCase
-from workflows.studies.sweep.plan import Sample, drawn
+from workflows.studies.sweep.plan import SPEEDS, Axis, Sample, Value, drawn, find
 
 Floats = npt.NDArray[np.float64]
 

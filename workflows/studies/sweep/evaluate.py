@@ -27,8 +27,7 @@ from workflows.solve import damper as damper_stage
 from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
-from workflows.studies.sweep.axes import SPEEDS
-from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
+from workflows.studies.sweep.plan import SPEEDS, Plan, base, of_a_point, with_values
 
 if TYPE_CHECKING:
     from damper import ParticleDamper, Working

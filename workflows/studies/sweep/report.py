@@ -15,14 +15,14 @@ import numpy as np
 from fem.rotor import in_rpm
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
+from workflows.io.folder import whole_file
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
-from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -555,8 +555,9 @@ def write(data: xr.Dataset, out: Path) -> None:
     """
     page = render(data)
     with store.writing(out):
-        store.write_whole(out / "sweep.json", f"{dumps(data)}\n".encode())
-        store.write_whole(out / "report.html", page.encode())
+        for name, text in (("sweep.json", f"{dumps(data)}\n"), ("report.html", page)):
+            with whole_file(out / name) as fresh:
+                fresh.write_text(text, encoding="utf-8")
 
 
 def dumps(data: xr.Dataset) -> str:

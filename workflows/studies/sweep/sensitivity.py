@@ -16,9 +16,8 @@ import numpy.typing as npt
 from workflows.errors import BadInput
 from workflows.scene.scene import Scene
 from workflows.studies.sweep import store
-from workflows.studies.sweep.axes import SPEEDS, Axis, Spread, find, read
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE, Sample, sample
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Sample, Spread, find, read, sample
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +39,7 @@ def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axi
     """What is uncertain: what is given as ranges or ``normal:MEAN:DEVIATION``, or else what hardly ever is known well.
 
     Raises:
-        BadInput: see :func:`workflows.studies.sweep.axes.read`; the speeds are not uncertain.
+        BadInput: see :func:`workflows.studies.sweep.plan.read`; the speeds are not uncertain.
     """
     found = read(given, scene.rotor.gravity) or defaults(scene)
     for axis in found:
