@@ -492,7 +492,7 @@ def test_from_nothing_to_something_is_no_number() -> None:
         energy = Energy(1.0, 0.5, 0.5 - ball, ball, 0.0, 0.0, 0.0)
         none = dict.fromkeys(Damping.__dataclass_fields__, None)
         damping: Any = Damping(**none | {"energy": energy, "impacts": 3})  # type: ignore[arg-type]
-        return (replace(point(1000), damping=damping),)
+        return (replace(point(1000), damper=damping),)
 
     found = changes(rung(0.1), rung(0.0), own_has_it=True)
     assert found.relative.pop("ball_damping_ratio") is None

@@ -16,13 +16,18 @@ import workflows
 from fem.theory.registry import THEORIES
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
-from workflows.effects import selection
+from workflows.effects import ball, plate, selection
+from workflows.effects.selection import EFFECTS
+from workflows.errors import BadInput
 from workflows.io import provenance
+from workflows.pipeline import run
 from workflows.progress import Stages
+from workflows.report.remarks import assumptions
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
 from workflows.scene.load import SHIPPED, load, parse, schema, shipped
 from workflows.scene.plate import Plate
+from workflows.scene.scene import Effects
 from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -109,8 +114,8 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
     for point in workflows.run(scene).speeds:
         load, square = 0.2 * point.omega**2, (2 * math.pi * 269.5) ** 2
         free = 0.25e-3  # with no load the ball does not roll: it stays where it is, and the wall comes to it
-        assert point.damping.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
-        assert point.damping.events > 0
+        assert point.damper.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
+        assert point.damper.events > 0
 
 
 def test_a_plate_may_have_every_theory_that_there_is() -> None:
@@ -304,3 +309,39 @@ def test_scenes_with_meshes_are_solved(path: Path) -> None:
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6
     assert all(part.mesh is not None and 0 < part.mesh <= source.scene.accuracy.frequency for part in parts)
+
+
+def test_every_key_has_a_definition_and_every_definition_a_key() -> None:
+    assert [*plate.EFFECTS, *ball.EFFECTS] == list(Effects.model_fields) == list(EFFECTS)
+    assert {kind.of for kind in plate.EFFECTS.values()} == {"plate"}
+    assert {kind.of for kind in ball.EFFECTS.values()} == {"damper"}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_words_of_an_effect_are_its_own(name: str) -> None:
+    words = [kind.word for kind in EFFECTS.values()]
+    assert words.count(EFFECTS[name].word) == 1
+    assert EFFECTS[name].part_of in {"", *EFFECTS}
+    assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ball_slip", {"damper__friction": 0}),
+        ("ball_slip", {"damper__formulation": "printed"}),
+        ("structural_modes", {}),
+        ("coriolis", {}),
+    ],
+)
+def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
+    scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
+    with pytest.raises(BadInput, match=rf"{name}|friction"):
+        selection.resolve(scene, "scene.toml")
+
+
+def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
+    """What is taken for granted goes with the effects."""
+    for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
+        found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))
+        assert said in " ".join(text for text, _ in assumptions(found))

@@ -183,7 +183,7 @@ _NOTABLE_TILT = 0.01
 
 def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
     """The speeds at which the damper was simulated."""
-    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+    return [(p, p.reduced, p.damper) for p in results.speeds if p.reduced is not None and p.damper is not None]
 
 
 def level_floor(results: Results) -> str | None:

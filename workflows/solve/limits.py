@@ -583,7 +583,7 @@ def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
 
 def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
-    damping, own, reduced = point.damping, point.level or point.working, point.reduced
+    damping, own, reduced = point.damper, point.level or point.working, point.reduced
     if damping is not None and damping.cutoff_g is not None:
         return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
     if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:

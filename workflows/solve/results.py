@@ -203,8 +203,8 @@ class OwnFigures(Figures):
     from_above: Annotated[
         Figures,
         part(
-            "the same on the way down, where a ball in motion keeps bouncing; the other figures are those of the way"
-            " up, from a ball at rest in the middle",
+            "the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those"
+            " of the way up, from a ball at rest in the middle or rolling about it",
             prefix="from_above_",
         ),
     ] = field(repr=False)
@@ -213,7 +213,7 @@ class OwnFigures(Figures):
         quantity(
             "m",
             "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
-            " where all sweeps up bounce; null where the ways do not differ",
+            " where a ball that rolls about the middle must meet the walls; null where the ways do not differ",
             ends=_ENDS,
             headline=True,
         ),
@@ -222,8 +222,8 @@ class OwnFigures(Figures):
         Pair,
         quantity(
             "m",
-            "amplitudes at which the first and the last sweep up begin to bounce, which goes by how the vibration"
-            " grows; null as of `folds`",
+            "amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the"
+            " vibration grows; null as of `folds`",
             ends=_ENDS,
         ),
     ]
@@ -660,7 +660,7 @@ class SpeedPoint:
 
     Attributes:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
-        damping: what the scene's release leads to, with its effects.
+        damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
@@ -684,7 +684,7 @@ class SpeedPoint:
             along="cavity_mode",
         ),
     ] = ()
-    damping: Annotated[Damping | None, part("the ring-down of the scene's release", "damper")] = None
+    damper: Annotated[Damping | None, part("the ring-down of the scene's release")] = None
     working: Annotated[
         OwnFigures | None,
         part(
