@@ -316,17 +316,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         gyroscopic = inertia(model, density, 2.0 * rotor.spin)
     mass = inertia(model, density, np.eye(3))
     operators = Operators(
-        plate,
-        rotor,
-        effects,
-        model,
-        stiffness,
-        mass,
-        geometric,
-        softening,
-        gyroscopic,
-        load,
-        prestress,
+        plate, rotor, effects, model, stiffness, mass, geometric, softening, gyroscopic, load, prestress
     )
     for places, each in operators.points:
         operators = _with_masses(operators, places, each, held)

@@ -655,11 +655,7 @@ class Scene(Table):
             )
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
-        for key, instead in _OF_A_MESH.items():
-            table, name = key.split(".")
-            given = getattr(self, table)
-            if given is not None and getattr(given, name) != type(given).model_fields[name].default:
-                raise fault(key, instead)
+        self._left_as_they_are(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
@@ -705,11 +701,15 @@ class Scene(Table):
         self._not_in_space()
         self._tilt(self.damper, structure.floor_tilt)
         weight(self.damper, structure.mass)
-        for key, instead in _OF_A_PLATE.items():
+        self._left_as_they_are(_OF_A_PLATE, "belongs to a plate; ")
+
+    def _left_as_they_are(self, keys: Mapping[str, str], why: str = "") -> None:
+        """Keys that have their defaults, with what is said where one has not."""
+        for key, instead in keys.items():
             table, name = key.split(".")
             given = getattr(self, table)
             if given is not None and getattr(given, name) != type(given).model_fields[name].default:
-                raise fault(key, f"belongs to a plate; {instead}")
+                raise fault(key, f"{why}{instead}")
 
     def _tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
         if max(map(abs, tilt)) * damper.radius >= 1:

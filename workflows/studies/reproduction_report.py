@@ -62,7 +62,7 @@ def _velocity(found: Reproduction) -> str:
             axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
         if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=plots.DASHED)
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
     return plots.svg(figure, "fig2", "Velocity of the structure over time")
@@ -90,7 +90,7 @@ def _capacity(family: Family, number: int) -> str:
 
 def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     if number == 3:
         axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
 

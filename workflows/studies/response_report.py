@@ -125,7 +125,7 @@ def campbell_plot(found: Response) -> str:
         top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=(0, (1, 2)))
+            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=plots.DOTTED)
             small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:

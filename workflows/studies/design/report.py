@@ -163,7 +163,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
     axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))

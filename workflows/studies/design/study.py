@@ -239,19 +239,18 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     if name == "density":
         problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"
         return BadInput(problem, file=space.source.name, key="[damper]")
-    if name in ("hardness", "first yield"):
-        key = "hardness_ratio" if name == "hardness" else "yield_ratio"
-        value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-        problem = (
-            f"no design keeps to it: the floor carries none of these balls, the best with {significant(share)} times"
-            f" the limit of {name}; smaller balls, or a harder ball_material or [damper] floor_material, press less"
-        )
-        return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
-    key = "mass" if name == "mass" else "wall"
+    pressed = (
+        f"the floor carries none of these balls, the best with {significant(share)} times the limit of {name}; smaller"
+        " balls, or a harder ball_material or [damper] floor_material, press less"
+    )
+    taken = f"the one that comes nearest takes {significant(share)} times"
+    key, problem = {
+        "hardness": ("hardness_ratio", pressed),
+        "first yield": ("yield_ratio", pressed),
+        "mass": ("mass", f"{taken} the mass allowed"),
+    }.get(name, ("wall", f"{taken} the plate's thickness, with its walls"))
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-    what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"
-    problem = f"no design keeps to it: the one that comes nearest takes {significant(share)} times {what}"
-    return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
+    return BadInput(f"no design keeps to it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, found: Found) -> SceneFile:

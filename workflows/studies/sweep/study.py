@@ -110,9 +110,7 @@ def asked(
     if source.scene.damper is None:
         raise BadInput("the table is missing: sweep needs a damper", file=source.name, key="[damper]")
     resources.check(source)
-    if uncertain:
-        return _uncertain(source, vary, count, seed, quick)
-    given = plan.read(vary, source.scene.rotor.gravity)
+    given = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
     if not given:
         raise BadInput(
             "nothing is varied: expected KEY=START:STOP:COUNT, such as damper.friction=0.1:0.5:9", key="--vary"
@@ -120,19 +118,10 @@ def asked(
     plan.base(source, [axis.key for axis in given])
     plan.check_units(given, source.scene)
     speeds = source.scene.rotor.speeds
-    if count is None:
-        return Study(source, plan.grid(given, speeds), quick, executor.digest())
-    return Study(source, plan.sample(given, speeds, count, seed), quick, executor.digest())
-
-
-def _uncertain(
-    source: SceneFile, vary: Mapping[str, object] | Iterable[str], count: int | None, seed: int, quick: bool
-) -> Study:
-    """The study from which percentiles and Sobol' indices are taken."""
-    given = sensitivity.axes(vary, source.scene)
-    plan.base(source, [axis.key for axis in given])
-    plan.check_units(given, source.scene)
-    points = sensitivity.plan(given, source.scene.rotor.speeds, sensitivity.BASE if count is None else count, seed)
+    if uncertain:
+        points: Plan = sensitivity.plan(given, speeds, sensitivity.BASE if count is None else count, seed)
+    else:
+        points = plan.grid(given, speeds) if count is None else plan.sample(given, speeds, count, seed)
     return Study(source, points, quick, executor.digest())
 
 

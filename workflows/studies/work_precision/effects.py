@@ -325,7 +325,7 @@ def draw(found: Switches) -> str:
             title="largest relative change of any quantity",
             xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
         )
-        left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
+        left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
         right.set(title="share of the run's time with it, %")
         unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
         whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]

@@ -54,7 +54,7 @@ def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) ->
                 label=method,
             )
     if asked is not None:
-        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()
 
