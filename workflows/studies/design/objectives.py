@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working, forced, work_bound
+from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -29,10 +31,6 @@ from workflows.studies.design.space import BEYOND, NAMES, NONE, Floats, Obstacle
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
 from workflows.studies.sweep.plan import Axis, Spread, find, size
-
-if TYPE_CHECKING:
-    from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
-    from damper.starts import Motions
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
@@ -95,8 +93,6 @@ def cutoff_of(damper: ParticleDamper) -> float:
 
 def bound_of(damper: ParticleDamper, amplitude: float) -> float:
     """The most that any ball of this mass in this room can do at an amplitude, as a damping ratio."""
-    from damper import work_bound
-
     share = work_bound(damper, (amplitude, 0.0))
     return math.inf if share >= 1 else -math.log1p(-share) / (4 * math.pi)
 
@@ -205,8 +201,6 @@ class Crossed:
 
     def follow(self, speeds: Sequence[float], starts: Sequence[Start], most: int) -> Forced:
         """Steady states at some speeds, of at most so many cycles."""
-        from damper import forced
-
         pairs = [self.at(omega) for omega in speeds]
         dampers, harmonics = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
         return forced(dampers, harmonics, starts, probe=self.axis, accuracy=_ACCURACY, max_cycles=most, threads=1)
@@ -253,8 +247,6 @@ def linear(crossed: Crossed) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    from damper import Harmonic
-
     met = crossed.crossing.order * crossed.crossing.omega
     alone = _answers(crossed, *_about(crossed, met)).without
     omega, harmonics = _about(crossed, crossed.stuck)
@@ -285,8 +277,6 @@ def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
 
 
 def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motions:
-    from damper.starts import Start, motions_of
-
     return motions_of(crossed.at(omega)[0], harmonics, (Start.UP,), crossed.axis, 0, 256)
 
 
@@ -425,8 +415,6 @@ class LeastAmplitude:
 
 def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
     """The greatest mean amplitude of the steady states about a crossing [m]."""
-    from damper import Start
-
     starts = (Start.UP, Start.DOWN) if quick else tuple(Start)
     states = here.follow(_speeds(here, quick=quick), starts, _FEW_CYCLES if quick else _CYCLES)
     means = np.where(np.isnan(states.mean), np.abs(states.linear)[:, None], states.mean)

@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from damper import ParticleDamper, Working
 from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
@@ -30,9 +31,6 @@ from workflows.studies.sweep import plan as plans
 from workflows.studies.sweep.evaluate import PlateCache, measured
 from workflows.studies.sweep.plan import Spread
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
-
-if TYPE_CHECKING:
-    from damper import ParticleDamper, Working
 
 
 @dataclass(frozen=True, eq=False)
