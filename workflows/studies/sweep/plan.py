@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Annotated, Any, Protocol, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -508,61 +508,38 @@ SAMPLE = "sample"
 """The dimension of a sample."""
 
 
-class Plan(Protocol):
-    """Points in an order of their own, speeds last, so that those of one plate and of one ball lie together."""
-
-    @property
-    def axes(self) -> tuple[Axis, ...]:
-        """What is varied, the speeds last."""
-
-    @property
-    def dimensions(self) -> dict[str, int]:
-        """Names and lengths of the dimensions, slowest first; their product is the number of points."""
-
-    def columns(self, begin: int, end: int) -> dict[str, list[Value]]:
-        """The values of every axis at the points from `begin` to before `end`."""
-
-    def coordinates(self) -> dict[str, tuple[str, list[Value]]]:
-        """The values of every axis along its dimension."""
-
-    def speeds(self, begin: int, end: int) -> tuple[float, ...]:
-        """All speeds at which the plates of these points are solved, ascending [rad/s]."""
-
-    def identity(self) -> dict[str, Any]:
-        """What makes the plan this one, as plain data."""
-
-
-def size(plan: Plan) -> int:
-    """The number of points."""
-    return math.prod(plan.dimensions.values())
-
-
 @dataclass(frozen=True)
 class Grid:
-    """Every value of each axis with every one of the others."""
+    """Every value of each axis with every one of the others.
+
+    Points lie in an order of their own, speeds last, so that those of one plate and of one ball lie together.
+
+    Attributes:
+        axes: what is varied, the speeds last.
+    """
 
     axes: tuple[Axis, ...]
 
     @property
     def dimensions(self) -> dict[str, int]:
-        """One for each axis."""
+        """Names and lengths, slowest first, one for each axis; their product is the number of points."""
         return {axis.name: len(axis.values) for axis in self.axes}
 
     def columns(self, begin: int, end: int) -> dict[str, list[Value]]:
-        """See :class:`Plan`."""
+        """The values of every axis at the points from `begin` to before `end`."""
         places = np.unravel_index(np.arange(begin, end), tuple(self.dimensions.values()))
         return {axis.name: [axis.values[k] for k in at] for axis, at in zip(self.axes, places, strict=True)}
 
     def coordinates(self) -> dict[str, tuple[str, list[Value]]]:
-        """Each axis along itself."""
+        """The values of every axis along its dimension, which is its own."""
         return {axis.name: (axis.name, list(axis.values)) for axis in self.axes}
 
     def speeds(self, begin: int, end: int) -> tuple[float, ...]:
-        """Those of the whole grid, for any points."""
+        """All speeds at which plates are solved, ascending [rad/s]: those of the whole grid, for any points."""
         return tuple(sorted(float(value) for value in self.axes[-1].values))
 
     def identity(self) -> dict[str, Any]:
-        """Keys and values."""
+        """What makes the plan this one, as plain data: keys and values."""
         return {"grid": {axis.name: said(axis.values) for axis in self.axes}}
 
 
@@ -599,7 +576,7 @@ class Sample:
         return 1 if self.sampled_speeds else len(self.axes[-1].values)
 
     def columns(self, begin: int, end: int) -> dict[str, list[Value]]:
-        """See :class:`Plan`."""
+        """The values of every axis at the points from `begin` to before `end`."""
         first, last = begin // self._each, -(-end // self._each)
         rows = np.arange(begin, end)
         shares = self._shares(first, last)[rows // self._each - first]
@@ -637,6 +614,15 @@ class Sample:
         """Keys, spreads and the seed."""
         axes = {axis.name: vars(axis.spread) if axis.spread else said(axis.values) for axis in self.axes}
         return {"sample": axes, "count": self.count, "seed": self.seed, "tiled": self.tiles is not None}
+
+
+Plan: TypeAlias = Grid | Sample
+"""The points of a study."""
+
+
+def size(plan: Plan) -> int:
+    """The number of points."""
+    return math.prod(plan.dimensions.values())
 
 
 def said(values: Sequence[Value]) -> list[Value]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -45,17 +45,6 @@ _ROUNDING = 1e-12
 
 _NOTHING = 1e-9
 """Share of the initial energy below which what the ball takes drowns in rounding."""
-
-
-class _Balance(Protocol):
-    """Energies [J] at the start and at the end, and what the structure's own dashpot took."""
-
-    @property
-    def initial(self) -> float: ...
-    @property
-    def final(self) -> float: ...
-    @property
-    def structure(self) -> float: ...
 
 
 def level(system: damper.ParticleDamper) -> damper.ParticleDamper:
@@ -99,7 +88,7 @@ def damper_study(
 def _damper_rows(
     system: damper.ParticleDamper,
     release: tuple[float, float],
-    error: Callable[[_Balance], float],
+    error: Callable[[Any], float],
     apart: float | None,
     step: Step,
 ) -> Iterator[Setting]:
@@ -133,8 +122,11 @@ def _damper_rows(
     )
 
 
-def _taken(balance: _Balance) -> float:
-    """What the ball took: by rolling, by impacts and, where the equations do not conserve energy, by their fault."""
+def _taken(balance: Any) -> float:
+    """What the ball took: by rolling, by impacts and, where the equations do not conserve energy, by their fault.
+
+    balance: energies [J] at the start and at the end, and what the structure's own dashpot took.
+    """
     return float(balance.initial - balance.final - balance.structure)
 
 
