@@ -5,17 +5,19 @@ Their words are those of `templates/paper.toml`.
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from pydantic_core import to_json
 
 import damper
 from workflows import pipeline
@@ -604,6 +606,9 @@ def _speeds(velocity: Floats) -> Floats:
     return np.asarray(np.hypot(velocity[:, :, 0], velocity[:, :, 1]).max(axis=1))
 
 
+_PUBLISHED = ("claims", "slips", "closure")
+
+
 @dataclass(frozen=True, eq=False)
 class Reproduction:
     """Everything the report shows."""
@@ -625,9 +630,7 @@ class Reproduction:
         return {
             "schema_version": 1,
             "versions": versions(),
-            "claims": [_plain(asdict(claim)) for claim in self.claims],
-            "slips": [_plain(asdict(slip)) for slip in self.slips],
-            "closure": [_plain(asdict(line)) for line in self.closure],
+            **json.loads(to_json({name: getattr(self, name) for name in _PUBLISHED}, inf_nan_mode="null")),
             "assumptions": TEXTS["assumptions"],
         }
 
@@ -640,14 +643,3 @@ def reproduce(stages: Stages | None = None) -> Reproduction:
         curves = sweeps(simulated)
         claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
         return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))
-
-
-def _plain(value: Any) -> Any:
-    """For JSON: numbers of Python, no infinities or NaN."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value

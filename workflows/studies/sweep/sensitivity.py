@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.errors import BadInput
+from workflows.io.files import finite
 from workflows.scene.scene import Scene
 from workflows.studies.sweep import store
 from workflows.studies.sweep.evaluate import HEADLINE
@@ -163,13 +164,12 @@ def document(found: xr.Dataset) -> list[dict[str, Any]]:
         {
             "quantity": str(quantity),
             "rpm": float(found["rpm"].values[k]),
-            "percentiles": dict(zip(map(str, PERCENTILES), _plain(found["percentiles"].values[q, :, k]), strict=True)),
+            "percentiles": dict(
+                zip(map(str, PERCENTILES), map(finite, found["percentiles"].values[q, :, k]), strict=True)
+            ),
             "indices": [
                 {"parameter": str(name)}
-                | {
-                    index: _plain(found[index].values[q, p : p + 1, k])[0]
-                    for index in ("S1", "S1_conf", "ST", "ST_conf")
-                }
+                | {index: finite(found[index].values[q, p, k]) for index in ("S1", "S1_conf", "ST", "ST_conf")}
                 for p, name in enumerate(found["parameter"].values)
             ],
         }
@@ -185,10 +185,6 @@ def worth_measuring(found: xr.Dataset, quantity: str, k: int) -> list[tuple[str,
         map(str, found["parameter"].values), found["ST"].values[q, :, k], found["ST_conf"].values[q, :, k], strict=True
     )
     return sorted(((n, float(t), float(c)) for n, t, c in totals if np.isfinite(t)), key=lambda item: -item[1])
-
-
-def _plain(values: Floats) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _problem(parameters: int) -> dict[str, Any]:
