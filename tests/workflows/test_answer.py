@@ -54,12 +54,12 @@ def text(found: Results) -> str:
 
 
 def moves(point: SpeedPoint) -> bool:
-    return point.damping is not None and point.damping.events > 0
+    return point.damper is not None and point.damper.events > 0
 
 
 def test_a_ball_that_rolls_without_hitting_moves() -> None:
     found = results(cavity="100 100")
-    assert all(p.damping.impacts == 0 and moves(p) for p in found.speeds)
+    assert all(p.damper.impacts == 0 and moves(p) for p in found.speeds)
     assert "never moves" not in text(found)
 
 
@@ -242,7 +242,7 @@ def test_without_a_plate_only_the_amplitude_is_known() -> None:
 
 
 def test_no_load_ends_when_the_vibration_has_died_out() -> None:
-    damping = results(speeds="0").speeds[0].damping
+    damping = results(speeds="0").speeds[0].damper
     assert "died out" in damping.outcome
     assert damping.cutoff_g is None
     assert damping.peak_sdc < 0.5
@@ -259,7 +259,7 @@ def test_a_ball_that_loses_nothing_lends(structure: Scene) -> None:
     for zeta, loses in ((0.0, "0.000"), (0.001, f"{-100 * math.expm1(-4e-3 * math.pi / 1.006**0.5):.3f}")):
         run = workflows.run(changed(scene, damper__damping_ratio=zeta))
         (point,) = run.speeds
-        assert point.damping.peak_sdc > point.damping.intrinsic_sdc + 0.005
+        assert point.damper.peak_sdc > point.damper.intrinsic_sdc + 0.005
         heads, row = summary.rows(run)
         assert row[heads.index("SDC %")] == loses
         assert any(note.startswith("Ball and structure exchange energy") for note in run.notes)
@@ -271,7 +271,7 @@ def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene
     """At e = 1 without rolling resistance nothing is lost along one axis; no hit is so slow as to stick."""
     scene = changed(structure, damper__restitution=1, damper__friction=friction, damper__rolling_friction=0)
     run = workflows.run(changed(scene, damper__sticking_ratio=1e-9, release__displacement=["20 mm", 0]))
-    energy = run.speeds[0].damping.energy
+    energy = run.speeds[0].damper.energy
     assert energy.final == pytest.approx(energy.initial, rel=1e-9)
     said = answer(run)
     assert said.verdict == "No: the ball takes nothing"
@@ -281,7 +281,7 @@ def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene
 def test_damping_that_was_not_found_is_not_denied(structure: Scene) -> None:
     """So light a ball takes less than rounding leaves, though it hits walls with e = 0.5."""
     run = workflows.run(changed(structure, damper__mass_ratio=1e-20, damper__count=None))
-    assert run.speeds[0].damping.impacts > 0
+    assert run.speeds[0].damper.impacts > 0
     assert "neither rolls" not in text(run)
     assert answer(run).verdict == "Not found: whether the ball damps"
     assert "at any of the amplitudes searched, from 7.6 mm on, which does not tell that there is none" in text(run)
@@ -334,7 +334,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     """The capacity of a cycle in the table, and the answer above it; and down to where a ball in motion goes on."""
     found = workflows.run(HOLLOW)
     (point,) = found.speeds
-    own, rung = point.working, point.damping
+    own, rung = point.working, point.damper
     assert np.nanmin(rung.sdc) < 0, "the ball gives back"
     peak = own.from_above.peak
     assert rung.peak_sdc > 2 * -math.expm1(-4 * math.pi * peak)
@@ -386,7 +386,7 @@ def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
     amplitude = first.working.peak_amplitude
     release = {"displacement": [amplitude, 0.0], "cycles": 3}
     again = workflows.run(HOLLOW | {"damper": flat, "release": release}).speeds[0]
-    demand = again.damping.largest_rolling_demand
+    demand = again.damper.largest_rolling_demand
     assert limits.friction_demand(whole, first, amplitude) == pytest.approx(demand, rel=0.02)
 
 
@@ -530,7 +530,7 @@ def test_friction_beyond_the_given_names_every_speed() -> None:
 
 def test_ring_downs_that_would_slip_are_all_named() -> None:
     found = at(400, 600, 3500)
-    demands = [point.damping.largest_rolling_demand for point in found.speeds]
+    demands = [point.damper.largest_rolling_demand for point in found.speeds]
     assert demands[0] > demands[1] > 0.3 > demands[2]
     (said,) = (note for note in found.notes if "olling without slip" in note)
     assert f"a friction of {demands[1]:.2g} to {demands[0]:.2g} up to 600 rpm" in said
@@ -604,8 +604,8 @@ def capped(found: Results, *which: int) -> Results:
     """The same, of which some ring-downs ended by their cap."""
     speeds = list(found.speeds)
     for k in which:
-        ended = replace(speeds[k].damping, outcome=CAP, cutoff_g=None, cutoff_ratio=None)
-        speeds[k] = replace(speeds[k], damping=ended)
+        ended = replace(speeds[k].damper, outcome=CAP, cutoff_g=None, cutoff_ratio=None)
+        speeds[k] = replace(speeds[k], damper=ended)
     return replace(found, speeds=tuple(speeds))
 
 
@@ -622,7 +622,7 @@ def _joined(text: str) -> str:
 def test_a_ring_down_without_a_cut_off_shows_the_one_of_a_ball_at_rest() -> None:
     """mu_r/r = 0.1 of the load, whatever the speed; a ring-down that ended shows its own."""
     found, loads = released(3, 3500, 10000), [(rpm * math.pi / 30) ** 2 * 0.2 / 9.80665 for rpm in (3500, 10000)]
-    assert [point.damping.cutoff_g for point in found.speeds] == [None, None]
+    assert [point.damper.cutoff_g for point in found.speeds] == [None, None]
     for (g, ratio), load in zip(cells(found), loads, strict=True):
         assert ratio == f"0.100{AT_REST}"
         assert float(g.removesuffix(AT_REST).replace("\u2009", "")) == pytest.approx(0.1 * load, rel=2e-3)

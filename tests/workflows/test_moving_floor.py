@@ -56,7 +56,7 @@ def test_the_verdict_tilts_whatever_the_scene_does(paper: Scene) -> None:
         assert -math.expm1(-4 * math.pi * peaks[0]) == pytest.approx(share, rel=0.03)
     assert level.speeds[1].level.peak > 3 * level.speeds[1].working.peak
     assert (tilting.speeds[1].level, tilting.speeds[1].tilted) == (None, None)
-    assert tilting.speeds[1].damping.cutoff_ratio == pytest.approx(PROTOTYPE[3], rel=0.01)
+    assert tilting.speeds[1].damper.cutoff_ratio == pytest.approx(PROTOTYPE[3], rel=0.01)
 
 
 @pytest.mark.usefixtures("quickly")
@@ -65,7 +65,7 @@ def test_a_hinged_blade_never_drives_its_ball(structure: Scene) -> None:
     hinged = changed(structure, structure__frequency=10000 / 60, structure__floor_tilt=5.0, release__cycles=None)
     found = workflows.run(hinged)
     assert found.speeds[0].tilt_share == pytest.approx(1.0, rel=1e-12)
-    assert found.speeds[0].damping.impacts == 0
+    assert found.speeds[0].damper.impacts == 0
     assert workflows.document(found)["speeds"][0]["working"]["damping_ratio_peak"] == 0.0
     assert "never moves" in repr(found)
 
@@ -77,7 +77,7 @@ def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scen
     assert [math.sqrt(k / system.stuck_mass) / (2 * math.pi) for k in system.stiffness] == pytest.approx([269.5, 1400])
     assert system.floor_tilt == (6.9, 2.0)
     run = workflows.run(changed(scene, release__cycles=3, release__displacement=["0 mm", "1 mm"]))
-    assert len(run.speeds[0].damping.sdc) == 3
+    assert len(run.speeds[0].damper.sdc) == 3
     assert built(changed(scene, structure__floor_tilt=None))[0].level
 
 
@@ -230,7 +230,7 @@ def test_modes_that_beat_lose_nothing(paper: Scene) -> None:
     heavy = changed(paper, effects=None, rotor__speeds=["10000 rpm"], damper__mass_ratio=5.0, damper__damping_ratio=0)
     heavy = changed(heavy, excitation=None, **ROUGH)
     run = workflows.run(changed(heavy, release={"displacement": ["1 mm", "0 mm"], "cycles": 20}))
-    damping = run.speeds[0].damping
+    damping = run.speeds[0].damper
     assert (damping.impacts, damping.energy.residual) == (0, pytest.approx(0.0, abs=1e-9))
     assert abs(damping.sdc).max() < 1e-6
     assert not any("scatter" in note for note in run.notes)

@@ -132,7 +132,7 @@ def test_results_in_brief(damper: Results, plate: Results) -> None:
         assert len(repr(results).splitlines()) <= 3
         assert repr(results).startswith(f"{results.scene.title}: {len(results.speeds)} speed")
     assert "rpm" in repr(damper)
-    for part in (damper.speeds[0], damper.speeds[0].damping, plate.surface, plate.speeds[1].damping):
+    for part in (damper.speeds[0], damper.speeds[0].damper, plate.surface, plate.speeds[1].damper):
         assert len(repr(part)) < 3000
 
 

@@ -240,7 +240,7 @@ def outside_view(text: Any, figure: Any) -> bool:
 
 def test_nothing_is_a_solid_block(spinning_up: Drawn) -> None:
     """A line turns at most thirty times an inch; 100 swings across a page, or chaos at rest, do so more often."""
-    longest = max(len(p.damping.sdc) for p in spinning_up.results.speeds if p.damping)
+    longest = max(len(p.damper.sdc) for p in spinning_up.results.speeds if p.damper)
     assert longest > 1000
     for figure in spinning_up.figures:
         for axes in figure.axes:
@@ -256,7 +256,7 @@ def test_envelopes_hold_the_curve(spinning_up: Drawn) -> None:
     """What is drawn instead of every cycle reaches as far as the cycles do, and its mean is theirs."""
     from workflows.report.figures import envelope
 
-    damping = spinning_up.results.speeds[0].damping
+    damping = spinning_up.results.speeds[0].damper
     x, y = damping.amplitude_g, damping.sdc
     found = envelope(x, y, np.geomspace(x.min(), x.max(), 81))
     assert found.high.max() == y.max()
@@ -280,10 +280,10 @@ def test_small_loads_have_digits(spinning_up: Drawn, page_of_it: str) -> None:
 
 
 def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
-    point = next(point for point in spinning_up.results.speeds if point.damping and point.damping.history)
+    point = next(point for point in spinning_up.results.speeds if point.damper and point.damper.history)
     page = " ".join(page_of_it.split())
-    assert point.damping.history.t[-1] < 0.5 * point.damping.duration
-    assert f", the first {point.damping.history.t[-1]:.3g} s of {point.damping.duration:.3g} s" in page
+    assert point.damper.history.t[-1] < 0.5 * point.damper.duration
+    assert f", the first {point.damper.history.t[-1]:.3g} s of {point.damper.duration:.3g} s" in page
 
 
 def boundary(cells: np.ndarray) -> set[tuple[int, int]]:

@@ -34,7 +34,7 @@ def results(finished: Path) -> Results:
 
 @pytest.fixture(scope="module")
 def path(results: Results) -> BallPath:
-    (found,) = [p.damping.path for p in results.speeds if p.damping is not None and p.damping.path is not None]
+    (found,) = [p.damper.path for p in results.speeds if p.damper is not None and p.damper.path is not None]
     return found
 
 

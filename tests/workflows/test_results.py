@@ -213,7 +213,7 @@ def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, lef
     # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
     speeds = [math.sqrt(219_320 / 0.2)]
     scene = changed(structure, rotor__speeds=speeds, damper__formulation=formulation)
-    damping = workflows.run(scene).speeds[0].damping
+    damping = workflows.run(scene).speeds[0].damper
     assert damping.impacts == impacts
     assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
 
@@ -244,7 +244,7 @@ def test_a_scene_may_name_a_mesh(paper: Scene, document: dict[str, Any], name: s
     same = document["speeds"][3]
     assert point.load_g == pytest.approx(same["load_g"])
     assert point.modes[0].frequency_hz == pytest.approx(same["modes"][0]["frequency_hz"], rel=1e-3)
-    assert point.damping.cutoff_ratio == pytest.approx(same["damper"]["cutoff_ratio"], rel=0.13)
+    assert point.damper.cutoff_ratio == pytest.approx(same["damper"]["cutoff_ratio"], rel=0.13)
 
 
 def test_what_comes_back_is_what_was_written(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
@@ -394,7 +394,7 @@ def _full() -> Any:
         modes=(results.Mode(1.0, "flap", parts, 0.0),),
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
-        damping=damping,
+        damper=damping,
         working=results.OwnFigures(
             **figures, error=0.0, from_above=results.Figures(**figures), folds=(1.0, 2.0), jump=(1.0, 2.0)
         ),

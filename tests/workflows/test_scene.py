@@ -116,8 +116,8 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
     for point in workflows.run(scene).speeds:
         load, square = 0.2 * point.omega**2, (2 * math.pi * 269.5) ** 2
         free = 0.25e-3  # with no load the ball does not roll: it stays where it is, and the wall comes to it
-        assert point.damping.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
-        assert point.damping.events > 0
+        assert point.damper.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
+        assert point.damper.events > 0
 
 
 def test_a_plate_may_have_every_theory_that_there_is() -> None:
@@ -189,12 +189,12 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     decided = selection.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
     plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
-    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes"}
+    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes", "cavity_mass"}
     assert all(effect.why for effect in decided.values())
 
     still = selection.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
     on = {name for name, effect in still.items() if effect.on}
-    assert on == {"rotary_inertia", "impact_friction", "structural_modes"}
+    assert on == {"rotary_inertia", "impact_friction", "structural_modes", "cavity_mass"}
 
     one = changed(paper, effects=None, rotor__modes=1)
     assert selection.resolve(parse(one))["spin_softening"].on  # cross-sections turn across the axis
