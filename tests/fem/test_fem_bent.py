@@ -1,8 +1,6 @@
 """Plates that their load turns far, out of their plane or in it: CalculiX and the solid beside Mindlin's theory."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +8,7 @@ from fem_cases import STEEL, rpm
 
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, equilibrium, rectangle, solve_modes
 from fem.accuracy.neglected_effects import bent
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-import calculix
-import calculix_bent
+from tests.benchmarks import calculix, calculix_turning
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)
 
@@ -29,11 +24,11 @@ def rotor(case):
     return Rotor(case.hub, np.radians(case.stagger))
 
 
-@pytest.mark.parametrize("name", calculix_bent.CASES)
+@pytest.mark.parametrize("name", calculix_turning.BENT)
 def test_rotations_as_in_calculix(name):
     """Six modes within 0.3 %, or within what Mindlin's theory and the mesh are off at rest, about the turned state."""
-    case = calculix_bent.CASES[name]
-    (still, spinning), differences = calculix_bent.stored()[name]
+    case = calculix_turning.BENT[name]
+    (still, spinning), differences = calculix_turning.stored("bent")[name]
     operators = assemble(plate(case, MESH), rotor(case), BENT)
     own = np.abs(solve_modes(operators, 0.0).frequencies_hz / still - 1.0).max()
     found = solve_modes(operators, case.omega).frequencies_hz
@@ -43,11 +38,11 @@ def test_rotations_as_in_calculix(name):
 @pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
 def test_a_bent_plate_nobody_tabulated():
     """At a rotation of 0.2, on a mesh on which CalculiX is good to 0.1 %."""
-    mesh, omega, stagger = calculix_bent.rectangle(6), rpm(12000), np.radians(30.0)
+    mesh, omega, stagger = calculix_turning.rectangle(6), rpm(12000), np.radians(30.0)
     expected = calculix.frequencies_on(
-        mesh, 0.002, 1, calculix_bent.TITANIUM, omega, hub=0.02, stagger=stagger, count=4
+        mesh, 0.002, 1, calculix_turning.TITANIUM, omega, hub=0.02, stagger=stagger, count=4
     )
-    operators = assemble(Plate(mesh, 0.002, Material(*calculix_bent.TITANIUM)), Rotor(0.02, stagger), BENT)
+    operators = assemble(Plate(mesh, 0.002, Material(*calculix_turning.TITANIUM)), Rotor(0.02, stagger), BENT)
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=3e-3)
 
 
@@ -80,8 +75,8 @@ def test_strain_moves_a_flat_plate_as_it_moves_a_solid(nu):
 @pytest.mark.parametrize("name", ["L, slow", "L, fast"])
 def test_the_shift_of_a_coarse_mesh_is_that_of_calculix(name):
     """What linear stiffening misses on an L, whose load bends it in its own plane, is seen on a hundred cells."""
-    case = calculix_bent.CASES[name]
-    still, spinning = calculix_bent.stored()[name][0]
+    case = calculix_turning.BENT[name]
+    still, spinning = calculix_turning.stored("bent")[name][0]
     operators = assemble(plate(case, MESH), rotor(case), FLAT)
     at_rest, flat = (solve_modes(operators, omega).frequencies_hz for omega in (0.0, case.omega))
     missed = np.abs(spinning / flat / (still / at_rest) - 1.0).max()
