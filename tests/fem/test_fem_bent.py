@@ -9,6 +9,9 @@ from fem_cases import STEEL, rpm
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, equilibrium, rectangle, solve_modes
 from fem.accuracy.neglected_effects import bent
 from tests.benchmarks import calculix, calculix_turning
+from tests.limits import HANG
+
+needs_calculix = pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)
 
@@ -35,7 +38,7 @@ def test_rotations_as_in_calculix(name):
     np.testing.assert_array_less(np.abs(found / spinning - 1.0), max(3e-3, own) + differences.max())
 
 
-@pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
+@needs_calculix
 def test_a_bent_plate_nobody_tabulated():
     """At a rotation of 0.2, on a mesh on which CalculiX is good to 0.1 %."""
     mesh, omega, stagger = calculix_turning.rectangle(6), rpm(12000), np.radians(30.0)
@@ -123,3 +126,32 @@ def test_what_mixes_modes_that_nearly_coincide(wider):
     if wider == 0.0:
         assert true.max() > 1e-3
         assert found.max() < 2.0 * true.max()
+
+
+@needs_calculix
+def test_a_heavy_mass_is_softened():
+    """What moves in the plane of rotation has a square lower by Omega²: flap at stagger 90°, lag at 0 (Southwell).
+
+    CalculiX softens the plate alone, of a fiftieth of the mass.
+    """
+    size, omega, kg = (0.1, 0.04, 0.01), rpm(3000), 15.0
+    nodes, bricks = calculix.grid(size, (10, 4, 2))
+    material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
+
+    def squares(stagger, mass):
+        deck = calculix.deck(nodes, bricks, material, omega, 0.0, stagger, 2, mass)
+        return calculix.solved(deck, 2, HANG) ** 2
+
+    flat, upright = (squares(stagger, (kg, 0.1, 0.0)) for stagger in (0.0, np.pi / 2))
+    np.testing.assert_allclose((flat - upright) * [1, -1], (omega / (2 * np.pi)) ** 2, rtol=0.02)
+
+
+@pytest.mark.parametrize(("stagger", "hub"), [(0.0, 0.1), (0.4, 0.05)])
+@needs_calculix
+def test_a_plate_nobody_tabulated(stagger, hub):
+    size, omega = (0.16, 0.06, 0.006), rpm(8000)
+    material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
+    expected = calculix.frequencies(size, material, (16, 6, 2), omega, hub=hub, stagger=stagger, count=4, timeout=HANG)
+    plate = Plate(rectangle(0.16, 0.06, 16, 6), 0.006, STEEL)
+    operators = assemble(plate, Rotor(hub, stagger), Effects(large_deflection=stagger > 0.0))
+    np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=4e-3)
