@@ -133,7 +133,6 @@ def test_a_constant_force_on_the_ball(of_the_load: bool) -> None:
     if of_the_load:
         damper = replace(damper, modes=None, lateral_acceleration=(-load * slope, 0.0))
         run = ringdown(damper, (0.0, 0.0), 0.5, keep_events=True)
-    assert run.rows is not None
     hits = run.rows["time"][run.rows["kind"] == HIT]
     fall = math.sqrt(2 * half / (5 / 7 * load * slope))
     expected = fall + np.cumsum([0.0, *(2 * fall * e**k for k in range(1, 5))])

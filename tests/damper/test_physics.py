@@ -55,7 +55,6 @@ def test_zeno_time(e: float, zeno: float) -> None:
         cycles=10 * omega / 2 / math.pi,
         keep_events=True,
     )
-    assert run.rows is not None
     hits = run.rows[run.rows["kind"] == HIT]
     assert hits["direction"][-1] == 0, "the sequence ends in sticking"
     assert hits["time"][-1] == pytest.approx(zeno, rel=2e-5)
@@ -67,7 +66,6 @@ def test_free_rolling_stops() -> None:
     damper = heavy(1e-6, 10.0, centrifugal_acceleration=1e3, rolling_friction=1e-4)
     v0 = 3.0
     run = ringdown(damper, (0.0, 0.0), 1e-5, ball_velocity=(v0, 0.0), keep_events=True)
-    assert run.rows is not None
     stop = run.rows[run.rows["kind"] == REVERSAL][0]
     assert stop["s"] == pytest.approx(7 * v0**2 / (10 * damper.rolling_threshold), rel=1e-12)
     assert stop["direction"] == 0
@@ -144,7 +142,6 @@ def test_two_impacts_a_cycle(e: float, least: float) -> None:
             ball_velocity=(-speed - rate, 0.0),
             keep_events=True,
         )
-        assert run.rows is not None
         hits = run.rows[run.rows["kind"] == HIT]
         assert len(hits) == 1
         assert hits["time"][0] == pytest.approx(math.pi, abs=1e-9)
