@@ -282,7 +282,6 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize(
     ("command", "closed"),
     [("check structure", closed) for closed in (">&- 2>&-", "| true", "> /dev/full")]
-    + [("check structure --json", closed) for closed in (">&-", "2>&-", "> /dev/full")]
     + [("ringdown structure --json", "| head -c 1 >/dev/null")],
 )
 def test_closed_streams(command: str, closed: str, tmp_path: Path) -> None:
