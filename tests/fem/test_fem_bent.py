@@ -116,7 +116,7 @@ def true_shifts(width, size, omega):
     return np.abs(bent_ / flat - 1.0)
 
 
-@pytest.mark.parametrize("wider", [-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])
+@pytest.mark.parametrize("wider", [-2e-3, -5e-4, 0.0, 5e-4, 2e-3])
 def test_what_mixes_modes_that_nearly_coincide(wider):
     """Flap and lag cross as the plate gets wider: one coarse mesh bounds the shifts of all, and not by far at one."""
     length, width, thickness, material, rotor = NEAR
