@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -71,7 +72,7 @@ class Factor:
         """Solution for one (n,) or several (n, k) right-hand sides."""
         return np.asarray(self.lu.solve(right))
 
-    @property
+    @cached_property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fem import Effects, Material, MeshError, equilibrium
+from fem import Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import root_strains
@@ -18,7 +18,7 @@ from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, named_root, root_at
 from fem.solid.mesh_error import mesh_errors
 from fem.solid.sweep import SolvedBlade, sweep_blade
-from fem.statics import _unbalanced, tangent
+from fem.statics import tangent, unbalanced
 from meshes import make
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
@@ -152,7 +152,7 @@ def test_the_digits_of_calculix_on_the_same_mesh():
         state = np.zeros_like(operators.load)
         for _ in range(6):
             there = operators.stressed(state)
-            left = _unbalanced(operators, omega**2, state, there)
+            left = unbalanced(operators, omega**2, state, there)
             state = state + operators.factorise(there.stiffness()).solve(left)
         spinning = solve_real(operators, omega, tangent(operators, omega, state), 8, state)
         np.testing.assert_allclose(spinning.frequencies_hz, references()[f"own {points}", 5900][0], rtol=2e-7)
@@ -196,7 +196,6 @@ def test_speeds_between_are_as_good_as_is_said(name):
 
 def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     """Conjugate gradients lead to the states and modes that factors lead to; one that diverges is noticed."""
-    from fem import linalg
     from fem.modes.real import Divergence
 
     exact = sweep_blade(blade("P1_fan", (8, 4, 1)), rpm(np.array([0.0, 3000.0, 6000.0, 9000.0])), 4)
@@ -209,6 +208,18 @@ def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     assert operators.factorise(softened).negative > 0
     with pytest.raises(Divergence):
         solve_real(operators, 2000.0, softened, 4, np.zeros_like(operators.load))
+
+
+@pytest.mark.parametrize("name", ["P1_fan", "P6_thin"])
+def test_the_fastest_speed_alone_rests_where_calculix_has_it(name, monkeypatch):
+    """Straight from rest, where spin softening overcomes the stiffness that no load has stressed yet."""
+    monkeypatch.setattr(linalg, "LARGE", 0)
+    operators = blade(name, (12, 6, 1))
+    speed = max(speed for other, speed in references() if other == name)
+    f, u = references()[name, speed]
+    solved = SolvedBlade(operators, np.array([rpm(speed)]), 8, 1e-3)
+    found = solved.at(rpm(speed))
+    assert (np.abs(found.frequencies_hz - f) <= u + found.errors * f).all()
 
 
 def test_coriolis_shifts_of_calculix():
