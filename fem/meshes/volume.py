@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -163,10 +164,15 @@ def _inside(kind: str) -> Array:
     return np.asarray(np.vstack([middle, middle + 0.57 * (nodes - middle)]))
 
 
-def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
-    """Read a volume mesh; scale: m to the unit of the file's coordinates.
+GEOMETRY = (".step", ".stp", ".iges", ".igs", ".brep")
+"""Endings of files of geometry, which is to be meshed."""
 
-    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out.
+
+def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None) -> VolumeMesh:
+    """Read a volume mesh, or mesh geometry by tetrahedra of second order (with Gmsh, where it is installed).
+
+    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out. scale: m to the unit
+    of the file's coordinates; geometry has its own. size: of the cells of geometry, in m.
 
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
@@ -175,6 +181,10 @@ def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
+        if path.suffix.lower() in GEOMETRY:
+            return _of_raw(_meshed(path, scale, size), 1.0)
+        if size is not None:
+            raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
         return _of_raw(_read(path), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
@@ -183,8 +193,6 @@ def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
 def _read(path: Path) -> Any:
     import meshlane
 
-    if path.suffix.lower() in (".step", ".stp", ".iges", ".igs"):
-        raise MeshError("this is geometry without a mesh: mesh its volume (with Gmsh, say) and give that file")
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -197,6 +205,40 @@ def _read(path: Path) -> Any:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
+
+
+def _meshed(path: Path, scale: float, size: float | None) -> Any:
+    """What a reader gives of geometry that Gmsh has meshed, in m."""
+    if size is None:
+        raise MeshError("this is geometry without a mesh: give the size of its cells, or a mesh of its volume")
+    if scale != 1.0:
+        raise MeshError("geometry has a unit of its own: leave out `unit`")
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # its libraries of the system are missing
+        raise MeshError(
+            f"to mesh geometry, the package gmsh must be installed (pip install spindamp[step]): {error}"
+        ) from None
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        gmsh.model.occ.importShapes(str(path))
+        gmsh.model.occ.synchronize()
+        for name in ("Min", "Max"):
+            gmsh.option.setNumber(f"Mesh.MeshSize{name}", size)
+        gmsh.option.setNumber("Mesh.ElementOrder", 2)
+        gmsh.option.setNumber("Mesh.HighOrderOptimize", 1)
+        gmsh.model.mesh.generate(3)
+        with tempfile.TemporaryDirectory() as folder:
+            gmsh.write(str(Path(folder) / "volume.msh"))
+            return _read(Path(folder) / "volume.msh")
+    except MeshError:
+        raise
+    except Exception as error:  # gmsh raises plain ones
+        raise MeshError(f"Gmsh cannot mesh this geometry: {' '.join(str(error).split())}") from None
+    finally:
+        gmsh.finalize()
 
 
 def _of_raw(raw: Any, scale: float) -> VolumeMesh:

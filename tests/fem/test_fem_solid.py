@@ -306,6 +306,32 @@ def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
         read_volume(path, 1e-3)
 
 
+def test_geometry_is_meshed_in_its_own_unit(tmp_path):
+    """A rod of 20 mm radius with a step file in mm: its volume, by curved cells, and its first frequency as a beam."""
+    gmsh = pytest.importorskip("gmsh", reason="geometry is meshed by gmsh: pip install spindamp[step]")
+    path = tmp_path / "rod.step"
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.occ.addCylinder(0.0, 0.0, 0.0, 400.0, 0.0, 0.0, 20.0)
+    gmsh.model.occ.synchronize()
+    gmsh.write(str(path))
+    gmsh.finalize()
+    mesh = read_volume(path, size=0.02)
+    operators = assemble_solid(Blade(mesh, STEEL, root_at(mesh, AXIS, ORIGIN), AXIS, ORIGIN))
+    assert [kind for kind, _ in mesh.cells] == ["tetra10"]
+    assert sum(each.weights.sum() for each in operators.cells) == pytest.approx(np.pi * 0.02**2 * 0.4, rel=2e-3)
+    first = solve_real(operators, 0.0, operators.stiffness, 2).frequencies_hz
+    beam = 3.5160 * np.sqrt(2.1e11 / 7850.0) * 0.01 / 0.4**2 / (2.0 * np.pi)
+    np.testing.assert_allclose(first, beam, rtol=0.01)
+    with pytest.raises(MeshError, match="give the size of its cells"):
+        read_volume(path)
+    with pytest.raises(MeshError, match="leave out `unit`"):
+        read_volume(path, 1e-3, 0.02)
+    path.write_text("ISO-10303-21; nothing")
+    with pytest.raises(MeshError, match="Gmsh cannot mesh this geometry"):
+        read_volume(path, size=0.02)
+
+
 @pytest.mark.parametrize(
     ("kind", "n"), [("hexahedron20", (24, 2, 1)), ("tetra10", (16, 2, 2)), ("wedge15", (16, 2, 2))]
 )

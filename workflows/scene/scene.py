@@ -226,12 +226,17 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: Line = Field(description="mesh file: tetrahedra, hexahedra or wedges, of second order rather than of first")
+    mesh: Line = Field(
+        description="file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"
+    )
     unit: LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
     root: Line | None = Field(
         None,
         description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
         " as '100 mm'; default: the innermost face",
+    )
+    size: Annotated[Length, Positive] | None = Field(
+        None, description="of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"
     )
 
     @model_validator(mode="after")
