@@ -41,7 +41,7 @@ PATIENCE = 6
 LARGEST = (200, 10)
 """Vectors at which a basis counts as too large: so many, and so many more for each mode."""
 
-LARGE = 2e7
+LARGE = 1e7
 """Numbers in a factor from which on it is too large for a second copy of it."""
 
 GLANCE = 0.05

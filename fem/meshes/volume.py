@@ -11,6 +11,7 @@ import io
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,13 @@ SIZES = 2e-3, 20.0
 """Extents in m of what can be a blade: beyond, the unit is wrong."""
 
 
+NEAR = 9
+"""Faces among which one that touches a face is sought."""
+
+FACING, LEVEL = 0.99, 1e-3
+"""Cosine of the angle between faces that touch, and their distance relative to their size."""
+
+
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
     """A mesh of a volume in one piece, of cells of one order.
@@ -45,8 +53,8 @@ class VolumeMesh:
         sets: points by the names of sets.
 
     Raises:
-        MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted or not in one piece,
-            and nodes that are not finite, missing or in one place.
+        MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted, overlapping, not in
+            one piece or not face to face, and nodes that are not finite, missing or in one place.
     """
 
     points: Array
@@ -64,6 +72,7 @@ class VolumeMesh:
         self._check_pieces()
         for kind, cells in self.cells:
             _check_volumes(kind, self.points[cells])
+        self._check_faces()
 
     @property
     def size(self) -> float:
@@ -77,6 +86,11 @@ class VolumeMesh:
 
     def boundary(self) -> list[Indices]:
         """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
+        return [faces[times == 1] for faces, times in self._faces]
+
+    @cached_property
+    def _faces(self) -> list[tuple[Indices, Indices]]:
+        """Nodes around the faces (nface, nnode), and how many cells have each (nface,)."""
         rings: dict[int, list[Indices]] = {}
         for kind, cells in self.cells:
             for ring in cell(kind).faces:
@@ -85,7 +99,7 @@ class VolumeMesh:
         for parts in rings.values():
             every = np.concatenate(parts)
             _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
-            outer.append(every[first[times == 1]])
+            outer.append((every[first], times))
         return outer
 
     def boundary_normals(self) -> tuple[Array, Array]:
@@ -96,6 +110,29 @@ class VolumeMesh:
             middles.append(at.mean(axis=1))
             normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
         return np.concatenate(middles), np.concatenate(normals)
+
+    def _check_faces(self) -> None:
+        from scipy.spatial import cKDTree
+
+        shared = sum(int(np.count_nonzero(times > 2)) for _, times in self._faces)
+        if shared or not sum(len(faces) for faces in self.boundary()):
+            raise MeshError(f"{shared} faces belong to more than two cells: cells overlap, or are listed twice")
+        middles, normals = self.boundary_normals()
+        sizes = np.linalg.norm(normals, axis=1)
+        units, sizes = normals / sizes[:, None], np.sqrt(sizes)
+        # a face that looks at another from the same place, whose middle is nearer than their sizes: a crack
+        _, near = cKDTree(middles).query(middles, k=min(NEAR, len(middles)))
+        apart = middles[near] - middles[:, None]
+        opposite = np.einsum("fka,fa->fk", units[near], units) < -FACING
+        level = np.abs(np.einsum("fka,fa->fk", apart, units)) < LEVEL * sizes[:, None]
+        inside = np.linalg.norm(apart, axis=2) < 0.5 * np.maximum(sizes[near], sizes[:, None])
+        cracks = np.flatnonzero((opposite & level & inside).any(axis=1))
+        if cracks.size:
+            x, y, z = middles[cracks[0]]
+            raise MeshError(
+                f"{cracks.size} faces inside the blade touch others without sharing their nodes (hanging nodes), the"
+                f" first near ({x:.6g}, {y:.6g}, {z:.6g}) m: mesh so that cells meet face to face"
+            )
 
     @property
     def first_order(self) -> bool:
@@ -198,7 +235,9 @@ def _read(path: Path) -> Any:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshlane.read(path)
     except SystemExit:
-        raise MeshError("not a mesh file that meshlane can read") from None
+        lines = [line for line in said.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))]
+        why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
+        raise MeshError(f"not a mesh file that meshlane can read{why}") from None
     except meshlane.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:
@@ -258,6 +297,10 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]
+    if not np.isfinite(points).all():
+        raise MeshError(
+            f"{np.count_nonzero(~np.isfinite(points).all(axis=1))} nodes have coordinates that are not finite"
+        )
     extent = float(np.ptp(points, axis=0).max())
     if not SIZES[0] <= extent <= SIZES[1]:
         meant = "mm" if extent > SIZES[1] else "m"
