@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,7 +56,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         modes=solved.at,
         seat=seat,
         described=in_words(source, solved.operators.blade),
-        remarks=(*_remarks(solved.operators.blade.mesh), *remarks),
+        remarks=(*_remarks(source, solved.operators.blade.mesh), *remarks),
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
         root_stress=root_stress(solved.operators),
@@ -113,7 +114,7 @@ def blade_of(source: SceneFile) -> Blade:
     if given is None or material is None or path is None:
         raise ValueError("the scene has no [blade]")
     try:
-        mesh = read_volume(path, given.scale)
+        mesh = read_volume(path, given.scale, given.size)
     except MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         raise BadInput(text, file=source.name, key="[blade] mesh", value=given.mesh) from error
@@ -139,7 +140,10 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held"
 
 
-def _remarks(mesh: VolumeMesh) -> tuple[str, ...]:
+def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:
+    given = source.scene.blade
+    if given is not None and given.size is not None:
+        return (f"{given.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * given.size:.6g} mm.",)
     if not mesh.first_order:
         return ()
     return (
