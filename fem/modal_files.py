@@ -494,6 +494,8 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
 def joined(models: Sequence[ModalModel]) -> ModalModel:
     """One structure of several files, each with the modes of one speed, which is known; ascending.
 
+    No load displaces it at rest: where files of other speeds have a static displacement, that is 0 there.
+
     Raises:
         ModesFileError: their nodes are not the same, or two are of one speed.
     """
@@ -508,6 +510,9 @@ def joined(models: Sequence[ModalModel]) -> ModalModel:
     for one, other_modes in pairwise(speeds):
         if other_modes.omega - one.omega <= SAME_SPEED * max(other_modes.omega, 1.0):
             raise ModesFileError(f"two files are of one speed, {in_rpm(one.omega):g} rpm")
+    if any(modes.static is not None for modes in speeds):
+        zero = np.zeros_like(first.points)
+        speeds = [replace(m, static=zero) if m.static is None and m.omega == 0.0 else m for m in speeds]
     return replace(first, speeds=tuple(speeds))
 
 
