@@ -27,6 +27,10 @@ class OffTheStructure(ValueError):
     """A place that is not on the structure, or that its nodes do not determine; the message says which."""
 
 
+class InsideOut(ValueError):
+    """A cell whose nodes are not in the order of its kind; the message says which."""
+
+
 @dataclass(frozen=True, eq=False)
 class ModesAtSpeed:
     """Real modes at one speed, ascending.
@@ -184,7 +188,7 @@ class ModalModel:
             return np.asarray(sum(w * (o**2 @ part[: len(o)]) for w, o, part in zip(weights, own, parts, strict=True)))
 
         def largest(parts: Sequence[Array]) -> Array:
-            return np.max([o**2 @ part[: len(o)] for o, part in zip(own, parts, strict=True)], axis=0)
+            return np.asarray(np.max([o**2 @ part[: len(o)] for o, part in zip(own, parts, strict=True)], axis=0))
 
         def at_nodes(parts: Sequence[Array]) -> Array:
             return np.asarray(np.tensordot(weights, np.array(parts), 1))
@@ -611,7 +615,11 @@ def volume(model: ModalModel) -> float:
 
 
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
-    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume."""
+    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
+
+    Raises:
+        InsideOut: a cell's nodes are not in order.
+    """
     count = modes.frequencies_hz.size
     squares, means, whole = np.zeros(count), np.zeros((count, 3)), 0.0
     covered = np.zeros(len(model.points), dtype=bool)
@@ -623,7 +631,16 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
         points, weights = kind.rule
         shape = kind.shape(points)
         for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-            sizes = np.abs(kind.gradients(model.points[chunk], points)[1]) * weights
+            sizes = kind.sizes(model.points[chunk], points)
+            if turned := np.flatnonzero(
+                sizes.min(axis=1) * sizes.max(axis=1) < -_FOLDED * sizes.max(axis=1) ** 2
+            ).tolist():
+                nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
+                raise InsideOut(
+                    f"a cell {name} is partly inside out, with the nodes {', '.join(map(str, nodes.tolist()))}:"
+                    " expected them in the order of meshio"
+                )
+            sizes = np.abs(sizes) * weights
             moved = np.einsum("pn,kcni->kcpi", shape, modes.shapes[:, chunk])
             squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
             means += np.einsum("kcpi,cp->ki", moved, sizes)
@@ -631,6 +648,9 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
     loose = np.abs(modes.shapes[:, ~covered]).max(initial=0.0) > 0.0
     return (None, None, whole) if loose or whole == 0.0 or squares.min() <= 0.0 else (squares, means, whole)
 
+
+_FOLDED = 0.05
+"""Part of a cell's largest mapping, of the other sign, from which on its nodes are not in order."""
 
 _CHUNK = 2000
 """Cells whose integrals are taken at once."""
@@ -722,7 +742,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
 
     In each of the sections along the longest extent the nodes' mean motion through the thickness is flap, along the
     chord lag, along the span axial; the turn about the span is twist, and what is left bends chords. All nodes count
-    alike.
+    alike. The chord of nodes along a line is in the plane of rotation.
     """
     middle = model.points - model.points.mean(axis=0)
     span = np.linalg.svd(middle, full_matrices=False)[2][0]
@@ -733,7 +753,8 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
         here = section == number
         around = middle[here] - middle[here].mean(axis=0)
         flat = around - np.outer(around @ span, span)
-        chord = np.linalg.svd(flat, full_matrices=False)[2][0] if len(flat) > 1 else _across(span)
+        wide = np.linalg.norm(flat, axis=1).max() > _THIN * model.size
+        chord = np.linalg.svd(flat, full_matrices=False)[2][0] if wide else _across(span, model.axis)
         moved = modes.shapes[:, here]
         mean = moved.mean(axis=1)
         weight = float(len(flat))
@@ -750,7 +771,9 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
     return [FAMILIES[k] for k in energy.argmax(axis=0)]
 
 
-def _across(direction: Array) -> Array:
-    """A unit vector across a direction."""
-    other = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
+def _across(direction: Array, axis: Array) -> Array:
+    """A unit vector across a direction and the spin axis."""
+    other = np.cross(axis, direction)
+    if np.linalg.norm(other) < _THIN:
+        other = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
     return np.asarray(other / np.linalg.norm(other))

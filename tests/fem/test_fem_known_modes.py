@@ -197,6 +197,14 @@ def test_modes_between_speeds_are_those_of_the_structure(coupling: float) -> Non
         two.at(1001.0)
 
 
+def test_a_static_displacement_is_nought_at_rest(plate: ModalModel) -> None:
+    """And grows with the square of the speed from there, as between two files of which only one can have it."""
+    assert plate.speeds[1].static is not None
+    half = plate.at(from_rpm(5000)).static
+    assert half is not None
+    assert half == pytest.approx(plate.speeds[1].static / 4.0, abs=1e-12)
+
+
 DRAWN = {0: (-0.8749314, 0.8799380), 10000: (-0.8814362, 0.8803016)}
 """Participation factors of CalculiX's .dat: the first bending mode along z, the first lag mode along y."""
 
