@@ -374,6 +374,18 @@ def test_a_bar_of_nine_nodes(spindamp: Command, tmp_path: Path) -> None:
     refused(spindamp("modes", "structure"), "structure.toml: [plate]", "modes are those of a plate")
 
 
+@pytest.mark.usefixtures("quickly")
+def test_words_for_what_is_no_plate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One mode, along axis 1 alone: the file may have no other, and nothing is said of a plate or of both axes."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bar.json").write_text(json.dumps(small()))
+    results = package.run(changed(OF_THE_BAR, rotor__modes=1))
+    assert any("along its axis 2" in note and "not among those asked for" in note for note in results.notes)
+    said = " ".join([*results.notes, *(effect.why for effect in results.effects.values())])
+    assert "plate" not in said
+    assert "both of its axes" not in said
+
+
 def test_the_axis_of_a_file_and_a_point_of_the_scene(spindamp: Command, tmp_path: Path) -> None:
     """The file says about what direction it spins, the scene about which point: what moves along z lags about y."""
     (tmp_path / "bar.json").write_text(json.dumps(small() | {"axis": [0, 1, 0]}))

@@ -35,7 +35,7 @@ def called_for(case: Case) -> Called:
     if damper.formulation == "printed":
         return Called(False, PRINTED)
     if plate is None:
-        return Called(True, "the modes are known, and move the cavity along both of its axes")
+        return Called(True, "the modes are known: each moves the cavity along its axes as it does")
     if any(pair is not None and pair[1] != 0.0 for pair in (release.displacement, release.acceleration)):
         return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
     if math.sin(2 * scene.rotor.stagger) != 0.0 and case.spins:
