@@ -116,7 +116,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
-    found = replace(point, damping=damping, pendulum=coupling.pendulum(system, point.omega))
+    found = replace(point, damper=damping, pendulum=coupling.pendulum(system, point.omega))
     judged = system if tilting is None or system.formulation == "printed" else tilting
     found = replace(found, working=OwnFigures.of(figures(judged)))
     if tilting is None:
