@@ -135,6 +135,21 @@ def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPa
     assert any("does not say at what speed" in note for note in at_rest.notes)
 
 
+def test_files_that_contradict_their_speeds_are_remarked_on(spindamp: Command, files: Path) -> None:
+    """One file for two speeds; a file at rest after a static step; and files of different numbers of modes."""
+    text = (files / "rest.frd").read_text()
+    fewer = text[: text.rindex("    1PSTEP", 0, text.index("3MODAL"))] + " 9999\n"
+    (files / "few.frd").write_text(fewer)
+    said = {
+        "stands for 2 speeds": {"0 rpm": "rest.frd", "10000 rpm": "rest.frd"},
+        "is it of another speed?": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
+        "Of the files' 2 to 4 modes the 2 that all have": {"0 rpm": "few.frd", "10000 rpm": "fast.frd"},
+    }
+    for words, modes in said.items():
+        scene = write(changed(SCENE, structure__modes=modes, rotor__speeds=["5000 rpm"]), files / "scene.toml")
+        assert words in spindamp("check", scene).out
+
+
 def test_millimetres_and_tonnes_are_asked_for(spindamp: Command, files: Path) -> None:
     """A file in mm and t: refused as it is, with the units that fit; with them, the plate in SI."""
     lines = (files / "rest.frd").read_text().split("\n")

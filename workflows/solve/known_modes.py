@@ -377,8 +377,29 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         model = joined(models)
     except ModesFileError as error:
         raise BadInput(str(error), file=source.name, key="[structure] modes") from error
+    remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
     return turning(source, model, turns=turns), tuple(remarks), whole
+
+
+def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
+    """What files by speed say that does not go with these speeds, or with each other."""
+    found, names = list[str](), list(known.files.values())
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            found.append(
+                f"{name} stands for {names.count(name)} speeds: its modes are taken not to change between them."
+            )
+    for (omega, name), model in zip(known.files.items(), models, strict=True):
+        static = model.speeds[0].static
+        if omega == 0.0 and static is not None and static.any():
+            found.append(
+                f"{name} stands for 0 rpm, and its modes follow a static displacement: is it of another speed?"
+            )
+    counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
+    if min(counts) < max(counts):
+        found.append(f"Of the files' {min(counts)} to {max(counts)} modes the {min(counts)} that all have are taken.")
+    return found
 
 
 def _set(source: SceneFile) -> set[str]:
