@@ -58,7 +58,7 @@ def plate() -> Scene:
     scene = changed(SCENE, structure=None, rotor__axis=None, rotor__origin=None, damper__at=None)
     scene["plate"] = {"length": "200 mm", "width": "80 mm", "thickness": "10 mm", "theory": "mindlin"}
     scene["material"] = {"youngs_modulus": "182.6 GPa", "poissons_ratio": 0.3, "density": 7850}
-    scene["effects"] = {"structural_modes": True, "floor_tilt": True, "coriolis": False}
+    scene["effects"] = {"structural_modes": True, "floor_tilt": True, "coriolis": False, "cavity_mass": False}
     return changed(scene, rotor__speeds=["10000 rpm"])
 
 
