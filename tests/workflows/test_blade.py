@@ -152,6 +152,7 @@ damping_ratio = 0.001
 
 [effects]
 structural_modes = true
+cavity_mass = false
 
 [accuracy]
 frequency = 0.005

@@ -188,7 +188,7 @@ def _structural_modes(case: Case) -> Called:
     if damper.formulation == "printed":
         return Called(False, PRINTED)
     if plate is None:
-        return Called(True, "the modes are known, and move the cavity along both of its axes")
+        return Called(True, "the modes are known: each moves the cavity along its axes as it does")
     released = () if release is None else (release.displacement, release.acceleration)
     if any(pair is not None and pair[1] != 0.0 for pair in released):
         return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")

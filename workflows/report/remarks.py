@@ -333,9 +333,11 @@ def still_across(results: Results) -> str | None:
     rung = [p for p, _, _ in ring_downs(results) if p.cavity_modes]
     if not rung or any(coupling.leading(p.cavity_modes, 1) is not None for p in rung):
         return None
+    known = results.scene.known is not None
+    why = "such modes are not in the file, or not among those asked for" if known else "its lag modes lie higher"
     return (
-        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, so the cavity is treated as"
-        " fixed in that direction: its lag modes lie higher."
+        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity along its axis 2, so the cavity is treated as"
+        f" fixed in that direction: {why}."
     )
 
 
