@@ -181,7 +181,7 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
-    assert said.endswith("a blade, where the plate endures it: up to 9.1 mm")
+    assert said.endswith("a blade, where the structure endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -23,6 +24,7 @@ from workflows.report.verdict import answer
 from workflows.scene.load import parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
+from workflows.solve import limits as bounds
 from workflows.solve.damper import particle_damper
 from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.design import report
@@ -226,6 +228,22 @@ def test_a_ball_that_flows_has_no_verdict() -> None:
     assert f"of at most {1e3 * dent:.2g} mm radius" in said
     verdict = answer(workflows.run(pressed("lead", "6"))).verdict
     assert verdict.startswith("No verdict: the contact of ball and floor flows, since its mean pressure is")
+
+
+@pytest.mark.parametrize(("share", "end"), [(0.9, "still beyond the"), (1.1, "its own dent holds it, which a harder")])
+def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share: float, end: str) -> None:
+    """Without a dent it moves from a_r / (w1² |1 - tau|) on, at tau = 1.2: if that is endured, the dent is to blame."""
+    square, pull = (2 * math.pi * 236) ** 2, (15000 * math.pi / 30) ** 2 * 0.2
+    structure = {"frequency": "236 Hz", "mass": "0.5 kg", "floor_tilt": 1.2 * square / pull}
+    rotor = {"speeds": ["15000 rpm"], "radius": "20 cm"}
+    found = workflows.run(pressed("hardened steel", "4", structure=structure, rotor=rotor))
+    without = 0.005 * pull / (square * 0.2)
+    strained = replace(found.speeds[0], root_strain=bounds.ENDURED / (share * without))
+    held = bounds.with_verdicts(replace(found, speeds=(strained,)))
+    assert held.speeds[0].verdict.reason == "out_of_reach"
+    (said, *_) = answer(held).sentences
+    assert end in said
+    assert (f"without its dent it would above {1e3 * without:.2g} mm" in said) is (share < 1)
 
 
 @pytest.mark.parametrize(

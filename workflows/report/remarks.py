@@ -234,7 +234,9 @@ def sideways(results: Results) -> str | None:
     A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
     nearer to the axis by 1.2 u u' / L pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
     """
-    scene, length = results.scene, limits.span(results)
+    scene, length, surface = results.scene, limits.span(results), results.surface
+    if surface is not None and surface.frame is not None:
+        length = float(np.ptp(surface.points @ surface.frame[0]))
     if scene.damper is None or length is None or limits.is_printed(results):
         return None
     chord, along = (0.0, ""), (0.0, "")
@@ -244,7 +246,8 @@ def sideways(results: Results) -> str | None:
             continue
         speed, at = 2 * math.pi * point.reduced.f1_hz * best.amplitude, at_load(point)
         tip = point.omega * point.radius
-        chord = max(chord, (2 * speed * abs(math.sin(scene.rotor.stagger)) / tip, at))
+        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
+        chord = max(chord, (2 * speed * abs(math.sin(stagger)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
         pushed = _FORESHORTENED * speed * best.amplitude / length / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
@@ -252,7 +255,7 @@ def sideways(results: Results) -> str | None:
         f"{percent(share)} % of {what} ({at})"
         for (share, at), what in (
             (chord, "the load, by its chordwise motion"),
-            (along, "the rolling resistance, across, as the plate's bending draws its tip in"),
+            (along, f"the rolling resistance, across, as the {carrier(results)}'s bending draws its tip in"),
         )
         if share > _NOTABLE_SIDEWAYS
     ]
@@ -483,10 +486,20 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     if scene.plate is not None:
         held = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
         found.append((f"The plate is linear elastic and {held} at the root.", "ours"))
-        if scene.material is not None and (name := scene.material.name) is not None:
-            found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+    if scene.blade is not None:
+        found.append(
+            (
+                "The blade is linear elastic and perfectly clamped at the root. It vibrates about its equilibrium under"
+                " the load, without Coriolis forces.",
+                "ours",
+            )
+        )
+    if scene.material is not None and (name := scene.material.name) is not None:
+        found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+    if scene.plate is not None:
         found += _of_effects(results, "plate")
     if scene.damper is not None:
+        hits = "constant e" if isinstance(scene.damper.restitution, float) else "e by the impact speed"
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         plate = None if scene.material is None else scene.material.name
@@ -499,7 +512,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         found += [
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
-            ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
+            (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
             ("Several balls move in step, each in a cavity of its own.", "ours"),
             *_weight(results),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
@@ -603,8 +616,36 @@ def cavities(results: Results) -> str | None:
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (
         f"That is of the {carrier(results)} before {cut}: {significant(1e3 * hole.mass, 2)} g less"
-        f" {'raise' if hole.shift > 0 else 'lower'} its first bending frequency by up to about"
+        f" {'raise' if hole.shift > 0 else 'lower'} {_its_frequency(results)} by up to about"
         f" {percent(abs(hole.shift))} %."
+    )
+
+
+def _its_frequency(results: Results) -> str:
+    led = _led_by(results)
+    return "its first bending frequency" if led is None else f"the frequency of its mode {led[0]}"
+
+
+def _led_by(results: Results) -> tuple[int, SpeedPoint] | None:
+    """Number of the mode that yields most along axis 1 and the first speed where it is not the first bending mode."""
+    for point in results.speeds:
+        if results.scene.in_space and point.reduced is not None and point.modes:
+            off = [abs(mode.frequency_hz - point.reduced.f2_hz) for mode in point.modes]
+            number = off.index(min(off))
+            if number != [*(mode.family for mode in point.modes), "flap"].index("flap"):
+                return number + 1, point
+    return None
+
+
+def other_mode(results: Results) -> str | None:
+    """A cavity whose axis 1 is moved most by another than the first bending mode."""
+    led = _led_by(results)
+    if led is None or (reduced := led[1].reduced) is None:
+        return None
+    number, point = led
+    return (
+        f"Along axis 1 of the cavity mode {number} ({point.modes[number - 1].family}, {significant(reduced.f2_hz)} Hz"
+        f" {at_load(point)}) yields most: amplitudes, cut-offs and damping ratios are those of this mode."
     )
 
 
@@ -922,14 +963,14 @@ def _release_stress(results: Results) -> str | None:
     material, rung = results.scene.material, ring_downs(results)
     if material is None or not rung:
         return None
-    lift = max(abs(damping.release[0]) for _, _, damping in rung)
+    lift, at = max((abs(damping.release[0]), at_load(point)) for point, _, damping in rung)
     strain = limits.root_strain(results, lift)
     if strain is None or material.youngs_modulus * strain < 1e8:
         return None
     stress = material.youngs_modulus * strain
     large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
     return (
-        f"A release of {significant(1e3 * lift)} mm at the cavity bends the root to about"
+        f"A release of {significant(1e3 * lift)} mm at the cavity ({at}) bends the root to about"
         f" {significant(stress / 1e6, 2)} MPa{large}."
     )
 
@@ -954,6 +995,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     weight,
     _books,
     leaning_load,
+    other_mode,
     level_floor,
     level_structure,
     dents,

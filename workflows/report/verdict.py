@@ -80,7 +80,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = limits.endured(results)
     lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.working) is not None]
-    lost = [(p, w) for p, w in lost if w.peak > 0]
+    lost = [(p, w) for p, w in lost if w.peak > limits.ROUNDING]
     if limit is None or not lost:
         return None
     point, figures = lost[0]
@@ -110,6 +110,9 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
         load = point.load_g * (remedy.omega / point.omega) ** 2
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
     moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
+    if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
+        without = f"without its dent it would above {millimetres(remedy.without_dent)} mm"
+        return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
     if not steps:
         return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
     would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
@@ -510,8 +513,8 @@ def _plate_only(results: Results) -> Answer:
     if not first:
         return Answer("Nothing was solved", ())
     rpm = [p.rpm for p in results.speeds]
-    speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
-    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
+    speeds = f"between {whole(min(rpm))} and {whole(max(rpm))} rpm" if len(rpm) > 1 else f"at {whole(rpm[0])} rpm"
+    text = f"The first frequency is {span(min(first), max(first), 5)} Hz {speeds}."
     said = remarks.sentence(results)
     alone = f"The {remarks.carrier(results)} alone"
     verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"

@@ -218,7 +218,7 @@ def amplitude_verdict(found: Found) -> str:
     if not scored.works:
         return "No damper of these helps at the crossings"
     cut = significant(100 * (1 - scored.value / scored.without), 2)
-    more = f", and more than the plate endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
+    more = f", and more than the structure endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
     return (
         f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper{more}"
     )
@@ -290,8 +290,10 @@ def damping_verdict(found: Found, goal: LeastDamping) -> str:
     if not scored.works:
         return "No damper of these works over the whole range"
     grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
-    limit = f", where the plate endures it: up to {significant(1e3 * scored.endured)} mm" * (goal.high > scored.endured)
-    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade{limit}"
+    text = f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade"
+    if goal.high <= scored.endured:
+        return text
+    return f"{text}, where the structure endures it: up to {significant(1e3 * scored.endured)} mm"
 
 
 def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:
