@@ -150,12 +150,12 @@ def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     pressed = [found for point in points if (found := limits.contact(results.scene, point)) is not None]
     damper = results.scene.damper
     if not pressed or damper is None:
-        return "ball or floor flows under the load"
+        return "ball or floor yields fully under the load"
     last = max(pressed, key=lambda found: found.hardness_ratio)
     times = span(min(found.hardness_ratio for found in pressed), last.hardness_ratio, 2)
     return (
-        f"the contact of ball and floor flows, since its mean pressure is {times} times the hardness of the softer, and"
-        f" becomes up to {significant(2e3 * last.dent_radius, 2)} mm wide"
+        f"the resting ball presses on its floor with {times} times the hardness of the softer, and the contact yields"
+        f" until it is up to {significant(2e3 * last.dent_radius, 2)} mm wide"
     )
 
 
