@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pkgutil
 import re
 import tomllib
 from pathlib import Path
@@ -13,16 +14,22 @@ import jsonschema
 import pytest
 
 import workflows
+import workflows.effects
 from fem.theory.registry import THEORIES
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
 from workflows.effects import selection
+from workflows.effects.selection import EFFECTS
+from workflows.errors import BadInput
 from workflows.io import provenance
+from workflows.pipeline import run
 from workflows.progress import Stages
+from workflows.report.remarks import assumptions
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
 from workflows.scene.load import SHIPPED, load, parse, schema, shipped
 from workflows.scene.plate import Plate
+from workflows.scene.scene import Effects
 from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -304,3 +311,43 @@ def test_scenes_with_meshes_are_solved(path: Path) -> None:
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6
     assert all(part.mesh is not None and 0 < part.mesh <= source.scene.accuracy.frequency for part in parts)
+
+
+SHARED = {"definition", "selection"}
+"""What several effects share."""
+
+
+def test_every_key_has_a_module_and_every_module_a_key() -> None:
+    modules = {found.name for found in pkgutil.iter_modules([str(Path(workflows.effects.__file__).parent)])}
+    assert modules - SHARED == set(Effects.model_fields) == set(EFFECTS)
+    assert modules >= SHARED
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_words_of_an_effect_are_its_own(name: str) -> None:
+    words = [kind.word for kind in EFFECTS.values()]
+    assert words.count(EFFECTS[name].word) == 1
+    assert EFFECTS[name].part_of in {"", *EFFECTS}
+    assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ball_slip", {"damper__friction": 0}),
+        ("ball_slip", {"damper__formulation": "printed"}),
+        ("structural_modes", {}),
+        ("coriolis", {}),
+    ],
+)
+def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
+    scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
+    with pytest.raises(BadInput, match=rf"{name}|friction"):
+        selection.resolve(scene, "scene.toml")
+
+
+def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
+    """What is taken for granted goes with the effects."""
+    for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
+        found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))
+        assert said in " ".join(text for text, _ in assumptions(found))

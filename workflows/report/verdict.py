@@ -135,27 +135,12 @@ def way_down(results: Results, points: list[SpeedPoint]) -> str | None:
     if not parted:
         return None
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
-    stops, begins = figures.folds
+    stops, rolls = figures.folds
     return (
-        f"These figures are of a slowly growing vibration: {at_load(point)} the ball first rolls to and fro, and meets"
-        f" the walls from about {millimetres(begins)} mm on{_at_the_latest(results, point)}. As the vibration falls, it"
-        f" keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
+        "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
+        f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm. Once it"
+        f" bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
     )
-
-
-_ROLLS = 5 / 7
-"""Displacement of a free rolling ball in its cavity over that of the floor."""
-
-
-def _at_the_latest(results: Results, point: SpeedPoint) -> str:
-    """Where even a ball that has not drifted from the middle of a flat floor meets a wall."""
-    damper, figures = results.scene.damper, point.working
-    if damper is None or figures is None or damper.floor_radius is not None or point.tilt_share == 1:
-        return ""
-    last = (damper.cavity[0] / 2 - damper.radius) / (_ROLLS * abs(1 - point.tilt_share))
-    if last <= figures.folds[1]:
-        return ""
-    return f" (from {millimetres(last)} mm if it does not drift from the middle, where nothing holds it)"
 
 
 def _rank(point: SpeedPoint) -> int:

@@ -203,8 +203,8 @@ class OwnFigures(Figures):
     from_above: Annotated[
         Figures,
         part(
-            "the same on the way down, where a ball in motion keeps bouncing; the other figures are those of the way"
-            " up, from a ball at rest in the middle",
+            "the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those"
+            " of the way up, from a ball at rest in the middle or rolling about it",
             prefix="from_above_",
         ),
     ] = field(repr=False)
@@ -213,7 +213,7 @@ class OwnFigures(Figures):
         quantity(
             "m",
             "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
-            " where all sweeps up bounce; null where the ways do not differ",
+            " where a ball that rolls about the middle must meet the walls; null where the ways do not differ",
             ends=_ENDS,
             headline=True,
         ),
@@ -222,8 +222,8 @@ class OwnFigures(Figures):
         Pair,
         quantity(
             "m",
-            "amplitudes at which the first and the last sweep up begin to bounce, which goes by how the vibration"
-            " grows; null as of `folds`",
+            "amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the"
+            " vibration grows; null as of `folds`",
             ends=_ENDS,
         ),
     ]

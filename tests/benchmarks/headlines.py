@@ -1,0 +1,432 @@
+"""Headlines against the numbers that stand beside them, on ten blades: is every first sentence true?
+
+    python -m tests.benchmarks.headlines [SCENE …]
+
+Each scene goes through `run`, which estimates from free vibration, through `response`, which follows the motion, and,
+where it has a table [design], through `design`. Every number of a sentence has to follow from the JSON beside it:
+percent, levels, speeds, what the plate endures, damping ratios. Of what was followed no level may contradict the
+sentence. `run` and `response` have to agree: the same verdict, percent within 3 points, ends of the range within 20 %.
+Prints a table, then what does not hold, and ends with 1 where something does not. It takes some twenty minutes of one
+core, most of them in `response` and `design`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import spindamp
+from workflows.errors import SpindampError
+from workflows.io import serialise
+from workflows.report import verdict
+from workflows.solve.excitation import HELPS
+from workflows.studies.design import report as of_design
+from workflows.studies.response import report as of_response
+
+Table = dict[str, Any]
+
+POINTS, ENDS = 3.0, 0.2
+"""What `run` and `response` may differ by: points of a percentage, and relative at the ends of a range."""
+
+DIGITS = {2: 0.05, 3: 0.005}
+"""Relative error of a number rounded to so many significant digits."""
+
+
+def blade(
+    plate: Table, material: str, rotor: Table, ball: Table, excitation: Table, design: Table | None = None
+) -> Table:
+    """A scene: numbers with a point are mm; rpm from, to, how many; a ball has radius, cavity, rolling friction."""
+    start, stop, count = rotor["rpm"]
+    radius, side, lever = ball["mm"]
+    damper: Table = {
+        "restitution": 0.5,
+        "friction": 0.2,
+        "radius": f"{radius} mm",
+        "cavity": [f"{side} mm"] * 2,
+        "rolling_friction": f"{lever} mm",
+    }
+    scene: Table = {
+        "plate": {name: f"{value} mm" if isinstance(value, float) else value for name, value in plate.items()},
+        "material": {"name": material},
+        "rotor": rotor | {"speeds": {"start": f"{start} rpm", "stop": f"{stop} rpm", "count": count}},
+        "damper": damper | {name: value for name, value in ball.items() if name != "mm"},
+        "release": {"displacement": ["1 mm", "0 mm"]},
+        "excitation": excitation,
+    }
+    del scene["rotor"]["rpm"]
+    return scene if design is None else scene | {"design": design}
+
+
+STEEL, CARBIDE = "steel", "tungsten carbide"
+
+
+def scenes() -> dict[str, Table]:
+    """Blades of many sizes, each under levels some of which are far too weak and some far too strong."""
+    return {
+        "small compressor": blade(
+            {"length": 60.0, "width": 30.0, "thickness": 3.0},
+            "Ti-6Al-4V",
+            {"rpm": (6000, 20000, 5), "hub_radius": "80 mm"},
+            {"ball_material": STEEL, "mm": (0.75, 1.9, 0.004), "damping_ratio": 0.002},
+            {"orders": [4], "force": ["0.05 N", "2 N", "500 N"]},
+        ),
+        "large compressor": blade(
+            {"length": 200.0, "width": 90.0, "thickness": 8.0},
+            "Ti-6Al-4V",
+            {"rpm": (2500, 9000, 5), "hub_radius": "200 mm"},
+            {"ball_material": CARBIDE, "count": 4, "mm": (2, 5, 0.01), "damping_ratio": 0.0015},
+            {"orders": [2, 3], "force": ["0.5 N", "20 N", "5000 N"]},
+        ),
+        "fan": blade(
+            {"length": 600.0, "width": 200.0, "thickness": 18.0},
+            "Ti-6Al-4V",
+            {"rpm": (1000, 3000, 4), "hub_radius": "250 mm", "stagger": "25 deg"},
+            {"ball_material": CARBIDE, "count": 3, "mm": (6, 14, 0.02), "damping_ratio": 0.003},
+            {"orders": [2, 3], "force": ["2 N", "100 N", "20000 N"]},
+        ),
+        "steam": blade(
+            {
+                "length": 450.0,
+                "width": 90.0,
+                "thickness": {"x": ["0 mm", "450 mm"], "values": ["22 mm", "10 mm"]},
+                "tip_mass": "100 g",
+            },
+            "stainless steel",
+            {"rpm": (1500, 4000, 4), "hub_radius": "400 mm"},
+            {"ball_material": STEEL, "count": 4, "mm": (3, 7, 0.01), "damping_ratio": 0.001},
+            {"orders": [2, 4], "force": ["1 N", "50 N", "20000 N"]},
+        ),
+        "impeller": blade(
+            {"length": 40.0, "width": 40.0, "thickness": 4.0},
+            "steel",
+            {"rpm": (15000, 45000, 4), "hub_radius": "30 mm"},
+            {"ball_material": CARBIDE, "count": 2, "mm": (1, 2.3, 0.005), "damping_ratio": 0.001},
+            {"orders": [4, 5], "force": ["1 N", "100 N"]},
+        ),
+        "slender": blade(
+            {"length": 300.0, "width": 20.0, "thickness": 4.0},
+            "steel",
+            {"rpm": (600, 3000, 4), "hub_radius": "50 mm"},
+            {"ball_material": STEEL, "mm": (1.2, 3, 0.005), "damping_ratio": 0.002},
+            {"orders": [2, 3], "force": ["0.005 N", "0.2 N", "100 N"]},
+        ),
+        "staggered": blade(
+            {"length": 120.0, "width": 50.0, "thickness": 5.0},
+            "Inconel 718",
+            {"rpm": (3000, 12000, 5), "hub_radius": "300 mm", "stagger": "35 deg"},
+            {"ball_material": CARBIDE, "count": 2, "mm": (1.5, 3.6, 0.003), "damping_ratio": 0.002},
+            {"orders": [2, 3, 4], "force": ["0.1 N", "10 N", "3000 N"]},
+        ),
+        "tip mass": blade(
+            {"length": 150.0, "width": 40.0, "thickness": 6.0, "tip_mass": "30 g"},
+            "steel",
+            {"rpm": (2000, 9000, 4), "hub_radius": "150 mm"},
+            {"ball_material": CARBIDE, "mm": (1.5, 4, 0.005), "damping_ratio": 0.0015},
+            {"orders": [2, 3], "force": ["0.2 N", "5 N", "1000 N"]},
+            {
+                "ball_material": [STEEL, CARBIDE],
+                "ball_diameter": ["2 mm", "4 mm"],
+                "clearance": ["0.1 mm", "1.5 mm"],
+                "mass": "2 g",
+                "wall": "0.4 mm",
+            },
+        ),
+        "shaken": blade(
+            {"length": 250.0, "width": 60.0, "thickness": 6.0},
+            "steel",
+            {"rpm": (1000, 4000, 4), "hub_radius": "100 mm"},
+            {"ball_material": STEEL, "count": 3, "housing": "10 g", "mm": (3, 8, 0.01), "damping_ratio": 0.001},
+            {"orders": [2, 3], "base": ["0.05 m/s^2", "2 m/s^2", "500 m/s^2"]},
+        ),
+        "pressed": blade(
+            {"length": 180.0, "width": 70.0, "thickness": 7.0},
+            "aluminium",
+            {"rpm": (2500, 8000, 4), "hub_radius": "120 mm"},
+            {"ball_material": STEEL, "count": 2, "mm": (2, 5, 0.005), "damping_ratio": 0.003},
+            {"orders": [2, 3], "pressure": ["10 Pa", "1000 Pa"]},
+            {
+                "ball_diameter": ["2 mm", "5 mm"],
+                "clearance": ["0.1 mm", "2 mm"],
+                "count": [1, 2, 4],
+                "mass": "6 g",
+                "wall": "0.5 mm",
+                "amplitude": ["0.3 mm", "1 mm"],
+            },
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a sentence says of a crossing: percent is 0, and the ends of the range are nan, where the ball is no use."""
+
+    text: str
+    order: int
+    rpm: float
+    percent: float
+    low: float
+    high: float
+
+    @property
+    def useful(self) -> bool:
+        return self.percent > 0
+
+    @property
+    def short(self) -> str:
+        levels = f", {self.low:.3g} to {self.high:.3g}" if self.useful else ""
+        return f"{self.percent:.3g} % less{levels}" if self.useful else "not useful"
+
+
+_NUMBER = r"(\d[\d.]*)"
+_PLACE = re.compile(rf"At engine order (\d+) \({_NUMBER} rpm, [\w ]+ mode\): ")
+_LESS = re.compile(
+    rf"up to {_NUMBER} % less vibration at {_NUMBER} [^ ,.]+"
+    rf"(?:, at least half of that between {_NUMBER} and {_NUMBER} )?"
+)
+_AT_MOST = re.compile(rf"the ball takes {_NUMBER} % of the amplitude at most")
+_ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
+_IDLE = (
+    ("overstressed", re.compile(r"Not useful at ([\d., and]+) \S+: such levels")),
+    ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the ball at rest")),
+    ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the ball reduces the vibration by less than half")),
+)
+_RATIO = re.compile(
+    rf"(?:equivalent damping ratio of {_NUMBER} %|at most {_NUMBER} % equivalent damping ratio \(at {_NUMBER} rpm)"
+)
+
+
+def said(sentences: Sequence[str]) -> list[Said]:
+    """The sentences that speak of a crossing."""
+    found = []
+    for text in sentences:
+        place = _PLACE.match(text)
+        if place is None or "no estimate" in text:
+            continue
+        less = _LESS.search(text)
+        percent, low, high = (0.0, math.nan, math.nan)
+        if less is not None:
+            percent, low = float(less[1]), float(less[2])
+            low, high = (low, low) if less[3] is None else (float(less[3]), float(less[4]))
+        found.append(Said(text, int(place[1]), float(place[2]), percent, low, high))
+    return found
+
+
+def levels_of(text: str) -> dict[str, list[float]]:
+    """The levels that a sentence names as idle, by why."""
+    found = {}
+    for why, pattern in _IDLE:
+        if (match := pattern.search(text)) is not None:
+            found[why] = [float(each) for each in re.findall(r"\d[\d.]*", match[1])]
+    return found
+
+
+def off(told: float, true: float | None, digits: int) -> bool:
+    """Whether a number of a sentence is another than the true one, rounded."""
+    return true is None or not math.isfinite(true) or abs(told - true) > DIGITS[digits] * 1.02 * max(abs(told), 1e-12)
+
+
+def of_reduction(each: Said, reductions: Sequence[Table]) -> list[str]:
+    """What a sentence of `run` says beside its record."""
+    mine = [r for r in reductions if r["order"] == each.order and abs(r["rpm"] - each.rpm) <= max(0.5, 5e-3 * r["rpm"])]
+    if not mine:
+        return [f"no record of order {each.order} at {each.rpm:g} rpm"]
+    true = min(mine, key=lambda r: abs(r["rpm"] - each.rpm))
+    faults = []
+    ends = true["range"]
+    if each.useful != (ends[0] is not None):
+        faults.append(f"said to be {'useful' if each.useful else 'useless'}, range {ends}")
+    elif each.useful:
+        if off(each.percent, 100 * (1 - true["ratio"]), 2):
+            faults.append(f"{each.percent:g} % where the ratio is {true['ratio']:.4f}")
+        if off(each.low, ends[0], 3) or off(each.high, ends[1], 3):
+            faults.append(f"{each.low:g} to {each.high:g} where the range is {ends}")
+    if (limit := _ENDURED.search(each.text)) is not None and off(float(limit[1]), true["endured_level"], 3):
+        faults.append(f"endures {limit[1]} where endured_level is {true['endured_level']}")
+    rows = [(level["level"], level["ratio"], level["endured"]) for level in true["levels"]]
+    return faults + of_levels(each, rows, true["moves_from"])
+
+
+def of_crossings(each: Said, document: Table) -> list[str]:
+    """What a sentence of `response` says beside the motion that was followed."""
+    mine = [c for c in document["crossings"] if c["order"] == each.order and abs(c["rpm"] - each.rpm) <= 0.5]
+    if not mine:
+        return []  # the estimate stands alone there
+    limit, least = next(
+        (d["endured_amplitude"], d["least_force"])
+        for d in document["dampers"]
+        if (d["order"], d["mode"]) == (mine[0]["order"], mine[0]["mode"])
+    )
+    rows = [(c["force"], c["ratio"], limit is None or c["amplitude"]["greatest"] <= limit) for c in mine]
+    faults = [
+        f"the ratio at {c['force']:g} is not that of the amplitudes"
+        for c in mine
+        if abs(c["ratio"] * c["amplitude_without"] / c["amplitude"]["mean"] - 1) > 1e-6
+    ]
+    most = max((100 * (1 - ratio) for _, ratio, endured in rows if endured), default=0.0)
+    if each.useful and off(each.percent, most, 2):
+        faults.append(f"{each.percent:g} % where the motion shows {most:.3g} %")
+    if not each.useful and most > 100 * (1 - HELPS):
+        faults.append(f"not useful, where the motion shows {most:.3g} %")
+    faults += [
+        f"{level:g} is between {each.low:g} and {each.high:g}, and its ratio is {ratio:.4f}"
+        for level, ratio, _ in rows
+        if each.low * 1.005 < level < each.high * 0.995 and 100 * (1 - ratio) < 0.45 * each.percent
+    ]
+    asked = document["scene"]["excitation"][document["excitation"]["kind"]]
+    return faults + of_levels(each, [row for row in rows if any(math.isclose(row[0], level) for level in asked)], least)
+
+
+def of_added(document: Table) -> list[str]:
+    """Whether a level that `response` adds, "where the ball does most", is that at any of the crossings."""
+    faults = []
+    for text in document["headline"]:
+        match = re.match(r"Besides the levels asked for, ([\d., and]+) ", text)
+        for level in [] if match is None else map(float, re.findall(r"\d[\d.]*", match[1])):
+            best = [
+                min((c for c in document["crossings"] if c["order"] == order), key=lambda c: float(c["ratio"]))["force"]
+                for order in {c["order"] for c in document["crossings"]}
+            ]
+            if not any(math.isclose(level, each, rel_tol=5e-3) for each in best):
+                faults.append(f"{level:g} is not where the ball does most: that is at {' and '.join(map(str, best))}")
+    return faults
+
+
+def of_levels(each: Said, rows: Sequence[tuple[float, float, bool]], moves_from: float | None) -> list[str]:
+    """The levels that a sentence calls idle, and those that it leaves out."""
+    faults = []
+    named = levels_of(each.text)
+    for level, ratio, endured in rows:
+        why = [name for name, levels in named.items() if any(not off(told, level, 3) for told in levels)]
+        inside = each.useful and each.low * 0.995 <= level <= each.high * 1.005
+        if len(why) > 1 or (why and inside and why != ["overstressed"]):
+            faults.append(f"{level:g} is called {' and '.join(why)}, and the range holds it")
+        if "overstressed" in why and endured:
+            faults.append(f"{level:g} is called too strong, and is endured")
+        if "held" in why and (moves_from is None or level > moves_from * 1.001):
+            faults.append(f"{level:g} is called too weak, and the ball moves from {moves_from}")
+        if "next to nothing" in why and 100 * (1 - ratio) > 0.55 * each.percent:
+            faults.append(f"{level:g} is called idle, and its ratio is {ratio:.4f}")
+        if inside and endured and 100 * (1 - ratio) < 0.45 * each.percent:
+            faults.append(f"{level:g} is in the range, and its ratio is {ratio:.4f}")
+        if each.useful and not inside and not why:
+            faults.append(f"of {level:g} nothing is said")
+    if not each.useful and (claimed := _AT_MOST.search(each.text)) is not None:
+        most = max((100 * (1 - ratio) for _, ratio, endured in rows if endured), default=0.0)
+        if most > 1.05 * float(claimed[1]) + 1e-9:
+            faults.append(f"{claimed[1]} % at most, and {most:.3g} % at a level")
+    return faults
+
+
+def of_speeds(sentences: Sequence[str], speeds: Sequence[Table]) -> list[str]:
+    """The damping ratio that the damper's own verdict says, beside the verdicts of the speeds."""
+    verdicts = [p["verdict"] for p in speeds if p.get("verdict") is not None and p["load_g"] > 0]
+    best = max((v["damping_ratio"] or 0.0 for v in verdicts), default=0.0)
+    match = _RATIO.search(" ".join(sentences))
+    if match is None:
+        return []
+    told = float(match[1] or match[2])
+    return [f"ζ {told:g} % where the best is {100 * best:.3g} %"] if off(told, 100 * best, 2) else []
+
+
+def disagreements(short: Sequence[Said], motion: Sequence[Said]) -> list[str]:
+    """Where `run` and `response` say different things of the same crossing."""
+    faults = []
+    for mine in short:
+        other = next((m for m in motion if m.order == mine.order and abs(m.rpm - mine.rpm) <= 1), None)
+        if other is None:
+            faults.append(f"order {mine.order}: response says nothing")
+            continue
+        place = f"order {mine.order}, run against response"
+        if mine.useful != other.useful:
+            faults.append(f"{place}: {mine.short} against {other.short}")
+            continue
+        if not mine.useful:
+            continue
+        if abs(mine.percent - other.percent) > POINTS:
+            faults.append(f"{place}: {mine.percent:g} % against {other.percent:g} %")
+        for name, one, two in (("from", mine.low, other.low), ("to", mine.high, other.high)):
+            if abs(one / two - 1) > ENDS:
+                faults.append(f"{place}: {name} {one:g} against {two:g}")
+    return faults
+
+
+def of_best(document: Table) -> list[str]:
+    """What a design says in its first sentence, beside its value and the motion that was followed."""
+    text, faults = document["verdict"], []
+    if not document["works"]:
+        return []
+    if (match := re.search(rf"crossings is {_NUMBER} mm, {_NUMBER} % less", text)) is not None:
+        if off(float(match[1]), 1e3 * document["value"], 3):
+            faults.append(f"{match[1]} mm where value is {document['value']}")
+        cut = 100 * (1 - document["value"] / document["without"])
+        if off(float(match[2]), cut, 2):
+            faults.append(f"{match[2]} % where value and without make {cut:.3g} %")
+        if abs(document["confirmed"] / document["value"] - 1) > POINTS / 100:
+            faults.append(f"the motion comes to {document['confirmed']:.4g} m, the search to {document['value']:.4g} m")
+    elif (match := re.search(rf"damping ratio of {_NUMBER} %", text)) is not None:
+        if off(float(match[1]), 100 * document["value"], 3):
+            faults.append(f"{match[1]} % where value is {document['value']}")
+    else:
+        faults.append("no number in the verdict")
+    return faults
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row of the table."""
+
+    scene: str
+    command: str
+    headline: str
+    faults: list[str]
+
+
+def judged(name: str, scene: Table) -> Iterator[Line]:
+    """All that is said of a scene, a command after the other."""
+    scene = {"title": name} | scene
+    plain = {key: value for key, value in scene.items() if key != "design"}
+    results = spindamp.run(plain)
+    document = json.loads(serialise.dumps(results))
+    answer = verdict.answer(results)
+    every = [f"{answer.verdict}.", *answer.sentences]
+    short = said(every)
+    faults = [fault for each in short for fault in of_reduction(each, document["reductions"])]
+    faults += of_speeds(every, document["speeds"])
+    yield Line(name, "run", every[0], faults)
+    try:
+        found = spindamp.response(plain)
+        document = json.loads(of_response.dumps(found))
+        motion = said(document["headline"])
+        faults = [fault for each in motion for fault in of_crossings(each, document)] + of_added(document)
+        yield Line(name, "response", document["headline"][0], faults + disagreements(short, motion))
+    except SpindampError as failed:
+        yield Line(name, "response", "–", [f"no answer: {failed}"])
+    if "design" in scene:
+        document = json.loads(of_design.dumps(spindamp.design(scene, workers=1)))
+        yield Line(name, "design", f"{document['verdict']}.", of_best(document))
+
+
+def main(*names: str) -> int:
+    """Print the table and what does not hold; return whether anything does not."""
+    every = scenes()
+    lines = []
+    for name in names or every:
+        for line in judged(name, every[name]):
+            lines.append(line)
+            mark = "does not hold" if line.faults else "holds"
+            print(f"{line.scene:17s} {line.command:9s} {mark:14s} {line.headline}", flush=True)
+    wrong = [line for line in lines if line.faults]
+    for line in wrong:
+        print(f"\n{line.scene}, {line.command}:")
+        print("\n".join(f"  {fault}" for fault in line.faults))
+    print(f"\n{len(lines)} headlines, {len(lines) - len(wrong)} hold")
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
