@@ -264,7 +264,9 @@ def test_nothing_better_among_all_designs(slow, here):
     assert scene.damper.radius == found.space.values(found.found.shares)["damper.radius"]
     point = spindamp.run(scene).speeds[0]
     assert objectives.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
-    assert report.verdict(found.space, found.found).startswith("At least a damping ratio")
+    assert report.verdict(found.space, found.found).startswith(
+        "The best design adds an equivalent damping ratio of at least"
+    )
 
 
 def test_why_none_works(slow, here):

@@ -28,8 +28,9 @@ def called_for(case: Case) -> Called:
         return Called(False, HOUSED)
     beam, mass = beam_like(scene, case.form), material.density * damper.cut
     shift = mass / (2 * (SHARE * beam.mass + scene.point_mass))
-    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate, about {significant(100 * shift, 2)} %"
-    return Called(shift > scene.budget.rough_shift, f"{why} of its lowest frequency, if they are at its tip")
+    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate: at its tip that raises"
+    percent = significant(100 * shift, 2)
+    return Called(shift > scene.budget.rough_shift, f"{why} the first frequency by about {percent} %")
 
 
 def refused(scene: Scene) -> Refusal | None:
@@ -50,7 +51,7 @@ def assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
     if not on:
         return Assumption("The plate is as heavy as if no cavities were cut into it.", "ours")
     return Assumption(
-        "The metal of the cavities is taken out of what is nearest to the damper's place; the stiffness stays.", "ours"
+        "The metal nearest to the damper's place lacks the volume of the cavities; its stiffness is kept.", "ours"
     )
 
 

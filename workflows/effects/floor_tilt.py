@@ -31,7 +31,7 @@ def called_for(case: Case) -> Called:
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
-    at = f"{whole(in_rpm(omega))} rpm" + (", reckoned as on a beam" if scene.given is None else "")
+    at = f"{whole(in_rpm(omega))} rpm" + (", estimated for a beam" if scene.given is None else "")
     said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {said}")

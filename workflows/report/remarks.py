@@ -219,8 +219,8 @@ def turning_floor(results: Results) -> str | None:
     if share <= asked:
         return None
     return (
-        f"As the floor turns it turns the ball too, which is left out: {percent(share)} % of the ball's"
-        " drive, two fifths of its radius times the floor's slope over the displacement."
+        f"The turning floor also turns the ball, which is neglected: {percent(share)} % of the ball's drive, two fifths"
+        " of its radius times the floor's slope over the displacement."
     )
 
 
@@ -258,7 +258,7 @@ def sideways(results: Results) -> str | None:
     ]
     if not notable:
         return None
-    return f"Coriolis forces on the ball are left out: at the amplitude of its best up to {' and '.join(notable)}."
+    return f"Coriolis forces on the ball are neglected: at its best amplitude up to {' and '.join(notable)}."
 
 
 _NOTABLE_SIDEWAYS = 0.01
@@ -635,7 +635,7 @@ def cure(results: Results) -> str:
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
-        return f"{' and '.join(keys)} would do"
+        return f"{' and '.join(keys)} would achieve it"
     attainable = upwards(max(mode.whole for mode in modes))
     return f"no setting achieves this, but [accuracy] frequency = {attainable} would be met"
 
@@ -910,7 +910,7 @@ def _rolling(results: Results) -> str | None:
     points, lifts, demands = zip(*beyond, strict=True)
     lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
     return (
-        f"In the ring-downs from a release of {lift} mm rolling without slip needs"
+        f"In the ring-downs (release {lift} mm), rolling without slip requires"
         f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
         f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )

@@ -36,7 +36,7 @@ _KNOWN = 0.05
 def known_within(point: SpeedPoint) -> str:
     """How well a best figure is known, where it is not known well."""
     error = 0.0 if point.working is None else point.working.error
-    return f" (known within {percent(min(error, 1.0))} %)" if error > _KNOWN else ""
+    return f" (±{percent(min(error, 1.0))} %)" if error > _KNOWN else ""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -336,7 +336,7 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {capital(said)}"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
-    return f"{text} The air alone gives turbine blades {air}, friction dampers {friction}."
+    return f"{text} For comparison: air alone damps turbine blades by {air}, friction dampers by {friction}."
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
