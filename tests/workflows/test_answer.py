@@ -565,12 +565,12 @@ def test_below_a_load_of_1_g_the_weight_rules() -> None:
     assert load(60) < 1
     verdict = answer(found).verdict
     assert (
-        "; no verdict up to 60 rpm (0.805 g): there the ball's weight, which is left out, is more than the" in verdict
+        "; no verdict up to 60 rpm (0.805 g): there the ball's weight, which is neglected, exceeds the" in verdict
     )
     assert "60 rpm" not in " ".join(answer(found).sentences)
-    assert answer(at(40, 60)).verdict == "No verdict: the ball's weight, which is left out, is more than the load"
+    assert answer(at(40, 60)).verdict == "No verdict: the ball's weight, which is neglected, exceeds the load"
     for rpm in (0, 1e-3):
-        assert answer(at(rpm)).verdict == "No verdict: the ball's weight, which is left out, is more than the load"
+        assert answer(at(rpm)).verdict == "No verdict: the ball's weight, which is neglected, exceeds the load"
 
 
 @pytest.mark.parametrize(("rpm", "share"), [(80, 0.699), (200, 0.112), (220, None)])

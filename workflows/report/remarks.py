@@ -25,7 +25,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
 
 PRINTED = "the equations as printed do not conserve energy"
-WEIGHT = "the ball's weight, which is left out, is more than the load"
+WEIGHT = "the ball's weight, which is neglected, exceeds the load"
 
 BEYOND, BEYOND_MEANS = "†", "† At a larger amplitude, or a higher speed, than the structure endures"
 NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ A speed that the answer gives no verdict on"
@@ -600,9 +600,9 @@ def cavities(results: Results) -> str | None:
         return None
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (
-        f"That is of the {carrier(results)} before {cut}: {significant(1e3 * hole.mass, 2)} g less"
-        f" {'raise' if hole.shift > 0 else 'lower'} its first bending frequency by up to about"
-        f" {percent(abs(hole.shift))} %."
+        f"The frequencies are those of the {carrier(results)} before {cut}: without that metal"
+        f" ({significant(1e3 * hole.mass, 2)} g) the first bending frequency is up to about"
+        f" {percent(abs(hole.shift))} % {'higher' if hole.shift > 0 else 'lower'}."
     )
 
 
