@@ -322,15 +322,18 @@ class Reference:
             self.after(j)
         if self.regime[j] != "stuck" and d.friction > 0:
             slides = x[self.w[j]]
-            change = d.friction * normal * np.linalg.inv(self.mass)[k + j, k + j]
-            self.impulse(j, 0.0 if change >= abs(slides) else slides - math.copysign(change, slides))
+            give = np.linalg.inv(self.mass)[k + j, k + j]
+            spun = 0.0 if self.printed else 2.5 / self.m  # of the surface, as the ball turns about the vertical
+            change = give * min(d.friction * normal, abs(slides) / (give + spun))
+            left = slides - math.copysign(change, slides)
+            self.impulse(j, 0.0 if abs(left) < 1e-15 * abs(slides) else left)
             if self.grip > 0 and x[self.w[j]] != x[self.spin[j]]:
                 self.slide(j)
                 if x[self.w[j]] == 0 and abs(x[self.s[j]]) >= self.gap[j]:
                     self.roll(j, 0)
             else:
                 x[self.spin[j]] = x[self.w[j]]
-                if change >= abs(slides):
+                if x[self.w[j]] == 0:
                     self.settle(j)
         structure = self.shape[i] @ x[k + 2 : 2 * k + 2]
         if abs(x[self.w[i]]) <= max(d.sticking_ratio * abs(structure), self.floor):
