@@ -105,8 +105,8 @@ def test_one_impact(e: float, mass_ratio: float) -> None:
 def test_oblique_impact(mu: float, load: complex) -> None:
     """A rough sphere against a wall (Keller, J. Appl. Mech. 53 (1986) 1): Newton's and Euler's laws with Coulomb's.
 
-    Friction acts at the rim: m v' = m v - P, M V' = P, 2/5 m r² w' = r P about the vertical, until the surface slides no
-    longer, v' - V' - r w' = 0, or up to mu times the normal impulse. The floor, tilting or not, has no time to act.
+    Friction acts at the rim: m v' = m v - P, M V' = P, 2/5 m r² w' = r P about the vertical, until the sliding ends,
+    v' - V' - r w' = 0, or up to mu times the normal impulse. The floor, tilting or not, has no time to act.
     """
     m, structure, r, e, speed, along = 1.0, 3.0, 1e-3, 0.5, 1.0, 0.5
     damper = ParticleDamper(

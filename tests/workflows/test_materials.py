@@ -229,6 +229,28 @@ def test_a_ball_that_flows_has_no_verdict() -> None:
     assert verdict.startswith("No verdict: the contact of ball and floor flows, since its mean pressure is")
 
 
+def test_hits_that_last_long_beside_the_flights_are_remarked() -> None:
+    """Hertz's hit of 2.94 d/v, d = (15 m v² / 16 sqrt(r) E*)^0.4 (Johnson, eq. 11.24), against the time of a flight."""
+    scene = pressed("hardened steel", "4")
+    scene["structure"]["frequency"], scene["damper"]["cavity"] = "5 kHz", ["4.02 mm", "4.02 mm"]
+    found = workflows.run(scene)
+    (said,) = (note for note in found.notes if "takes hits as instantaneous" in note)
+    numbers = re.search(r"lasts ([\d.]+) µs by Hertz, ([\d.]+) % of the ([\d.]+) µs between hits", said)
+    assert numbers is not None, said
+    stiff = 1 / ((1 - 0.3**2) / 210e9 + (1 - 0.342**2) / 113.8e9)
+    shares = []
+    for point in found.speeds:
+        speed = 2 * math.pi * point.reduced.f1_hz * point.working.peak_amplitude
+        depth = (15 * (point.reduced.M1 - point.reduced.M2) * speed**2 / (16 * math.sqrt(2e-3) * stiff)) ** 0.4
+        flight = min(0.5 / point.reduced.f1_hz, 0.01e-3 / speed)
+        shares.append((2.94 * depth / speed / flight, 2.94e6 * depth / speed, 1e6 * flight))
+    share, hit, flight = max(shares)
+    assert share > 0.1
+    assert (float(numbers[1]), float(numbers[3])) == pytest.approx((hit, flight), rel=0.05)
+    assert float(numbers[2]) == pytest.approx(100 * share, rel=0.05)
+    assert not any("instantaneous" in note for note in workflows.run(pressed("hardened steel", "4")).notes)
+
+
 @pytest.mark.parametrize(
     ("limits", "diameter", "limit"), [({}, 4.0, ""), ({"yield_ratio": 9.0}, 2.0, "first yield"), ({}, 0.0, "")]
 )

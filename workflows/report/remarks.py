@@ -177,6 +177,39 @@ def dents(results: Results) -> str | None:
     )
 
 
+_BRIEF = 0.1
+"""Share of a flight between hits that a hit may last without a word."""
+
+
+def long_hits(results: Results) -> str | None:
+    """That hits, which the model takes as instantaneous, last long beside the flights between them.
+
+    At the amplitude of the best, where the walls move with A omega: a flight takes half a period, or what a ball takes
+    through the clearance at twice that speed where it is less.
+    """
+    from damper.contact import hit_time
+
+    damper, made_of = results.scene.damper, limits.solids(results.scene)
+    if damper is None or made_of is None:
+        return None
+    longest: list[tuple[float, float, SpeedPoint]] = []
+    for point in results.speeds:
+        if (best := limits.best(results, point)) is None or point.reduced is None:
+            continue
+        omega = 2 * math.pi * point.reduced.f1_hz
+        speed, mass = omega * best.amplitude, (point.reduced.M1 - point.reduced.M2) / damper.count
+        flight = min(math.pi / omega, (damper.cavity[0] - 2 * damper.radius) / (2 * speed))
+        longest.append((hit_time(speed, mass, damper.radius, *made_of), flight, point))
+    hit, flight, point = max(longest, key=lambda each: each[0] / each[1], default=(0.0, 1.0, None))
+    if point is None or hit <= _BRIEF * flight:
+        return None
+    return (
+        f"A hit lasts {significant(1e6 * hit, 2)} µs by Hertz, {percent(hit / flight)} % of the"
+        f" {significant(1e6 * flight, 2)} µs between hits {at_load(point)} at the amplitude of the best: the model"
+        " takes hits as instantaneous."
+    )
+
+
 _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
 
@@ -952,6 +985,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     level_floor,
     level_structure,
     dents,
+    long_hits,
     still_across,
     root_stress,
     _rolling,
