@@ -55,7 +55,6 @@ def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
         r" ([\d.]+) mm and adds up to ([\d.]+) %",
         " ".join(answer(found).sentences),
     )
-    assert said is not None
     rolls, stops, most = map(float, said.groups())
     assert (stops, rolls) == pytest.approx([1e3 * end for end in own.folds], rel=0.05)
     assert most == pytest.approx(100 * own.from_above.peak, rel=0.05)

@@ -184,29 +184,30 @@ _BRIEF = 0.1
 def long_hits(results: Results) -> str | None:
     """That hits, which the model takes as instantaneous, last long beside the flights between them.
 
-    At the amplitude of the best, where the walls move with A omega: a flight takes half a period, or what a ball takes
-    through the clearance at twice that speed where it is less.
+    At the amplitude A of the best: a ball crosses its clearance d in half a period, or, where it leaves a wall as this
+    begins to slow down and rolls by (5/7) |1 - tau| A omega³ t³ / 6, in less; it hits at the mean speed of that.
     """
     from damper.contact import hit_time
 
     damper, made_of = results.scene.damper, limits.solids(results.scene)
     if damper is None or made_of is None:
         return None
-    longest: list[tuple[float, float, SpeedPoint]] = []
+    every: list[tuple[float, float, str]] = []
+    gap = damper.cavity[0] - 2 * damper.radius
     for point in results.speeds:
         if (best := limits.best(results, point)) is None or point.reduced is None:
             continue
-        omega = 2 * math.pi * point.reduced.f1_hz
-        speed, mass = omega * best.amplitude, (point.reduced.M1 - point.reduced.M2) / damper.count
-        flight = min(math.pi / omega, (damper.cavity[0] - 2 * damper.radius) / (2 * speed))
-        longest.append((hit_time(speed, mass, damper.radius, *made_of), flight, point))
-    hit, flight, point = max(longest, key=lambda each: each[0] / each[1], default=(0.0, 1.0, None))
-    if point is None or hit <= _BRIEF * flight:
+        omega, mass = 2 * math.pi * point.reduced.f1_hz, (point.reduced.M1 - point.reduced.M2) / damper.count
+        jerk = 5 / 7 * abs(1 - point.tilt_share) * best.amplitude * omega**3
+        flight = min(math.pi / omega, (6 * gap / jerk) ** (1 / 3))
+        every.append((hit_time(gap / flight, mass, damper.radius, *made_of), flight, at_load(point)))
+    hit, flight, where = max(every, key=lambda each: each[0] / each[1], default=(0.0, 1.0, ""))
+    if hit <= _BRIEF * flight:
         return None
     return (
         f"A hit lasts {significant(1e6 * hit, 2)} µs by Hertz, {percent(hit / flight)} % of the"
-        f" {significant(1e6 * flight, 2)} µs between hits {at_load(point)} at the amplitude of the best: the model"
-        " takes hits as instantaneous."
+        f" {significant(1e6 * flight, 2)} µs between hits {where} at the amplitude of the best: the model takes hits as"
+        " instantaneous."
     )
 
 
@@ -216,7 +217,7 @@ _NOTABLE_TILT = 0.01
 
 def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
     """The speeds at which the damper was simulated."""
-    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+    return [(p, p.reduced, p.damper) for p in results.speeds if p.reduced is not None and p.damper is not None]
 
 
 def level_floor(results: Results) -> str | None:
@@ -578,7 +579,8 @@ PARTS = {
     "layers": "layers of the solid",
     "basis": "reduced basis",
     "theory": "theory",
-    **{name: f"{kind.word} left out" for name, kind in EFFECTS.items() if name in ErrorParts.__annotations__},
+    **{name: f"{EFFECTS[name].word} left out" for name in ("large_deflection", "coriolis")},
+    "cavity_mass": "cavities",
 }
 """Parts of an error, as people call them."""
 
@@ -626,7 +628,9 @@ def carrier(results: Results) -> str:
 def cavities(results: Results) -> str | None:
     """What the frequencies leave out: the material of the cavities; None where that is nothing, or hardly anything."""
     hole, damper = limits.cavity_mass(results), results.scene.damper
-    if hole is None or damper is None or abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
+    if results.scene.effects.cavity_mass is not False or hole is None or damper is None:
+        return None
+    if abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
         return None
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (

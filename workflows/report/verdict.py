@@ -70,9 +70,9 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
     """Down to where a ball in motion goes on, far below what sets it off, as one in a hollow floor may."""
-    if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
+    if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return ""
-    last = point.damping.cutoff_g / in_g(results, point.reduced, 1.0)
+    last = point.damper.cutoff_g / in_g(results, point.reduced, 1.0)
     return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 
@@ -394,7 +394,7 @@ def _beside_the_paper(results: Results) -> str | None:
     else:
         text += "The ball does not do that, even by the equations as printed."
     tilts = results.effects["floor_tilt"].on
-    off = [(abs(p.damping.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damping and p.damping.cutoff_g]
+    off = [(abs(p.damper.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damper and p.damper.cutoff_g]
     near = [pair for pair in off if pair[0] <= _NEAR]
     if near and not tilts:
         loads = [load for _, load in near]
