@@ -177,6 +177,40 @@ def dents(results: Results) -> str | None:
     )
 
 
+_BRIEF = 0.1
+"""Share of a flight between hits that a hit may last without a word."""
+
+
+def long_hits(results: Results) -> str | None:
+    """That hits, which the model takes as instantaneous, last long beside the flights between them.
+
+    At the amplitude A of the best: a ball crosses its clearance d in half a period, or, where it leaves a wall as this
+    begins to slow down and rolls by (5/7) |1 - tau| A omega³ t³ / 6, in less; it hits at the mean speed of that.
+    """
+    from damper.contact import hit_time
+
+    damper, made_of = results.scene.damper, limits.solids(results.scene)
+    if damper is None or made_of is None:
+        return None
+    every: list[tuple[float, float, str]] = []
+    gap = damper.cavity[0] - 2 * damper.radius
+    for point in results.speeds:
+        if (best := limits.best(results, point)) is None or point.reduced is None:
+            continue
+        omega, mass = 2 * math.pi * point.reduced.f1_hz, (point.reduced.M1 - point.reduced.M2) / damper.count
+        jerk = 5 / 7 * abs(1 - point.tilt_share) * best.amplitude * omega**3
+        flight = min(math.pi / omega, (6 * gap / jerk) ** (1 / 3))
+        every.append((hit_time(gap / flight, mass, damper.radius, *made_of), flight, at_load(point)))
+    hit, flight, where = max(every, key=lambda each: each[0] / each[1], default=(0.0, 1.0, ""))
+    if hit <= _BRIEF * flight:
+        return None
+    return (
+        f"A hit lasts {significant(1e6 * hit, 2)} µs by Hertz, {percent(hit / flight)} % of the"
+        f" {significant(1e6 * flight, 2)} µs between hits {where} at the amplitude of the best: the model takes hits as"
+        " instantaneous."
+    )
+
+
 _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
 
@@ -999,6 +1033,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     level_floor,
     level_structure,
     dents,
+    long_hits,
     still_across,
     root_stress,
     _rolling,
