@@ -153,7 +153,7 @@ def test_self_check(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     assert f"numpy {version('numpy')}" in first
     assert len(lines) > 30
     assert all(line.startswith("ok ") for line in lines)
-    monkeypatch.setitem(importlib.import_module("damper.self_check").LEVEL["level floor"].figures, "hits", 163)
+    monkeypatch.setitem(importlib.import_module("damper.self_check").RINGDOWNS["level floor"].figures, "hits", 163)
     monkeypatch.setattr("fem.sweep.laws.EXACT", -1.0)
     outcome = spindamp("--self-check")
     assert outcome.status == 1
