@@ -209,7 +209,7 @@ SYSTEM = record(
 MOTION = record(
     ("z", "f8", _N),
     ("rate", "f8", _N),
-    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.setup` says in which order
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
     ("start", "f8", 2),  # of each group's flight
     ("at", "f8", 2),  # when its next event happens, in steps from there
     ("next", "f8", 2),  # the time then

@@ -6,8 +6,6 @@ CalculiX) that meshio stumbles over, and keeps sets of nodes and cells.
 
 from __future__ import annotations
 
-import contextlib
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +15,7 @@ import numpy as np
 
 from fem.meshes.cells import cell
 from fem.meshes.planform import MeshError
+from fem.meshes.read import raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -171,32 +170,15 @@ def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
     """
+    import meshlane
+
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
-        return _of_raw(_read(path), scale)
+        return _of_raw(raw_mesh(path, meshlane, "volume"), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
-
-
-def _read(path: Path) -> Any:
-    import meshlane
-
-    if path.suffix.lower() in (".step", ".stp", ".iges", ".igs"):
-        raise MeshError("this is geometry without a mesh: mesh its volume (with Gmsh, say) and give that file")
-    said = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshlane.read(path)
-    except SystemExit:
-        raise MeshError("not a mesh file that meshlane can read") from None
-    except meshlane.ReadError as error:
-        raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
-    except ImportError as error:
-        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
-    except Exception as error:  # what readers stumble over, said in terms of their own code
-        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
 def _of_raw(raw: Any, scale: float) -> VolumeMesh:
