@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.model import Harmonic, in_plane, inertia_ratio, path_curvature
-from damper.state import MODES, ROLLING, STEP, STUCK, SYSTEM, TERMS
+from damper.state import MODES, ROLLING, STEP, STUCK, SYSTEM, TERMS, Equations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -113,34 +113,6 @@ def forces_on(structures: Structures, harmonics: Sequence[Harmonic]) -> Floats:
 
 
 REGIMES = 3
-
-
-class Equations(NamedTuple):
-    """Of the flights of n dampers in every pair of regimes of x and y, in the N coordinates (q, s).
-
-    Attributes:
-        stiffness, damping: shape (n, 9, N, N).
-        resistance: what a unit of resisting acceleration does along each axis, shape (n, 9, 2, N).
-        force: what a harmonic does at its height, shape (n, 9, N).
-        shape: u = shape z, shape (n, 2, N).
-        pull: the load accelerates the ball in its cavity by -pull z, shape (n, 2, N).
-        sway: the harmonic accelerates a stuck ball against its cavity, shape (n, 2).
-        excess: see `damper.state.SYSTEM`, shape (n, 2).
-        power: that it puts in per velocity, shape (n, N).
-        frequency, phase: of the harmonic, 0 where there is none, shape (n,).
-    """
-
-    stiffness: Floats
-    damping: Floats
-    resistance: Floats
-    force: Floats
-    shape: Floats
-    pull: Floats
-    sway: Floats
-    excess: Floats
-    power: Floats
-    frequency: Floats
-    phase: Floats
 
 
 def equations_of(

@@ -29,8 +29,8 @@ from damper.compiled import fused, kernel
 from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
-    from damper.equations import Equations
     from damper.model import Floats, Integers, Record
+    from damper.state import Equations
 
 
 WIDTH = 8

@@ -157,6 +157,34 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
     return balls
 
 
+class Equations(NamedTuple):
+    """Of the flights of n dampers in every pair of regimes of x and y, in the N coordinates (q, s).
+
+    Attributes:
+        stiffness, damping: shape (n, 9, N, N).
+        resistance: what a unit of resisting acceleration does along each axis, shape (n, 9, 2, N).
+        force: what a harmonic does at its height, shape (n, 9, N).
+        shape: u = shape z, shape (n, 2, N).
+        pull: the load accelerates the ball in its cavity by -pull z, shape (n, 2, N).
+        sway: the harmonic accelerates a stuck ball against its cavity, shape (n, 2).
+        excess: see `SYSTEM`, shape (n, 2).
+        power: that it puts in per velocity, shape (n, N).
+        frequency, phase: of the harmonic, 0 where there is none, shape (n,).
+    """
+
+    stiffness: Floats
+    damping: Floats
+    resistance: Floats
+    force: Floats
+    shape: Floats
+    pull: Floats
+    sway: Floats
+    excess: Floats
+    power: Floats
+    frequency: Floats
+    phase: Floats
+
+
 TERMS = 24
 """Of a series, in rows of eight."""
 
