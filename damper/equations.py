@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.model import Harmonic, in_plane, inertia_ratio, path_curvature
-from damper.state import MODES, ROLLING, STEP, STUCK, SYSTEM, TERMS, Equations
+from damper.state import MODES, STEP, SYSTEM, TERMS, Equations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,7 +85,10 @@ def load_of(rows: Parameters, structures: Structures) -> tuple[Floats, Floats]:
 
 def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
     """Whether anything couples the two axes of a damper, shape (n,)."""
-    pull, curve = load_of(rows, structures)
+    return _coupled(structures, *load_of(rows, structures))
+
+
+def _coupled(structures: Structures, pull: Floats, curve: Floats) -> npt.NDArray[np.bool_]:
     felt = (structures.shape != 0) | (pull != 0)
     coupled: npt.NDArray[np.bool_] = (felt[:, 0] & felt[:, 1]).any(axis=1) | (curve[:, 0, 1] != 0)
     return coupled
@@ -93,8 +96,8 @@ def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
 
 def members_of(rows: Parameters, structures: Structures) -> list[list[int]]:
     """Coordinates (q, s) of each group: those of x and those of y, or all in one where anything couples them."""
-    k, pull = structures.mass.shape[1], load_of(rows, structures)[0]
-    if couples(rows, structures).any():
+    k, (pull, curve) = structures.mass.shape[1], load_of(rows, structures)
+    if _coupled(structures, pull, curve).any():
         return [list(range(k + 2))]
     along_y = ((structures.shape[:, 1] != 0) | (pull[:, 1] != 0)).any(axis=0)
     return [[*np.flatnonzero(~along_y), k], [*np.flatnonzero(along_y), k + 1]]
@@ -123,7 +126,9 @@ def equations_of(
     pull, curve = load_of(rows, structures)
     sway, load, driven = _driven(rows, structures, harmonic)
     ball, printed, pairs = rows["ball_mass"][:, None, None], rows["printed"][:, None], REGIMES**2
-    beta = np.stack([_beta(rows, regimes) for regimes in np.ndindex(REGIMES, REGIMES)], axis=1).reshape(-1, 2)
+    # how much of the structure's acceleration the ball lags behind by: stuck, rolling, slipping
+    lags = np.stack([np.zeros(n), inertia_ratio(rows), np.ones(n)])[list(np.ndindex(REGIMES, REGIMES))]
+    beta = np.moveaxis(lags, 2, 0).reshape(-1, 2)
     each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
     felt = _Felt(each, *(np.repeat(values, pairs, axis=0) for values in (pull, curve, ball, load, sway, printed)))
     stiffness, damping, resistance, force = (
@@ -158,12 +163,6 @@ class _Felt(NamedTuple):
     load: Floats
     sway: Floats
     printed: npt.NDArray[np.bool_]
-
-
-def _beta(rows: Parameters, regimes: tuple[int, ...]) -> Floats:
-    """How much of the structure's acceleration the ball lags behind by, along each axis, shape (n, 2)."""
-    share = {STUCK: np.zeros(len(rows)), ROLLING: inertia_ratio(rows)}
-    return np.stack([share.get(regime, np.ones(len(rows))) for regime in regimes], axis=1)
 
 
 def _flight(felt: _Felt, beta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -322,7 +321,7 @@ def systems_of(
     constants = np.zeros(n, SYSTEM)
     for values in (
         _places(members, k, alone=_alone(structures, members)),
-        _sorted(_inertia(rows, structures), order),
+        _sorted(_inertia(rows, structures, members), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
         {"lateral": rows["lateral_acceleration"]},
@@ -358,14 +357,14 @@ def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
     }
 
 
-def _inertia(rows: Parameters, structures: Structures) -> dict[str, Floats]:
+def _inertia(rows: Parameters, structures: Structures, members: list[list[int]]) -> dict[str, Floats]:
     """What has to do with masses and energies, in the coordinates (q, s)."""
     n = len(rows)
     pull, curve = load_of(rows, structures)
     ball, none = rows["ball_mass"][:, None, None], np.zeros((n, 2))
     give = structures.shape / structures.mass[:, None, :]
     mass, spring = _energies(structures, ball, pull, curve)
-    still = swinging(structures, pull, curve, ball, members_of(rows, structures))
+    still = swinging(structures, pull, curve, ball, members)
     return {
         "mass": mass,
         "spring": spring,
