@@ -50,7 +50,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
     solved = _solved(Asked(key, source))
     model = solved.model
-    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model)
+    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
         model=model,
         modes=solved.at,

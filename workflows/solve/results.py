@@ -321,7 +321,7 @@ class Verdict:
             "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure"
             " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
             " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact"
-            " (ball or floor flows under the load)",
+            " (ball or floor yields fully under the load)",
         ),
     ]
 
