@@ -221,6 +221,14 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
         assert f"along axis {axis} it measures {side} mm, and the structure is {thick} mm thick there" in text
 
 
+def test_check_gives_a_place_without_what_rounding_leaves_of_it(bricks, spindamp):
+    """The middle of the tip face is given to the nanometre."""
+    on_bricks(bricks, "at = [0.25, 0.0, 0.0]", "at = [0.25, 1e-11, -1e-11]")
+    said = spindamp("check", bricks / "bricks.toml").out
+    assert "# Place (250, 0, 0) mm, " in said
+    assert "; load along (1, 0, 0)\n" in said
+
+
 def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(bricks):
     """Its frequency at another is not known."""
     source = on_bricks(bricks, 'rolling_friction = "0.02 mm"', 'rolling_friction = "1 mm"')
