@@ -15,6 +15,7 @@ from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import percent, significant
+from workflows.scene.damper import Damper
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
@@ -86,6 +87,7 @@ class SpaceStructure:
         sha256: of the files.
         coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
             not known.
+        root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
     """
 
     model: ModalModel
@@ -95,6 +97,7 @@ class SpaceStructure:
     remarks: tuple[str, ...]
     sha256: str | None
     coriolis: Callable[[float], Floats] | None = None
+    root_stress: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -117,6 +120,7 @@ class SpaceStructure:
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
             modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names[: scene.rotor.modes])),
+            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -689,8 +693,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
         direction = bending_direction(model, at, modes) if given is None else np.array(given, dtype=np.float64)
         seen = floor(model, at, modes, direction)
     except NoMotion as error:
-        key = "[damper] at" if damper.direction is None else "[damper] direction"
-        raise BadInput(str(error), file=source.name, key=key, value=value) from error
+        key, odd = ("at", value) if damper.direction is None else ("direction", list(damper.direction))
+        raise BadInput(str(error), file=source.name, key=f"[damper] {key}", value=odd) from error
     if damper.housing is None and max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
         raise BadInput(problem, file=source.name, key="[damper] cavity", value=list(damper.cavity))
@@ -701,6 +705,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
             f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
+    remarks += _misfits(damper, model, at, seen)
     lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction).slope[0, 0])
@@ -718,6 +723,20 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
             f" uncertain by {percent(abs(spread / slope))} %: it is {at.how}."
         )
     return Seat(at, direction, pull(model, at)), tuple(remarks)
+
+
+def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
+    """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
+    from fem.modal_model import thickness
+
+    middle = at.point - damper.radius * seen.normal
+    room = [thickness(model, middle, axis) for axis in seen.axes]
+    return [
+        f"Unless the mesh has the cavity cut or housed, it does not fit: along axis {axis} it measures"
+        f" {significant(1e3 * side)} mm, and the structure is {significant(1e3 * thick)} mm thick there."
+        for axis, (side, thick) in enumerate(zip(damper.cavity, room, strict=True), 1)
+        if thick is not None and side >= thick
+    ]
 
 
 _OFF = 1e-4
