@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fem import linalg
+from tests.perturbed.__main__ import trial
 from tests.perturbed.cases import CASES
-from tests.perturbed.trial import trial
 
 
 @pytest.mark.hard(

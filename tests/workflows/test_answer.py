@@ -461,7 +461,8 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
 def test_a_run_without_pictures_knows_what_a_given_mesh_endures() -> None:
     """The shapes of the modes are drawn or not; the strength of the root is judged in either case."""
     quiet, source = Stages(visible=False), workflows.load(HOLED)
-    holed = source.changed(accuracy=source.scene.accuracy.model_copy(update={"frequency": 0.5}))
+    slow = source.scene.rotor.model_copy(update={"speeds": source.scene.rotor.speeds[:1], "modes": 2})
+    holed = source.changed(accuracy=source.scene.accuracy.model_copy(update={"frequency": 0.5}), rotor=slow)
     drawn, undrawn = (
         limits.endured(pipeline.structure(holed, quiet, shapes=shapes).results()) for shapes in (True, False)
     )

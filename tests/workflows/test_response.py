@@ -405,9 +405,8 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps():
     assert study.is_beyond(found, strong)
     assert not study.is_beyond(found, best)
     first, nowhere, added = report.sentences(found)
-    assert first.startswith(
-        f"At engine order 3 (1751 rpm, flap mode): up to {100 * (1 - best.ratio):.2g} % less vibration"
-    )
+    rpm, less = found.passed[0].crossing.rpm, 100 * (1 - best.ratio)
+    assert first.startswith(f"At engine order 3 ({rpm:.0f} rpm, flap mode): up to {less:.2g} % less vibration")
     assert first.endswith("Not useful at 20 N: such levels overstress the root.")
     assert nowhere.startswith("Engine order 50 meets no mode between 1200 and 2600 rpm; it would meet the first near")
     assert f"{best.force:g} N is followed" in added
