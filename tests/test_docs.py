@@ -142,7 +142,7 @@ ANSWERS = {
         ("fem/meshes/mesh_sequence.py", "def graded"),
         ("workflows/scene/plate_mesh.py", "def planform"),
     ],
-    "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
+    "Where is the tip mass put into the matrices?": [("fem/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
         ("workflows/solve/results.py", 'quantity("J", "lost to rolling'),
     ],

@@ -24,7 +24,7 @@ from scipy.linalg import polar
 
 from fem.linalg import lowest_modes
 from fem.modal_model import ModalModel, ModesAtSpeed, lagrange
-from fem.modes.real import solve_real
+from fem.modes import solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, tangent
 

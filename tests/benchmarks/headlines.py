@@ -25,8 +25,8 @@ from workflows.errors import SpindampError
 from workflows.io import serialise
 from workflows.report import verdict
 from workflows.solve.excitation import HELPS
+from workflows.studies import response_report as of_response
 from workflows.studies.design import report as of_design
-from workflows.studies.response import report as of_response
 
 Table = dict[str, Any]
 

@@ -21,10 +21,10 @@ from fem import (
     rectangle,
     solve_modes,
 )
+from fem.assembly import point_rows, transfer
 from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
-from fem.operators.assembly import point_rows, transfer
 from fem.theory.fields import gram
 from fem.theory.finite_rotation import Section
 from fem.theory.registry import discretise

@@ -12,7 +12,7 @@ import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED
-from workflows.studies.comparison import report
+from workflows.studies import comparison as report
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,8 @@ from workflows.scene.scene import Accuracy
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
-from workflows.studies.work_precision import effects_report, report, timing
+from workflows.studies.work_precision import effects as effects_report
+from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
 from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
 from workflows.studies.work_precision.integration import integrate

@@ -17,9 +17,9 @@ from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.solve.excitation import held_well
+from workflows.studies import response
 from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Found, Obstacle, Scored
-from workflows.studies.response import study as response
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 

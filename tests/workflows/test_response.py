@@ -22,9 +22,10 @@ from workflows.scene.load import SHIPPED, opened
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
+from workflows.studies import response as study
+from workflows.studies import response_report as report
 from workflows.studies.design import objectives
-from workflows.studies.response import report, study
-from workflows.studies.response.study import FEW_SPEEDS, respond
+from workflows.studies.response import FEW_SPEEDS, respond
 
 STRUCTURE = """
 title = "known"
@@ -350,7 +351,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
         f"Besides the levels asked for, {best.force:g} N is followed, near where the estimate has its maximum."
     )
     assert remarks.BEYOND not in report.text(known)
-    monkeypatch.setattr(study, "endured", lambda *_: (strong.greatest + best.greatest) / 2)
+    monkeypatch.setattr(study.excitation, "endured", lambda *_: (strong.greatest + best.greatest) / 2)
     said = report.sentences(known)[0]
     assert f": up to {100 * (1 - strong.ratio):.2g} % less vibration at 20 N." in said
     marked = [line for line in report.text(known).splitlines() if remarks.BEYOND in line]
@@ -359,7 +360,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     written = report.render(known)
     assert written.count(remarks.BEYOND) == 2
     assert remarks.BEYOND_MEANS in written
-    monkeypatch.setattr(study, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
+    monkeypatch.setattr(study.excitation, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said = report.sentences(known)[0]
     assert said.startswith("At engine order 3 (4020 rpm, flap mode): not useful at the levels followed, 2, 20 and ")
 

@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from damper import ParticleDamper, Working
 from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
@@ -18,23 +20,17 @@ from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
+from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
-from workflows.studies.design.space import NAMES, Found, Scored, Space
-from workflows.studies.response import report, study
-from workflows.studies.response.study import Response
+from workflows.studies.design.space import NAMES, Floats, Found, Scored, Space
+from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.axes import Spread
 from workflows.studies.sweep.evaluate import PlateCache, measured
+from workflows.studies.sweep.plan import Spread
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from damper import ParticleDamper, Working
-    from workflows.studies.design.space import Floats, Found, Scored
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +125,8 @@ def draw(found: Designed) -> list[Picture]:
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
             shades = map_spread(len(through.forces) + 1)[:-1]
-            drawn = report.response(found.response, through, str(number), shades)
-            pictures.append(Picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
+            drawn = response_report.response(found.response, through, str(number), shades)
+            pictures.append(Picture(drawn, f"{response_report.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
         pictures.append(Picture(_map(found, found.grid), f"{caption} {_OF_THE_MAP}"))
@@ -165,7 +161,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
     axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
@@ -467,13 +463,13 @@ class Designed:
             "why": sentences(self),
         }
         if self.response is not None:
-            found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
+            found |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
         return found
 
     @property
     def confirmed(self) -> float | None:
         """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in study.rows(self.response))
+        return None if self.response is None else max(row.mean for row in rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)
@@ -528,16 +524,13 @@ def in_short(found: Designed) -> str:
 
 def render(found: Designed) -> str:
     """The page."""
-    from markupsafe import Markup
-
     return from_template(
         "design.html.j2",
-        {},
         plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
         sentences=sentences(found),
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
+        figures=draw(found),
         toml=found.toml,
         evaluations=formatting.fixed(found.found.evaluations),
     )

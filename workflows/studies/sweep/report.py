@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
+from workflows.io.folder import whole_file
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
-from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -556,8 +555,9 @@ def write(data: xr.Dataset, out: Path) -> None:
     """
     page = render(data)
     with store.writing(out):
-        store.write_whole(out / "sweep.json", f"{dumps(data)}\n".encode())
-        store.write_whole(out / "report.html", page.encode())
+        for name, text in (("sweep.json", f"{dumps(data)}\n"), ("report.html", page)):
+            with whole_file(out / name) as fresh:
+                fresh.write_text(text, encoding="utf-8")
 
 
 def dumps(data: xr.Dataset) -> str:
@@ -567,19 +567,16 @@ def dumps(data: xr.Dataset) -> str:
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    from markupsafe import Markup
-
     found = document(data)
     return from_template(
         "sweep.html.j2",
-        {"significant": formatting.significant, "fixed": formatting.fixed},
         plots.shades_css(SHADES),
         found=found,
         best=_best_line(data, found),
         headline=headline(data, found),
         doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
         spreads=_spreads(data) if "ST" in data else {},
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(data)],
+        figures=draw(data),
         code=json.loads(data.attrs["code"]),
     )
 
