@@ -51,9 +51,15 @@ def sticks(axis: Record, ball: Record) -> bool:
 
 @kernel
 def rubbing(w: float, normal: float, mass: float, ball: Record) -> float:
-    """Relative velocity along a wall after a hit with this normal impulse: friction at most ends it, eq. (11)."""
+    """Relative velocity along a wall after a hit with this normal impulse: friction at most ends the sliding.
+
+    The impulse P turns the ball about the vertical too: the sliding loses (1/mass + 5/2m) P, that is all of it where P
+    is 2/7 of what stops the centre, at a wall at rest. The floor's pivoting friction then stops that spin. The paper's
+    eq. (11) stops the centre.
+    """
+    most = abs(w) / (1.0 + ball.wall_spin * mass / ball.mass)
     change = ball.friction * normal / mass
-    return 0.0 if change >= abs(w) else w - math.copysign(change, w)
+    return w - math.copysign(min(change, most), w)
 
 
 @kernel

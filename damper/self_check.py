@@ -150,8 +150,8 @@ LEVEL = {
     ),
 }
 LINEAR = {
-    "tilting, hollow floor": Motion(_TILTING, (1.0, 0.4), 6, {"hits": 19, "energy left": 0.84847096236}),
-    "three modes": Motion(_COUPLED, (0.0, 0.0), 5, {"hits": 19, "energy left": 0.63555291656}, None, (0.8, 0.5, 0.3)),
+    "tilting, hollow floor": Motion(_TILTING, (1.0, 0.4), 6, {"hits": 23, "energy left": 0.83789618141}),
+    "three modes": Motion(_COUPLED, (0.0, 0.0), 5, {"hits": 21, "energy left": 0.6307570328}, None, (0.8, 0.5, 0.3)),
     "harmonic force": Motion(
         _DAMPED, (0.6, 0.0), 6, {"hits": 11, "energy left": 0.94540234479, "work": 1.46256317602}, _PUSH
     ),

@@ -51,6 +51,7 @@ BALL = record(
     ("restitution", "f8"),
     ("restitution_by_speed", "f8", (PAIRS, 2)),
     ("friction", "f8"),
+    ("wall_spin", "f8"),  # 5/2: what an impulse at the rim gives the surface by spin over what it gives; 0 as printed
     ("sticking_ratio", "f8"),
     ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
 )
@@ -191,6 +192,7 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
     for name in ("restitution", "restitution_by_speed", "friction", "sticking_ratio"):
         balls[name] = rows[name]
+    balls["wall_spin"] = np.where(rows["printed"], 0.0, 5 / 2)
     balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
     return balls
 

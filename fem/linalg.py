@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -39,7 +40,7 @@ PATIENCE = 6
 LARGEST = (200, 10)
 """Vectors at which a basis counts as too large: so many, and so many more for each mode."""
 
-LARGE = 2e7
+LARGE = 1e7
 """Numbers in a factor from which on it is too large for a second copy of it."""
 
 GLANCE = 0.05
@@ -70,7 +71,7 @@ class Factor:
         """Solution for one (n,) or several (n, k) right-hand sides."""
         return np.asarray(self.lu.solve(right))
 
-    @property
+    @cached_property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
 

@@ -189,7 +189,7 @@ def newton(
     before, ahead = np.inf, None
     for number in range(ITERATIONS):
         stressed = operators.stressed(state)
-        residual = _unbalanced(operators, load, state, stressed)
+        residual = unbalanced(operators, load, state, stressed)
         if not np.isfinite(residual).all():  # further than the theory reaches
             return None
         factor = operators.solver(_stiffness(operators, load, stressed, ahead))
@@ -231,7 +231,7 @@ def _again(
     having come down. Returns the state and whether it has come so far.
     """
     while True:
-        residual = _unbalanced(operators, load, state, operators.stressed(state))
+        residual = unbalanced(operators, load, state, operators.stressed(state))
         step = factor.solve(residual)
         following = float(abs(step @ residual))
         if not following <= STILL_GOOD * energy:
@@ -241,7 +241,7 @@ def _again(
             return state, True
 
 
-def _unbalanced(operators: Body, load: float, state: Array, stressed: StressedBody) -> Array:
+def unbalanced(operators: Body, load: float, state: Array, stressed: StressedBody) -> Array:
     """Force (n,) that is not balanced at a state under load times the unit load."""
     residual = load * operators.load - stressed.force()
     if operators.softening is not None:

@@ -67,9 +67,9 @@ class Choice:
         """Whether the estimates are known and within the tolerance; otherwise the finest mesh allowed was taken."""
         return bool(self.errors.max() <= self.tolerance)
 
-    def errors_at(self, omega: float) -> Array:
-        """Estimated relative errors (count,) at a speed in rad/s, between the probes linear in its square."""
-        return np.array([np.interp(omega**2, self.probes**2, column) for column in self.errors.T])
+    def errors_at(self, omega: Array) -> Array:
+        """Estimated relative errors (k, count) at speeds (k,) in rad/s, between the probes linear in their square."""
+        return np.stack([np.interp(omega**2, self.probes**2, column) for column in self.errors.T], axis=-1)
 
 
 def choose_mesh(

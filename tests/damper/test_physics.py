@@ -81,18 +81,44 @@ def test_one_impact(e: float, mass_ratio: float) -> None:
     assert run.energy.impact == pytest.approx(0.5 * reduced * (1 - e**2) * w0**2, rel=1e-12, abs=1e-300)
 
 
-@pytest.mark.parametrize(("mu", "slides"), [(0.1, True), (5.0, False)])
-def test_oblique_impact(mu: float, slides: bool) -> None:
-    """Eqs. (10)-(11): the tangential impulse is mu times the normal one, capped where sliding ends."""
-    damper = ParticleDamper(3.0, (1e-12, 1e-12), 1.0, 1e-3, (0.022, 0.202), 0.0, 0.5, friction=mu)
+@pytest.mark.parametrize("mu", [0.05, 5.0])
+@pytest.mark.parametrize("load", [0.0, 1e-6, 1e-6 + 1e-9j])
+def test_oblique_impact(mu: float, load: complex) -> None:
+    """A rough sphere against a wall (Keller, J. Appl. Mech. 53 (1986) 1): Newton's and Euler's laws with Coulomb's.
+
+    Friction acts at the rim: m v' = m v - P, M V' = P, 2/5 m r² w' = r P about the vertical, until the sliding ends,
+    v' - V' - r w' = 0, or up to mu times the normal impulse. The floor, tilting or not, has no time to act.
+    """
+    m, structure, r, e, speed, along = 1.0, 3.0, 1e-3, 0.5, 1.0, 0.5
+    damper = ParticleDamper(
+        structure, (1e-12,) * 2, m, r, (0.022, 0.202), load.real, e, mu, floor_tilt=(load.imag, load.imag)
+    )
     period = 2 * math.pi / damper.stuck_frequency
-    wx, wy = 1.0, 0.5
-    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(wx, wy), keep_events=True)
+    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(speed, along), keep_events=True)
     after = sample(run, run.duration)
-    change = mu * 1.5 * wx
-    assert after.relative_velocity[0, 1] == pytest.approx(wy - change if slides else 0.0, abs=1e-12)
-    momentum = 4.0 * after.velocity[0, 1] + after.relative_velocity[0, 1]
-    assert momentum == pytest.approx(1.0 * wy, rel=1e-12)
+    laws = np.array([[m, 0, 0, 1], [0, structure, 0, -1], [0, 0, 0.4 * m * r, -1], [1, -1, -r, 0]])
+    ball, wall, turning, impulse = np.linalg.solve(laws, [m * along, 0, 0, 0])
+    normal = (1 + e) * speed / (1 / m + 1 / structure)
+    if impulse > mu * normal:
+        impulse = mu * normal
+        ball, wall, turning = along - impulse / m, impulse / structure, impulse / (0.4 * m * r)
+    assert after.relative_velocity[0, 1] == pytest.approx(ball - wall, rel=1e-6)
+    assert after.velocity[0, 1] == pytest.approx(wall, rel=1e-6)
+    lost = 0.5 * (m * (along**2 - ball**2) - structure * wall**2 - 0.4 * m * (r * turning) ** 2)
+    assert lost >= 0
+    spun = 0.2 * m * (along**2 - (ball - wall) ** 2) if load else 0.0  # a ball on a floor rolls on at its new velocity
+    booked = 0.5 * (m * (along**2 - ball**2) - structure * wall**2) + spun
+    across = 0.5 * (1 - e**2) * speed**2 / (1 / m + 1 / structure) + (0.2 * m * (1 - e**2) * speed**2 if load else 0.0)
+    assert run.energy.impact == pytest.approx(booked + across, rel=1e-6)
+
+
+def test_the_printed_friction_stops_the_centre() -> None:
+    """Eq. (11): rough enough walls leave no velocity along them."""
+    damper = ParticleDamper(3.0, (1e-12,) * 2, 1.0, 1e-3, (0.022, 0.202), 1e-6, 0.5, 5.0)
+    damper = dataclasses.replace(damper, formulation=Formulation.PRINTED)
+    period = 2 * math.pi / damper.stuck_frequency
+    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(1.0, 0.5), keep_events=True)
+    assert sample(run, run.duration).relative_velocity[0, 1] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(("e", "least"), [(0.3, 0.32427), (0.6, 0.15718), (0.8, 0.07056)])

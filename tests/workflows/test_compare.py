@@ -72,7 +72,7 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
 
 
 def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
-    with pytest.raises(BadInput, match="two runs at least"):
+    with pytest.raises(BadInput, match="at least two runs"):
         spindamp.compare(soft_and_stiff[0])
     with pytest.raises(BadInput, match="holds no run"):
         spindamp.compare(soft_and_stiff[0], tmp_path)

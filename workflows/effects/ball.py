@@ -122,7 +122,7 @@ def _floor_tilt(case: Case) -> Called:
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
-    at = f"{whole(in_rpm(omega))} rpm" + (", reckoned as on a beam" if scene.given is None else "")
+    at = f"{whole(in_rpm(omega))} rpm" + (", estimated for a beam" if scene.given is None else "")
     said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {said}")
@@ -188,7 +188,7 @@ def _structural_modes(case: Case) -> Called:
     if damper.formulation == "printed":
         return Called(False, PRINTED)
     if plate is None:
-        return Called(True, "the modes are known, and move the cavity along both of its axes")
+        return Called(True, "the modes are known: each moves the cavity along its axes as it does")
     released = () if release is None else (release.displacement, release.acceleration)
     if any(pair is not None and pair[1] != 0.0 for pair in released):
         return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
@@ -258,8 +258,9 @@ def _cavity_mass(case: Case) -> Called:
         return Called(False, HOUSED)
     beam, mass = beam_like(scene, case.form), scene.material.density * damper.cut
     shift = mass / (2 * (SHARE * beam.mass + scene.point_mass))
-    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate, about {significant(100 * shift, 2)} %"
-    return Called(shift > scene.budget.rough_shift, f"{why} of its lowest frequency, if they are at its tip")
+    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate: at its tip that raises"
+    percent = significant(100 * shift, 2)
+    return Called(shift > scene.budget.rough_shift, f"{why} the first frequency by about {percent} %")
 
 
 def _cavity_refused(scene: Scene) -> Refusal | None:
@@ -280,7 +281,7 @@ def _cavity_assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
     if not on:
         return Assumption("The plate is as heavy as if no cavities were cut into it.", "ours")
     return Assumption(
-        "The metal of the cavities is taken out of what is nearest to the damper's place; the stiffness stays.", "ours"
+        "The metal nearest to the damper's place lacks the volume of the cavities; its stiffness is kept.", "ours"
     )
 
 

@@ -91,10 +91,8 @@ class Damper(Table):
         """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
         given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise fault(
-                given[0] if given else "mass_ratio",
-                f"expected one of mass_ratio, mass, ball_density and ball_material{': leave one out' * bool(given)}",
-            )
+            ways = "expected one of mass_ratio, mass, ball_density and ball_material"
+            raise fault(given[0] if given else "mass_ratio", f"{ways}{': leave one out' * bool(given)}")
         if self.ball_density is not None:
             materials.dense_enough("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
@@ -105,8 +103,8 @@ class Damper(Table):
             if side < 2 * self.radius * (1 - ROUNDING):
                 raise fault(
                     "cavity",
-                    f"a ball of radius {self.radius:g} m does not fit: expected sides of at least"
-                    f" {2 * self.radius:g} m",
+                    f"a ball of radius {_mm(self.radius)} does not fit: expected sides of at least"
+                    f" {_mm(2 * self.radius)}",
                 )
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
@@ -116,7 +114,7 @@ class Damper(Table):
         if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
             raise fault(
                 "rolling_friction",
-                f"expected a length of at most the ball's radius, {self.radius:g} m: over it, this is the coefficient",
+                f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}",
             )
         return self
 

@@ -199,12 +199,17 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: q.Line = Field(description="mesh file: tetrahedra, hexahedra or wedges, of second order rather than of first")
+    mesh: q.Line = Field(
+        description="file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"
+    )
     unit: q.LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
     root: q.Line | None = Field(
         None,
         description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
         " as '100 mm'; default: the innermost face",
+    )
+    size: Annotated[q.Length, q.Positive] | None = Field(
+        None, description="of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"
     )
 
     @model_validator(mode="after")

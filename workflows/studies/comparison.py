@@ -65,7 +65,7 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
         NoAnswer: a scene has none.
     """
     if len(runs) < 2:
-        raise BadInput("expected two runs at least: folders of results, or scenes", key="compare")
+        raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
     results = [_of(each, stages) for each in runs]
     titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]

@@ -241,7 +241,7 @@ def sentences(found: Response) -> list[str]:
     added = [level for level in found.excitation.levels if level not in found.asked]
     if added:
         levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
-        said.append(f"Besides the levels asked for, {levels} followed, near where the estimate has its maximum.")
+        said.append(f"{levels} added to the levels asked for, near the maximum of the estimate.")
     ends = [through for through in found.passed if _at_the_end(through)]
     for through in ends:
         said.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")

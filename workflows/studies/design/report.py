@@ -216,9 +216,9 @@ def amplitude_verdict(found: Found) -> str:
     """The answer in a line."""
     scored = found.scored
     if not scored.works:
-        return "No damper of these helps at the crossings"
+        return "No design in this space reduces the vibration at the crossings"
     cut = significant(100 * (1 - scored.value / scored.without), 2)
-    more = f", and more than the plate endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
+    more = f", and more than the structure endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
     return (
         f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper{more}"
     )
@@ -235,7 +235,7 @@ def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
         part = significant(100 * (scored.without - scored.value) / (scored.without - scored.bound), 2)
         lines.append(
             f"No ball of this mass in this room can bring it below {_mm(scored.bound)} mm: its way in the cavity is too"
-            f" short to hold the rest of the force. Of what is conceivable, it does {part} %."
+            f" short to balance more of the force. It achieves {part} % of the conceivable reduction."
         )
     else:
         lines.append(
@@ -256,16 +256,16 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
             f" Whatever it did, a ball of its mass in its room could take no more than {able} %: a larger mass or room"
             " is needed."
         ]
-        return [*lines, f"The best of {found.evaluations} designs tried has {best(space, found)}."]
+        return [*lines, f"The best of {found.evaluations} designs evaluated has {best(space, found)}."]
     if not math.isfinite(scored.grows):
-        return [f"{place} the tilt of the floor takes all of what would drive a ball."]
+        return [f"{place} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"{place} the structure vibrates by {_mm(scored.without)} mm, and the load holds every ball at rest up to"
         f" {significant(scored.grows, 3)} times as much or more."
     ]
     if damper is not None and isinstance(damper.rolling_friction, float) and damper.rolling_friction > 0:
         lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
-    return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
+    return [*lines, f"The ball of {found.evaluations} designs evaluated that moves first has {best(space, found)}."]
 
 
 def _to_roll(friction: float, share: float, instead: str) -> str:
@@ -288,10 +288,15 @@ def damping_verdict(found: Found, goal: LeastDamping) -> str:
     """The answer in a line."""
     scored = found.scored
     if not scored.works:
-        return "No damper of these works over the whole range"
+        return "No design in this space damps over the whole range of amplitudes"
     grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
-    limit = f", where the plate endures it: up to {significant(1e3 * scored.endured)} mm" * (goal.high > scored.endured)
-    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade{limit}"
+    limit = f", where the structure endures it: up to {significant(1e3 * scored.endured)} mm" * (
+        goal.high > scored.endured
+    )
+    return (
+        f"The best design adds an equivalent damping ratio of at least {_percent(scored.value)} %, {grade} gives a"
+        f" blade{limit}"
+    )
 
 
 def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:
@@ -316,8 +321,8 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
     lines += _carried(scored)
     if space.source.scene.excitation is not None:
         lines.append(
-            "[design] amplitude is what designs were compared by; without it, it is the amplitude at the crossings that"
-            " [excitation] makes."
+            "Designs were compared by their least damping over [design] amplitude; without that key, they are compared"
+            " by the amplitude at the crossings of [excitation]."
         )
     return lines
 
@@ -341,7 +346,7 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
     """Why nothing works, from the design that comes nearest."""
     scored, damper = found.scored, space.source.scene.damper
     if not math.isfinite(scored.cutoff):
-        return [f"At {_speed(scored.speed)} the tilt of the floor takes all of what would drive a ball."]
+        return [f"At {_speed(scored.speed)} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
@@ -350,7 +355,7 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
     if isinstance(given, float) and given > 0 and scored.cutoff > goal.low:
         share = goal.low / scored.cutoff
         lines.append(_to_roll(given, share, "a least amplitude above the cut-off"))
-    return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
+    return [*lines, f"The lowest cut-off of {found.evaluations} designs evaluated has {best(space, found)}."]
 
 
 def _percent(ratio: float) -> str:
@@ -369,7 +374,7 @@ def sentences(designed: Designed) -> list[str]:
     if not scored.works:
         return _why_none(space, found)
     lines = [
-        f"The best of {found.evaluations} designs tried: {best(space, found)}; its balls weigh"
+        f"The best of {found.evaluations} designs evaluated: {best(space, found)}; its balls weigh"
         f" {significant(1e3 * scored.mass)} g."
     ]
     if isinstance(goal, LeastDamping):
@@ -379,9 +384,9 @@ def sentences(designed: Designed) -> list[str]:
     what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
     for each in designed.holds:
         gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
-        lines.append(f"What holds it: {each.said}{gain}.")
+        lines.append(f"Limited by: {each.said}{gain}.")
     if not designed.holds:
-        lines.append("No limit holds it: the best lies inside all ranges.")
+        lines.append("No limit is active: the best design lies inside all ranges.")
     return lines
 
 

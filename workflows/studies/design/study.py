@@ -174,7 +174,7 @@ def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
     return best, scored
 
 
-_GOES_ON = "the designs tried so far are kept; the same command goes on"
+_GOES_ON = "the designs evaluated so far are kept; the same command resumes"
 
 _PART = 4
 """Designs that a worker takes at a time."""

@@ -181,14 +181,14 @@ _OF_A_RING_DOWN = tuple(each.name for each in serialise.quantities(Damping) if e
 QUANTITIES = (
     *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind == "integer" else "f8") for each in _OF_A_RUN),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
-    Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures; none without a verdict"),
+    Quantity("best_damping_ratio", "1", "largest damping ratio that the structure endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
 """Columns in the order of files."""
 
 HEADLINE = "best_damping_ratio"
-"""What the best point has most of: the damping ratio within what the plate endures."""
+"""What the best point has most of: the damping ratio within what the structure endures."""
 
 _REASON = ("reason", "i4")
 

@@ -181,7 +181,7 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
         if idle.size and idle.size < data.sizes[name]:
             found += (
                 f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
-                " the plate endures."
+                " the structure endures."
             )
     if not varies(data, "cutoff", (x, y)):
         ends = []
@@ -331,10 +331,10 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
     air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
     of_maps = (
         "; dashed where the ball does as much as the least of that, and a tenth of it. Hatched: nothing at any"
-        " amplitude that the plate endures, or no verdict. The cross is where it does most"
+        " amplitude that the structure endures, or no verdict. The cross is where it does most"
     )
     about = {
-        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the plate"
+        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the structure"
         f" endures. {air}{of_maps * (len(used) > 2)}.",
         "cutoff": "Below this amplitude the load holds the ball at rest.",
     }
@@ -507,7 +507,7 @@ def headline(data: xr.Dataset, found: dict[str, Any]) -> str:
     if found["best"] is not None:
         return spread(data) if "ST" in data and _is_spread(data) else ""
     if found["without_answer"] + found["without_verdict"] < found["points"]:
-        return "No ball takes anything at an amplitude that the plate endures"
+        return "No ball takes anything at an amplitude that the structure endures"
     return "No point has a verdict" if found["without_verdict"] else "No point has an answer"
 
 

@@ -231,6 +231,8 @@ def _switched(
     on = decided[name].on
     row = Switched(name, called_for, why, on)
     belongs_to = EFFECTS[name].of
+    if belongs_to == "plate" and source.scene.blade is not None:
+        return replace(row, failed="solid blades are solved one way alone")
     if getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
     switches, together = _switches(name, decided)

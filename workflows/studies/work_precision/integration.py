@@ -196,11 +196,11 @@ class _Integration:
         other = 1 - axis
         slide = self.y[4 * other + 3]
         if self.moves[other] and self.mu > 0 and slide != 0:
-            most = abs(slide) * m / (1 + m)
+            most = abs(slide) * m / (1 + m if self.printed else 3.5 + m)  # the ball turns about the vertical, too
             tangential = math.copysign(min(self.mu * abs(impulse), most), slide)
             self.y[4 * other + 1] += tangential
             self.y[4 * other + 3] -= tangential * (1 + m) / m
-            if self.mu * abs(impulse) >= most:
+            if self.printed and self.mu * abs(impulse) >= most:
                 self.settle(other)
 
     def energy(self) -> float:
