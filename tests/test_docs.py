@@ -149,7 +149,7 @@ ANSWERS = {
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
     "Where is the law of impact?": [
-        ("damper/impacts.py", "def level_hit"),
+        ("damper/impacts.py", "def hit"),
         ("damper/laws.py", "def check_hits"),
         ("workflows/studies/work_precision/integration.py", "self.e"),
     ],

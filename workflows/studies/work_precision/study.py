@@ -82,7 +82,7 @@ def damper_study(
         tuple(replace(row, uncertainty=apart) for row in rows),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
-    return study, Choice("exact events", "closed form between events, roots to rounding", rounding, apart)
+    return study, Choice("exact events", "power series between events, roots to rounding", rounding, apart)
 
 
 def _damper_rows(
