@@ -18,7 +18,6 @@ from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, re
 from workflows import pipeline
 from workflows.effects import ball, plate, selection
 from workflows.effects.selection import EFFECTS
-from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.pipeline import run
 from workflows.progress import Stages
@@ -202,12 +201,6 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     assert not any(effect.on for effect in smooth.values())
 
 
-def test_a_staggered_plate_calls_for_large_deflection(paper: Scene) -> None:
-    assert selection.resolve(parse(changed(paper, rotor__stagger="45 deg")))["large_deflection"].on
-    slower = changed(paper, rotor__stagger="90 deg", rotor__speeds=["10000 rpm"])
-    assert not selection.resolve(parse(slower))["large_deflection"].on
-
-
 @pytest.mark.parametrize(
     ("accuracy", "rpm", "on", "moved"),
     [
@@ -270,15 +263,6 @@ def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
     assert on["stress_stiffening"].on
 
 
-def test_nothing_spins_is_the_reason_at_rest(paper: Scene) -> None:
-    still = changed(paper, rotor__speeds=[0], rotor__stagger="30 deg")
-    decided = selection.resolve(parse(still))
-    for name in ("stress_stiffening", "spin_softening", "coriolis", "large_deflection"):
-        assert (decided[name].on, decided[name].why) == (False, "nothing spins")
-    asked = selection.resolve(parse(changed(still, effects__coriolis=True)))["coriolis"]
-    assert (asked.on, asked.why) == (True, "asked for by the scene, although nothing spins")
-
-
 @pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
 def test_a_mesh_file_is_read_once(
     command: list[str], paper: Scene, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -323,21 +307,6 @@ def test_words_of_an_effect_are_its_own(name: str) -> None:
     assert words.count(EFFECTS[name].word) == 1
     assert EFFECTS[name].part_of in {"", *EFFECTS}
     assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
-
-
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        ("ball_slip", {"damper__friction": 0}),
-        ("ball_slip", {"damper__formulation": "printed"}),
-        ("structural_modes", {}),
-        ("coriolis", {}),
-    ],
-)
-def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
-    scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
-    with pytest.raises(BadInput, match=rf"{name}|friction"):
-        selection.resolve(scene, "scene.toml")
 
 
 def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
