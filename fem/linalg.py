@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    Array = NDArray[np.float64]
-
+Array = NDArray[np.float64]
 
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""
@@ -40,7 +40,7 @@ PATIENCE = 6
 LARGEST = (200, 10)
 """Vectors at which a basis counts as too large: so many, and so many more for each mode."""
 
-LARGE = 2e7
+LARGE = 1e7
 """Numbers in a factor from which on it is too large for a second copy of it."""
 
 GLANCE = 0.05
@@ -71,7 +71,7 @@ class Factor:
         """Solution for one (n,) or several (n, k) right-hand sides."""
         return np.asarray(self.lu.solve(right))
 
-    @property
+    @cached_property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
 
@@ -93,12 +93,10 @@ class Solver(Protocol):
 
     def solve(self, right: Array) -> Array:
         """Solution for one (n,) or several (n, k) right-hand sides."""
-        ...
 
     @property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix is known to have, once it has solved."""
-        ...
 
 
 INNER = 30

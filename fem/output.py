@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.assembly import Operators, point_rows
+from fem.linalg import Array
 from fem.modal_model import ModalModel, ModesAtSpeed
-from fem.operators.assembly import point_rows
 from fem.reduction.modal import drawn_rows
+from fem.sweep.campbell import Campbell
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-    from fem.sweep.campbell import Campbell
-
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,15 +124,21 @@ def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
 
 def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -> Array:
     """Displacements (count, points, 3), means of what the cells say."""
+    from scipy.sparse import coo_array
+
     padded = np.concatenate([shapes, np.zeros((1, shapes.shape[1]))])
     cells = np.arange(len(numbers))
-    moved = np.zeros((int(numbers.max()) + 1, 3, shapes.shape[1]), dtype=padded.dtype)
-    for j, place in enumerate(grid.points):
-        at = np.repeat(place[:, None], cells.size, axis=1)
-        for k, space in enumerate(operators.model.spaces):
-            weights, dofs = space.probe(cells, at)
-            np.add.at(moved[:, k], numbers[:, j], np.einsum("cd,cds->cs", weights, padded[dofs]))
-    times = np.bincount(numbers.ravel(), minlength=len(moved))
+    count = int(numbers.max()) + 1
+    moved = np.zeros((count, 3, shapes.shape[1]), dtype=padded.dtype)
+    for k, space in enumerate(operators.model.spaces):
+        probes = [space.probe(cells, np.repeat(place[:, None], cells.size, axis=1)) for place in grid.points]
+        weights, dofs = (np.stack(each, axis=1) for each in zip(*probes, strict=True))  # (cells, places, functions)
+        rows = np.broadcast_to(numbers[:, :, None], dofs.shape)
+        total = coo_array(
+            (weights.ravel(), (rows.ravel(), dofs.ravel() % len(padded))), shape=(count, len(padded))
+        ).tocsr()
+        moved[:, k] = total @ padded
+    times = np.bincount(numbers.ravel(), minlength=count)
     return np.moveaxis(moved / times[:, None, None], -1, 0)
 
 

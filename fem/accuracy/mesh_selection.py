@@ -7,27 +7,17 @@ little to the mesh it ends with.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.accuracy.error_estimates import Estimates
+from fem.accuracy.error_estimates import Estimates, Tried
 from fem.accuracy.tolerances import EXACT, FIRST, SURE
-from fem.accuracy.trial_meshes import Tried
-from fem.meshes.mesh_sequence import begun_with
+from fem.assembly import Operators
+from fem.linalg import Array
+from fem.meshes.mesh_sequence import Planform, begun_with
 from fem.theory.registry import Kind, kind, theory_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from fem.meshes.mesh_sequence import Planform
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
-
 
 MARGIN = 1.25
 """Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""
@@ -77,9 +67,9 @@ class Choice:
         """Whether the estimates are known and within the tolerance; otherwise the finest mesh allowed was taken."""
         return bool(self.errors.max() <= self.tolerance)
 
-    def errors_at(self, omega: float) -> Array:
-        """Estimated relative errors (count,) at a speed in rad/s, between the probes linear in its square."""
-        return np.array([np.interp(omega**2, self.probes**2, column) for column in self.errors.T])
+    def errors_at(self, omega: Array) -> Array:
+        """Estimated relative errors (k, count) at speeds (k,) in rad/s, between the probes linear in their square."""
+        return np.stack([np.interp(omega**2, self.probes**2, column) for column in self.errors.T], axis=-1)
 
 
 def choose_mesh(

@@ -98,7 +98,9 @@ def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
     except MeshError:
         raise
     except SystemExit:
-        raise MeshError(f"not a mesh file that {reader.__name__} can read") from None
+        lines = [line for line in said.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))]
+        why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
+        raise MeshError(f"not a mesh file that {reader.__name__} can read{why}") from None
     except reader.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:

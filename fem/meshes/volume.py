@@ -6,8 +6,10 @@ CalculiX) that meshio stumbles over, and keeps sets of nodes and cells.
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +35,13 @@ SIZES = 2e-3, 20.0
 """Extents in m of what can be a blade: beyond, the unit is wrong."""
 
 
+NEAR = 9
+"""Faces among which one that touches a face is sought."""
+
+FACING, LEVEL = 0.99, 1e-3
+"""Cosine of the angle between faces that touch, and their distance relative to their size."""
+
+
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
     """A mesh of a volume in one piece, of cells of one order.
@@ -43,8 +52,8 @@ class VolumeMesh:
         sets: points by the names of sets.
 
     Raises:
-        MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted or not in one piece,
-            and nodes that are not finite, missing or in one place.
+        MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted, overlapping, not in
+            one piece or not face to face, and nodes that are not finite, missing or in one place.
     """
 
     points: Array
@@ -62,6 +71,7 @@ class VolumeMesh:
         self._check_pieces()
         for kind, cells in self.cells:
             _check_volumes(kind, self.points[cells])
+        self._check_faces()
 
     @property
     def size(self) -> float:
@@ -75,6 +85,11 @@ class VolumeMesh:
 
     def boundary(self) -> list[Indices]:
         """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
+        return [faces[times == 1] for faces, times in self._faces]
+
+    @cached_property
+    def _faces(self) -> list[tuple[Indices, Indices]]:
+        """Nodes around the faces (nface, nnode), and how many cells have each (nface,)."""
         rings: dict[int, list[Indices]] = {}
         for kind, cells in self.cells:
             for ring in cell(kind).faces:
@@ -83,17 +98,44 @@ class VolumeMesh:
         for parts in rings.values():
             every = np.concatenate(parts)
             _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
-            outer.append(every[first[times == 1]])
+            outer.append((every[first], times))
         return outer
 
-    def boundary_normals(self) -> tuple[Array, Array]:
-        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners."""
+    def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
+        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners.
+
+        own: which nodes (n,) all of a face's have to be; None: any.
+        """
         middles, normals = [], []
         for faces in self.boundary():
+            faces = faces if own is None else faces[own[faces].all(axis=1)]
             at = self.points[faces if self.first_order else faces[:, ::2]]
             middles.append(at.mean(axis=1))
             normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
         return np.concatenate(middles), np.concatenate(normals)
+
+    def _check_faces(self) -> None:
+        from scipy.spatial import cKDTree
+
+        shared = sum(int(np.count_nonzero(times > 2)) for _, times in self._faces)
+        if shared or not sum(len(faces) for faces in self.boundary()):
+            raise MeshError(f"{shared} faces belong to more than two cells: cells overlap, or are listed twice")
+        middles, normals = self.boundary_normals()
+        sizes = np.linalg.norm(normals, axis=1)
+        units, sizes = normals / sizes[:, None], np.sqrt(sizes)
+        # a face that looks at another from the same place, whose middle is nearer than their sizes: a crack
+        _, near = cKDTree(middles).query(middles, k=min(NEAR, len(middles)))
+        apart = middles[near] - middles[:, None]
+        opposite = np.einsum("fka,fa->fk", units[near], units) < -FACING
+        level = np.abs(np.einsum("fka,fa->fk", apart, units)) < LEVEL * sizes[:, None]
+        inside = np.linalg.norm(apart, axis=2) < 0.5 * np.maximum(sizes[near], sizes[:, None])
+        cracks = np.flatnonzero((opposite & level & inside).any(axis=1))
+        if cracks.size:
+            x, y, z = middles[cracks[0]]
+            raise MeshError(
+                f"{cracks.size} faces inside the blade touch others without sharing their nodes (hanging nodes), the"
+                f" first near ({x:.6g}, {y:.6g}, {z:.6g}) m: mesh so that cells meet face to face"
+            )
 
     @property
     def first_order(self) -> bool:
@@ -162,10 +204,15 @@ def _inside(kind: str) -> Array:
     return np.asarray(np.vstack([middle, middle + 0.57 * (nodes - middle)]))
 
 
-def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
-    """Read a volume mesh; scale: m to the unit of the file's coordinates.
+GEOMETRY = (".step", ".stp", ".iges", ".igs", ".brep")
+"""Endings of files of geometry, which is to be meshed."""
 
-    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out.
+
+def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None) -> VolumeMesh:
+    """Read a volume mesh, or mesh geometry by tetrahedra of second order (with Gmsh, where it is installed).
+
+    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out. scale: m to the unit
+    of the file's coordinates; geometry has its own. size: of the cells of geometry, in m.
 
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
@@ -176,9 +223,49 @@ def read_volume(path: str | Path, scale: float = 1.0) -> VolumeMesh:
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
+        if path.suffix.lower() in GEOMETRY:
+            return _of_raw(_meshed(path, scale, size), 1.0)
+        if size is not None:
+            raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
         return _of_raw(raw_mesh(path, meshlane, "volume"), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
+
+
+def _meshed(path: Path, scale: float, size: float | None) -> Any:
+    """What a reader gives of geometry that Gmsh has meshed, in m."""
+    import meshlane
+
+    if size is None:
+        raise MeshError("this is geometry without a mesh: give the size of its cells, or a mesh of its volume")
+    if scale != 1.0:
+        raise MeshError("geometry has a unit of its own: leave out `unit`")
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # its libraries of the system are missing
+        raise MeshError(
+            f"to mesh geometry, the package gmsh must be installed (pip install spindamp[step]): {error}"
+        ) from None
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        gmsh.model.occ.importShapes(str(path))
+        gmsh.model.occ.synchronize()
+        for name in ("Min", "Max"):
+            gmsh.option.setNumber(f"Mesh.MeshSize{name}", size)
+        gmsh.option.setNumber("Mesh.ElementOrder", 2)
+        gmsh.option.setNumber("Mesh.HighOrderOptimize", 1)
+        gmsh.model.mesh.generate(3)
+        with tempfile.TemporaryDirectory() as folder:
+            gmsh.write(str(Path(folder) / "volume.msh"))
+            return raw_mesh(Path(folder) / "volume.msh", meshlane, "volume")
+    except MeshError:
+        raise
+    except Exception as error:  # gmsh raises plain ones
+        raise MeshError(f"Gmsh cannot mesh this geometry: {' '.join(str(error).split())}") from None
+    finally:
+        gmsh.finalize()
 
 
 def _of_raw(raw: Any, scale: float) -> VolumeMesh:
@@ -198,6 +285,10 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]
+    if not np.isfinite(points).all():
+        raise MeshError(
+            f"{np.count_nonzero(~np.isfinite(points).all(axis=1))} nodes have coordinates that are not finite"
+        )
     extent = float(np.ptp(points, axis=0).max())
     if not SIZES[0] <= extent <= SIZES[1]:
         meant = "mm" if extent > SIZES[1] else "m"

@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     Rule = tuple[Array, Array]
 
 
+BENT = 0.01
+"""Displacement, relative to the mesh's extent, by which a change of stiffness is found."""
+
 AT_ONCE = 2_000_000
 """Numbers in the largest intermediate array for each of its 27 components."""
 
@@ -346,19 +349,34 @@ class SolidOperators:
             stress.append(self.stress(0.5 * (f.swapaxes(-1, -2) @ f - np.eye(3))))
         return SolidState(self, deformation, stress)
 
+    def bending(self, state: Array, shapes: Array) -> Array:
+        """What a displacement changes of the stiffnesses of shapes (n, k) about a state (n,): (n, k), in N/m per m.
+
+        The elastic energy is of fourth degree: the second difference of its forces is exact but for rounding.
+        """
+        there = self.stressed(state).force()
+        steps = BENT * self.blade.mesh.size / np.abs(shapes).max(axis=0)
+        ends = [
+            [self.stressed(state + end * step * shape).force() for end in (-1.0, 1.0)]
+            for step, shape in zip(steps, shapes.T, strict=True)
+        ]
+        return np.column_stack(
+            [(low - 2.0 * there + high) / step**2 for (low, high), step in zip(ends, steps, strict=True)]
+        )
+
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix of this pattern, whose order is good as it is."""
         return linalg.factorise(matrix, ordered=True)
 
     def solver(self, matrix: csc_array) -> Solver:
-        """What solves a stiffness: a factor; of large blades conjugate gradients with the factor known last."""
+        """What solves a stiffness: a factor, or conjugate gradients with the one known last."""
         if self.known:
             return Nearby(matrix, self.known[-1], lambda own: self.keep(self.factorise(own)))
         return self.keep(self.factorise(matrix))
 
     def keep(self, factor: Factor) -> Factor:
-        """Know a factor of a stiffness, if it is so large that others are solved by it; returns it."""
-        if factor.lu.nnz > linalg.LARGE:
+        """Know a factor of a stiffness, by which others are solved if it is positive; returns it."""
+        if not factor.negative:
             self.known[:] = [factor]
         return factor
 
@@ -394,7 +412,8 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     def through(matrix: Array) -> csc_array:
         return places.matrix(inertia[:, None, None] * matrix)
 
-    mass = through(np.eye(3))
+    mass = through(np.eye(3)).copy()
+    mass.eliminate_zeros()
     bare = SolidOperators(
         blade,
         effects,

@@ -2,14 +2,17 @@
 
 State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
 would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
-frequencies differ, and are solved at nested Chebyshev-Lobatto points of it: the two ends with factors of their own,
-those between with one factor each, by Davidson's method from the modes foretold (`fem.linalg.lowest_modes`). The
-modes at each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J.
-Sci. Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
+frequencies differ, and go through nested Chebyshev-Lobatto points of it. The first four are solved: the two ends with
+factors of their own, those between with one factor each, by Davidson's method from the modes foretold
+(`fem.linalg.lowest_modes`). At the others state and modes are sought among the modes of speeds that are solved, and
+what their states change by speed, under the stiffness that is there: what this leaves of the frequencies is known by
+its residuals, and where it is too much, the speed is solved. The modes at each are turned, within their space, to be as
+like those of one speed as they can (Amsallem and Farhat, SIAM J. Sci. Comput. 33 (2011) 2169): through these and their
+small stiffnesses the polynomials go, past crossings and veerings.
 
-How well the speeds known so far foretell those that are solved next is measured; points are added until the tolerance
-is met. The points that measured it then belong to the result too: the error that is left is taken to have fallen once
-more by ten times the factor by which it fell last, where it falls by the square of that.
+How well the speeds known so far foretell those that come next is measured; points are added until the tolerance is met.
+The points that measured it then belong to the result too: the error that is left is taken to have fallen with each of
+them as it fell with each of those before, geometrically, as such polynomials do, but for a factor of five.
 """
 
 from __future__ import annotations
@@ -22,16 +25,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import polar
 
-from fem.linalg import lowest_modes
-from fem.modal_model import ModalModel, ModesAtSpeed, lagrange
-from fem.modes.real import solve_real
+from fem.linalg import lowest_modes, orthonormal
+from fem.modal_model import TRACKED, ModalModel, ModesAtSpeed, continued, lagrange
+from fem.modes import solve_real
 from fem.solid.mesh_error import mesh_errors
-from fem.statics import check_speed, equilibrium, tangent
+from fem.statics import check_speed, equilibrium, tangent, unbalanced
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
+    from scipy.sparse import csc_array
 
     from fem.linalg import Solver
     from fem.solid.assembly import SolidOperators
@@ -42,11 +46,20 @@ if TYPE_CHECKING:
 SPARE = 2
 """Modes solved beyond those asked for, so that one that comes down with speed is known before."""
 
-FIRST = 4
+FIRST = 3
 """Parts into which Chebyshev's points divide the range at first, solved from above, where a state leads to the next."""
 
-FINEST = 16
+FINEST = 24
 """Parts into which Chebyshev's points divide the range at most."""
+
+PROJECTED = 0.1
+"""Part of the tolerance that may be left at a speed whose modes are sought among those of others."""
+
+SPREAD = 2.5
+"""What errors at the speeds known may become between them: Lebesgue's constant of some 20 Chebyshev points."""
+
+CORRECTIONS = 3
+"""Newton steps of a state among the modes of other speeds, with one stiffness."""
 
 ALONE = 3
 """Speeds up to which each is solved by itself."""
@@ -61,8 +74,8 @@ FLOOR = 1e-8
 NEIGHBOURS = 5
 """Speeds by whose states, and their slopes, another state is foretold."""
 
-CAUTION = 10.0
-"""Factor on what a point more leaves of the error: modes exchange theirs where they cross."""
+CAUTION = 5.0
+"""Factor on what more points leave of the error: modes exchange theirs where they cross."""
 
 LINEAR = 0.1
 """Growth of squared frequencies up to which a state is as good as linear in Omega²."""
@@ -146,14 +159,14 @@ class BladeSweep:
         vectors = [self.reduced(float(square**0.5))[1] for square in squares]
         tracks = [np.arange(self.count)]
         for before, after in pairwise(vectors):
-            tracks.append(_continued(before, after, tracks[-1]))
+            tracks.append(continued(before, after, tracks[-1]))
         return squares, np.array(tracks), np.array(vectors)
 
     def tracks(self, omega: float) -> NDArray[np.int64]:
         """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
         squares, tracks, vectors = self._tracks
         near = int(np.abs(squares - omega**2).argmin())
-        return _continued(vectors[near], self.reduced(omega)[1], tracks[near])
+        return continued(vectors[near], self.reduced(omega)[1], tracks[near])
 
     def weights(self, omega: float) -> Array:
         """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
@@ -161,20 +174,6 @@ class BladeSweep:
         if not low - SAME * high <= omega**2 <= (1.0 + SAME) * high:
             raise ValueError(f"the blade is solved from {low**0.5:g} to {high**0.5:g} rad/s, not at {omega:g}")
         return _weights(self.squares, omega**2, self.bend)
-
-
-def _continued(before: Array, after: Array, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Tracks of modes (q, count) that are most alike to others of which they are known."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, order = linear_sum_assignment(-np.abs(before.T @ after))
-    found = np.empty_like(tracks)
-    found[order] = tracks[rows]
-    return found
-
-
-TRACKED = 201
-"""Speeds by which modes are followed through crossings."""
 
 
 def _weights(squares: Array, square: float, bend: float) -> Array:
@@ -194,23 +193,40 @@ class _Solved:
     values: dict[float, Array] = field(default_factory=dict)
     shapes: dict[float, Array] = field(default_factory=dict)
     slopes: dict[float, Array] = field(default_factory=dict)
+    spaces: dict[tuple[float, ...], tuple[Array, Array]] = field(default_factory=dict)
 
-    def add(self, square: float, state: Array, slope: Array, values: Array, shapes: Array) -> None:
-        """Know a speed; slope: what the state (n,) changes by Omega²."""
-        self.states[square], self.slopes[square] = state, slope
-        self.values[square], self.shapes[square] = values, shapes
+    def add(self, square: float, state: Array, slope: Array | None, values: Array, shapes: Array) -> None:
+        """Know a speed; slope: what the state (n,) changes by Omega², of one that is solved."""
+        self.states[square], self.values[square], self.shapes[square] = state, values, shapes
+        if slope is not None:
+            self.slopes[square] = slope
+
+    def near(self, square: float) -> list[float]:
+        """The solved speeds nearest to another, the nearest first."""
+        low, bend = min(self.states), self.bend
+        return sorted(self.slopes, key=lambda each: abs(np.log((bend + each - low) / (bend + square - low))))[
+            :NEIGHBOURS
+        ]
+
+    def space(self, square: float, mass: csc_array) -> tuple[Array, Array]:
+        """Orthonormal vectors (n, k), and their mass, of the modes and slopes at the solved speeds near another."""
+        near = tuple(sorted(self.near(square)))
+        if near not in self.spaces:
+            some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
+            empty = np.empty((len(some), 0))
+            self.spaces = {near: orthonormal(some, empty, empty, mass)[:2]}
+        return self.spaces[near]
 
     def foretold(self, square: float) -> Array:
-        """The state (n,) at another speed, by the polynomial that has the states known and their slopes."""
+        """The state (n,) at another speed, by the polynomial that has the states solved and their slopes."""
         from scipy.interpolate import KroghInterpolator
 
         low, bend = min(self.states), self.bend
-        here = np.log1p((square - low) / bend)
         at, values = [], []
-        for each in sorted(self.states, key=lambda each: abs(np.log1p((each - low) / bend) - here))[:NEIGHBOURS]:
+        for each in self.near(square):
             at += [np.log1p((each - low) / bend)] * 2
             values += [self.states[each], self.slopes[each] * (bend + each - low)]
-        return np.asarray(KroghInterpolator(at, values)(here))
+        return np.asarray(KroghInterpolator(at, values)(np.log1p((square - low) / bend)))
 
     @property
     def bend(self) -> float:
@@ -251,22 +267,26 @@ def sweep_blade(
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(asked[0] ** 2), float(asked[-1] ** 2), known.bend
     reach = float(np.log1p((high - low) / bend))
-    parts, errors, missed = FIRST, np.full(count, np.inf), np.ones(count)
+    parts, errors, missed, had = FIRST, np.full(count, np.inf), np.ones(count), 1
     while parts <= FINEST:
-        foretelling = _gathered(operators, known, count, errors)
-        before, missed = missed, np.zeros(count)
+        foretelling, have = _gathered(operators, known, count, errors), len(known.states)
+        before, missed, left = missed, np.zeros(count), 0.0
         for k in range(parts - 1, 0, -1 if parts == FIRST else -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
             guess = foretelling.modes(square**0.5)[0]
-            _solve_between(operators, square, known, foretelling)
+            off = _project(operators, square, known, foretelling)
+            if not off <= PROJECTED * tolerance:
+                _solve_between(operators, square, known)
+                off = 0.0
+            left = max(left, off)
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
             if progress is not None:
                 progress(len(known.states))
-        falling = float(missed.max() / before.max())
-        errors = np.full(count, FLOOR + min(CAUTION * falling, 1.0) * float(missed.max()))
+        falling = float(missed.max() / before.max()) ** ((len(known.states) - have) / (have - had))
+        errors = np.full(count, FLOOR + SPREAD * left + min(CAUTION * falling, 1.0) * float(missed.max()))
         if errors.max() <= tolerance:
             break
-        parts *= 2
+        parts, had = 2 * parts, have
     return _gathered(operators, known, count, errors)
 
 
@@ -276,6 +296,8 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
     if omega == 0.0:
         state, stiffness = np.zeros_like(operators.load), operators.stiffness
     else:
+        if start is None:  # at rest the stiffness is positive: its factor serves the steps from there
+            operators.solver(operators.stiffness)
         state = equilibrium(operators, omega, start if start is not None and start.any() else None)
         stiffness = tangent(operators, omega, state)
     wanted = min(count + SPARE, operators.load.size)
@@ -290,17 +312,41 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _solve_between(operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep) -> None:
-    """Solve a speed from what others foretell, with one factor for state and modes."""
-    omega = square**0.5
+def _project(operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep) -> float:
+    """Know a speed by state and modes among the modes and slopes of solved speeds.
+
+    Returns the largest relative error that this leaves of a wanted frequency, to first order.
+    """
+    omega, mass = square**0.5, operators.mass
+    basis, image = known.space(square, mass)
+    state = known.foretold(square)
+    reduced = basis.T @ (tangent(operators, omega, state) @ basis)
+    for _ in range(CORRECTIONS):
+        residual = unbalanced(operators, square, state, operators.stressed(state))
+        state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
+    pushed = tangent(operators, omega, state) @ basis
+    values, vectors = np.linalg.eigh(basis.T @ pushed)
+    count, wanted = foretelling.shapes.shape[2], foretelling.count
+    values, vectors = values[:count], vectors[:, :count]
+    shapes = basis @ vectors
+    residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
+    residual = unbalanced(operators, square, state, operators.stressed(state))
+    steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
+    changes = np.einsum("nk,nk->k", residuals, steps[:, :-1])
+    bent = steps[:, -1] @ operators.bending(state, shapes[:, :wanted])
+    known.add(square, state, None, values, shapes)
+    return float((0.5 * (np.abs(changes) + np.abs(bent)) / values[:wanted]).max())
+
+
+def _solve_between(operators: SolidOperators, square: float, known: _Solved) -> None:
+    """Solve a speed from what is known of it by others, with one factor for state and modes."""
+    omega, start = square**0.5, known.shapes[square]
     operators.known.clear()
-    state = equilibrium(operators, omega, known.foretold(square))
+    state = equilibrium(operators, omega, known.states[square])
     stiffness = tangent(operators, omega, state)
     solver = operators.solver(stiffness)
     slope = _slope(operators, state, solver)
-    start: Array = np.einsum("p,pnk->nk", foretelling.weights(omega), foretelling.shapes)
-    near = operators.known[-1] if operators.known else solver
-    found = lowest_modes(stiffness, operators.mass, start, near, SETTLED)
+    found = lowest_modes(stiffness, operators.mass, start, operators.known[-1], SETTLED)
     if found is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
         found = modes.eigenvalues, modes.shapes

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fem import Effects, Material, MeshError, equilibrium
+from fem import Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import root_strains
-from fem.modes.real import solve_real
+from fem.modes import solve_real
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, named_root, root_at
 from fem.solid.mesh_error import mesh_errors
 from fem.solid.sweep import SolvedBlade, sweep_blade
-from fem.statics import _unbalanced, tangent
+from fem.statics import tangent, unbalanced
 from meshes import make
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
@@ -152,7 +152,7 @@ def test_the_digits_of_calculix_on_the_same_mesh():
         state = np.zeros_like(operators.load)
         for _ in range(6):
             there = operators.stressed(state)
-            left = _unbalanced(operators, omega**2, state, there)
+            left = unbalanced(operators, omega**2, state, there)
             state = state + operators.factorise(there.stiffness()).solve(left)
         spinning = solve_real(operators, omega, tangent(operators, omega, state), 8, state)
         np.testing.assert_allclose(spinning.frequencies_hz, references()[f"own {points}", 5900][0], rtol=2e-7)
@@ -196,8 +196,7 @@ def test_speeds_between_are_as_good_as_is_said(name):
 
 def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     """Conjugate gradients lead to the states and modes that factors lead to; one that diverges is noticed."""
-    from fem import linalg
-    from fem.modes.real import Divergence
+    from fem.modes import Divergence
 
     exact = sweep_blade(blade("P1_fan", (8, 4, 1)), rpm(np.array([0.0, 3000.0, 6000.0, 9000.0])), 4)
     monkeypatch.setattr(linalg, "LARGE", 0)
@@ -209,6 +208,18 @@ def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     assert operators.factorise(softened).negative > 0
     with pytest.raises(Divergence):
         solve_real(operators, 2000.0, softened, 4, np.zeros_like(operators.load))
+
+
+@pytest.mark.parametrize("name", ["P1_fan", "P6_thin"])
+def test_the_fastest_speed_alone_rests_where_calculix_has_it(name, monkeypatch):
+    """Straight from rest, where spin softening overcomes the stiffness that no load has stressed yet."""
+    monkeypatch.setattr(linalg, "LARGE", 0)
+    operators = blade(name, (12, 6, 1))
+    speed = max(speed for other, speed in references() if other == name)
+    f, u = references()[name, speed]
+    solved = SolvedBlade(operators, np.array([rpm(speed)]), 8, 1e-3)
+    found = solved.at(rpm(speed))
+    assert (np.abs(found.frequencies_hz - f) <= u + found.errors * f).all()
 
 
 def test_coriolis_shifts_of_calculix():
@@ -235,7 +246,24 @@ def broken():
     linear = box("hexahedron").cells[0][1]
     beyond = cells.copy()
     beyond[0, 0] = 999
+    bulging = points.copy()
+    bulging[cells[0, 8]] += 1.5 * (points[cells[0, 1]] - points[cells[0, 8]])
+    level = points * [1.0, 1.0, 1e-9]
+    tetra = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    swapped = cells[:, [*range(12), *range(16, 20), *range(12, 16)]]
+    coarse, fine = box("hexahedron20", (1, 1, 1)), box("hexahedron20", (1, 2, 2))
+    both = np.vstack([coarse.points, np.add(fine.points, [1.0, 0.0, 0.0])])
+    _, first, number = np.unique(np.round(both, 9), axis=0, return_index=True, return_inverse=True)
+    beside = np.vstack([number.ravel()[coarse.cells[0][1]], number.ravel()[fine.cells[0][1] + len(coarse.points)]])
     return {
+        "hanging nodes": (both[first], ((kind, beside),), r"5 faces inside .* \(hanging nodes\), the first near \(1, "),
+        "listed twice": (points, ((kind, cells[[*range(8), 0]]),), "3 faces belong to more than two cells"),
+        "one cell twice": (coarse.points, ((kind, coarse.cells[0][1][[0, 0]]),), "listed twice"),
+        "middle off": (bulging, ((kind, cells),), "inverted, flat or too distorted, the first near"),
+        "flat": (level, ((kind, cells),), "nodes lie in one place"),
+        "flat cell": (tetra, (("tetra", np.arange(4)[None]),), "1 of 1 tetra cells are inverted, flat"),
+        "another order of nodes": (points, ((kind, swapped),), "8 of 8 hexahedron20 cells are inverted"),
+        "infinite": (np.where(points == 0.8, np.inf, points), ((kind, cells),), "not finite"),
         "inverted": (points, ((kind, flipped),), "1 of 8 hexahedron20 cells are inverted"),
         "duplicate": (twice, ((kind, doubled),), "1 pairs of nodes lie in one place"),
         "disconnected": (apart[0], ((kind, apart[1]),), "the mesh is in 2 pieces"),
@@ -256,8 +284,67 @@ def test_a_broken_mesh_is_one_clear_line(case):
     assert "\n" not in str(refused.value)
 
 
+DECK = box("hexahedron20", (2, 1, 1), (0.2, 0.04, 0.02))
+NODES = [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(DECK.points, 1)]
+CELLS = [[n, *(nodes + 1)] for n, nodes in enumerate(DECK.cells[0][1], 1)]
+
+
+def deck(nodes=NODES, cells=CELLS, kind="C3D20R", more=()):
+    """A mesh as Abaqus and CalculiX write it."""
+    listed = [",".join(map(str, each)) for each in cells]
+    return "\n".join(["*NODE", *nodes, f"*ELEMENT,TYPE={kind},ELSET=EALL", *listed, *more]) + "\n"
+
+
+def scaled(factor):
+    return [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(factor * DECK.points, 1)]
+
+
+FILES = {
+    "empty": ("", "no cells with a volume"),
+    "no mesh": ("these are\nwords\n", "no cells with a volume"),
+    "nodes alone": ("*NODE\n" + "\n".join(NODES), "no cells with a volume"),
+    "cells alone": (deck(nodes=()), "an id while no ids were defined"),
+    "not a number": (deck([NODES[0].replace("0,0,0", "0,0,nan"), *NODES[1:]]), "1 nodes have coordinates that are not"),
+    "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "1 nodes have coordinates that are not"),
+    "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "not a readable mesh file: damaged"),
+    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "no three coordinates"),
+    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are inverted"),
+    "no last node": (deck(NODES[:-1]), "reference to an undefined id"),
+    "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
+    "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
+    "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
+    "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
+    "no such kind": (deck(kind="C3D99"), "no cells with a volume"),
+    "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
+    "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
+    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: are its coordinates in m"),
+    "in a point": (deck(scaled(0.0)), "measures 0 m"),
+    "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "reference to an undefined id"),
+    "cut": (deck()[:-40], "not a (readable )?mesh file"),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_broken_file_is_one_clear_line(case, tmp_path):
+    text, problem = FILES[case]
+    path = tmp_path / "blade.inp"
+    path.write_text(text)
+    with pytest.raises(MeshError, match=problem) as refused:
+        read_volume(path)
+    assert str(refused.value).startswith(f"{path}: ")
+    assert "\n" not in str(refused.value)
+    path.write_text(deck())
+    assert read_volume(path).count == 2
+
+
 def test_roots_that_hold_nothing():
     mesh = box("tetra10")
+    along = np.flatnonzero((mesh.points[:, 1:] == 0.0).all(axis=1))
+    for few in ([], [0], along):
+        with pytest.raises(MeshError, match=f"root's {len(few)} nodes do not hold the blade: it takes three that lie"):
+            Blade(mesh, STEEL, np.array(few, dtype=int), AXIS, ORIGIN)
+    with pytest.raises(MeshError, match="the mesh lies around the spin axis: name the set of nodes that is its root"):
+        root_at(mesh, AXIS, mesh.points.mean(axis=0))
     with pytest.raises(MeshError, match="no set 'base': its sets are none"):
         named_root(mesh, "base")
     with pytest.raises(MeshError, match="no nodes lie at the radius 5 m"):
@@ -293,6 +380,32 @@ def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
     path.write_text("\n".join(lines[: len(lines) // 2]))
     with pytest.raises(MeshError, match=r"blade\.inp: "):
         read_volume(path, 1e-3)
+
+
+def test_geometry_is_meshed_in_its_own_unit(tmp_path):
+    """A rod of 20 mm radius with a step file in mm: its volume, by curved cells, and its first frequency as a beam."""
+    gmsh = pytest.importorskip("gmsh", reason="geometry is meshed by gmsh: pip install spindamp[step]")
+    path = tmp_path / "rod.step"
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.occ.addCylinder(0.0, 0.0, 0.0, 400.0, 0.0, 0.0, 20.0)
+    gmsh.model.occ.synchronize()
+    gmsh.write(str(path))
+    gmsh.finalize()
+    mesh = read_volume(path, size=0.02)
+    operators = assemble_solid(Blade(mesh, STEEL, root_at(mesh, AXIS, ORIGIN), AXIS, ORIGIN))
+    assert [kind for kind, _ in mesh.cells] == ["tetra10"]
+    assert sum(each.weights.sum() for each in operators.cells) == pytest.approx(np.pi * 0.02**2 * 0.4, rel=2e-3)
+    first = solve_real(operators, 0.0, operators.stiffness, 2).frequencies_hz
+    beam = 3.5160 * np.sqrt(2.1e11 / 7850.0) * 0.01 / 0.4**2 / (2.0 * np.pi)
+    np.testing.assert_allclose(first, beam, rtol=0.01)
+    with pytest.raises(MeshError, match="give the size of its cells"):
+        read_volume(path)
+    with pytest.raises(MeshError, match="leave out `unit`"):
+        read_volume(path, 1e-3, 0.02)
+    path.write_text("ISO-10303-21; nothing")
+    with pytest.raises(MeshError, match="Gmsh cannot mesh this geometry"):
+        read_volume(path, size=0.02)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from fem import (
     Plate,
     Rotor,
     assemble,
+    assembly,
     campbell,
     displacement,
     equilibrium,
@@ -21,8 +22,8 @@ from fem import (
     solve_modes,
     statics,
 )
-from fem.operators import assembly
-from fem.statics import _unbalanced, tangent
+from fem.statics import tangent
+from fem.statics import unbalanced as unbalanced_under
 
 BENT = Effects(large_deflection=True)
 
@@ -33,7 +34,7 @@ def staggered(theory="mindlin", h=0.004, angle=0.7, **keys):
 
 
 def unbalanced(operators, omega, state):
-    return _unbalanced(operators, omega**2, state, operators.stressed(state))
+    return unbalanced_under(operators, omega**2, state, operators.stressed(state))
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import InstanceOf
 
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.scene.damper import Damper
-    from workflows.scene.scene import Scene
-
+from fem.meshes.mesh_sequence import Planform
+from workflows.scene.damper import Damper
+from workflows.scene.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,14 +28,13 @@ class LeftOut:
     omega: Floats = field(repr=False)
     shifts: Floats = field(repr=False)
 
-    def at(self, omega: float, count: int) -> Floats:
-        """Shifts (count,) at a speed in rad/s: nothing at rest, and between speeds linear in its square."""
+    def at(self, omega: Floats, count: int) -> Floats:
+        """Shifts (k, count) at speeds (k,) in rad/s: nothing at rest, and between speeds linear in their square."""
         square = np.concatenate([[0.0], self.omega**2]) if self.omega[0] > 0.0 else self.omega**2
         rows = np.vstack([np.zeros(self.shifts.shape[1]), self.shifts]) if self.omega[0] > 0.0 else self.shifts
-        found = np.array([np.interp(omega**2, square, column) for column in rows.T])
-        beyond = np.full(max(count - found.size, 0), found.max(initial=0.0))
-        shifts: Floats = np.concatenate([found, beyond])[:count]
-        return shifts
+        found = np.stack([np.interp(omega**2, square, column) for column in rows.T], axis=-1)
+        beyond = np.repeat(found.max(axis=-1, keepdims=True), max(count - found.shape[-1], 0), axis=-1)
+        return np.asarray(np.concatenate([found, beyond], axis=-1)[..., :count])
 
     @property
     def largest(self) -> float:
@@ -73,6 +70,12 @@ class Case:
     def spins(self) -> bool:
         """Whether anything spins."""
         return any(speed > 0 for speed in self.scene.rotor.speeds)
+
+    @property
+    def damper(self) -> Damper:
+        """The scene's; effects of a damper are asked where there is one."""
+        assert self.scene.damper is not None
+        return self.scene.damper
 
 
 class Refusal(NamedTuple):

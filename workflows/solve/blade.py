@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ from workflows.solve.known_modes import Asked, SpaceStructure, seat_of, space_st
 if TYPE_CHECKING:
     import fem
     from fem.meshes.volume import VolumeMesh
+    from fem.solid.assembly import SolidOperators
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
 
@@ -48,16 +50,33 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
     solved = _solved(Asked(key, source))
     model = solved.model
-    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model)
+    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
         model=model,
         modes=solved.at,
         seat=seat,
         described=in_words(source, solved.operators.blade),
-        remarks=(*_remarks(solved.operators.blade.mesh), *remarks),
+        remarks=(*_remarks(source, solved.operators.blade.mesh), *remarks),
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
+        root_stress=root_stress(solved.operators),
     )
+
+
+def root_stress(operators: SolidOperators) -> float | None:
+    """Mean stress over the root's section by the pull of what it holds, over Omega² [Pa s²]; None without faces."""
+    blade, section = operators.blade, operators.blade.section
+    area = float(np.linalg.norm(section))
+    if area <= _NO_AREA * blade.mesh.size**2:
+        return None
+    free = np.isin(np.arange(len(blade.mesh.points)), blade.root, invert=True)
+    hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
+    pull = operators.masses[hung] @ ((blade.mesh.points[hung] - blade.origin) @ blade.projector)
+    return float(abs(pull @ section)) / area**2
+
+
+_NO_AREA = 1e-9
+"""Area of the held faces over the square of the mesh's extent from which on a root has faces."""
 
 
 @lru_cache(maxsize=2)
@@ -95,7 +114,7 @@ def blade_of(source: SceneFile) -> Blade:
     if given is None or material is None or path is None:
         raise ValueError("the scene has no [blade]")
     try:
-        mesh = read_volume(path, given.scale)
+        mesh = read_volume(path, given.scale, given.size)
     except MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         raise BadInput(text, file=source.name, key="[blade] mesh", value=given.mesh) from error
@@ -121,7 +140,10 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held"
 
 
-def _remarks(mesh: VolumeMesh) -> tuple[str, ...]:
+def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:
+    given = source.scene.blade
+    if given is not None and given.size is not None:
+        return (f"{given.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * given.size:.6g} mm.",)
     if not mesh.first_order:
         return ()
     return (

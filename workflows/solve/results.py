@@ -297,19 +297,19 @@ class Verdict:
         quantity(
             "",
             "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
-            " moves at what the plate endures; inadmissible: no such ball, plate or law, or a contact that flows;"
+            " moves at what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows;"
             " unknown: outside the model",
         ),
     ]
     damping_ratio: Annotated[
-        float | None, quantity("1", "largest damping ratio within what the plate endures; null: no verdict")
+        float | None, quantity("1", "largest damping ratio within what the structure endures; null: no verdict")
     ]
     amplitude: Annotated[float | None, quantity("m", "amplitude at the cavity where that is")]
     useful: Annotated[
         Pair,
         quantity(
             "m",
-            "amplitudes between which the damping is at least half its peak, as far as the plate endures them",
+            "amplitudes between which the damping is at least half its peak, as far as the structure endures them",
             "useful_range",
             ends=_ENDS,
         ),
@@ -318,10 +318,10 @@ class Verdict:
         str,
         quantity(
             "",
-            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the plate"
+            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure"
             " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
             " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact"
-            " (ball or floor flows under the load)",
+            " (ball or floor yields fully under the load)",
         ),
     ]
 
@@ -665,6 +665,7 @@ class SpeedPoint:
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
+        root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
         pendulum: of a ball in a hollow floor.
@@ -689,7 +690,8 @@ class SpeedPoint:
         OwnFigures | None,
         part(
             "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
-            " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
+            " the cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the"
+            " damper, m"
         ),
     ] = None
     contact: Annotated[
@@ -711,6 +713,7 @@ class SpeedPoint:
     ] = None
     tilted: CutOff | None = None
     stagger: Annotated[float | None, KEPT] = None
+    root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
     pendulum: Annotated[
         Pendulum | None,
@@ -905,16 +908,13 @@ class Cavity(NamedTuple):
     counted: bool
 
 
-def _of_the_cavity(discrete: Discrete, diagram: fem.Campbell, numbers: Sequence[int]) -> Sequence[Floats | None]:
-    """By how much the frequencies (modes,) at each speed are off for the cavities, relative; None without them."""
+def _of_the_cavity(discrete: Discrete, cavity: Cavity, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats:
+    """By how much the frequencies (speeds, modes) are off for the cavities, relative."""
     from fem.accuracy.neglected_effects import cut
 
-    cavity = discrete.cavity
-    if cavity is None:
-        return [None] * len(numbers)
     shifts = cut(discrete.choice.operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
     left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
-    return list(left + cavity.weakens * shifts.stiffness)
+    return np.asarray(left + cavity.weakens * shifts.stiffness)
 
 
 def points(
@@ -928,67 +928,58 @@ def points(
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
-    families, theory = diagram.families, over_speeds(operators, diagram)
-    found = []
-    for number, cavity in zip(numbers, _of_the_cavity(discrete, diagram, numbers), strict=True):
-        omega = float(diagram.omega[number])
-        found.append(
-            SpeedPoint(
-                omega=omega,
-                rpm=rounded_rpm(omega),
-                radius=radius,
-                load_g=omega**2 * radius / rotor.gravity,
-                modes=_modes(discrete, diagram, number, families[number][: rotor.modes], theory[number], cavity),
-            )
-        )
-    return tuple(found)
-
-
-def _modes(
-    discrete: Discrete,
-    diagram: fem.Campbell,
-    number: int,
-    families: list[str],
-    theory: Floats,
-    cavity: Floats | None,
-) -> tuple[Mode, ...]:
-    omega, count = float(diagram.omega[number]), len(families)
-    turning = discrete.choice.operators.gyroscopic is not None and omega > 0
-    errors = _errors(discrete, omega, diagram.bounds[number, :count], theory[:count], cavity)
+    rows = list(numbers)
+    omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
+    count = bounds.shape[1]
+    left_out = {name: found.at(omega, count) for name, found in discrete.left_out.items()}
+    if discrete.cavity is not None:
+        left_out["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
+    effects = [left_out.get(name, np.full(bounds.shape, np.nan)) for name in _EFFECTS]
+    theory = over_speeds(operators, diagram)[rows, :count]
+    mesh, *moved = map(_known, (discrete.choice.errors_at(omega), *effects))
+    turning = operators.gyroscopic is not None
+    damping = np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan)
+    families = diagram.families
+    columns = zip(
+        omega.tolist(),
+        [families[number] for number in rows],
+        diagram.frequencies_hz[rows].tolist(),
+        diagram.branches[rows].tolist(),
+        _known(damping),
+        mesh,
+        bounds.tolist(),
+        theory.tolist(),
+        [list(zip(_EFFECTS, each, strict=True)) for each in zip(*moved, strict=True)],
+        strict=True,
+    )
     return tuple(
-        Mode(
-            frequency_hz=float(diagram.frequencies_hz[number, k]),
-            family=family,
-            error_parts=errors[k],
-            damping_ratio=float(diagram.damping_ratios[number, k]) if turning else None,
-            branch=int(diagram.branches[number, k]),
+        SpeedPoint(
+            omega=speed,
+            rpm=rounded_rpm(speed),
+            radius=radius,
+            load_g=speed**2 * radius / rotor.gravity,
+            modes=tuple(
+                Mode(
+                    frequency_hz=frequencies[k],
+                    family=names[k],
+                    error_parts=ErrorParts(
+                        errors[k], discrete.layers, basis[k], own[k], **{name: shifts[k] for name, shifts in others}
+                    ),
+                    damping_ratio=ratios[k],
+                    branch=branches[k],
+                )
+                for k in range(count)
+            ),
         )
-        for k, family in enumerate(families)
+        for speed, names, frequencies, branches, ratios, errors, basis, own, others in columns
     )
 
 
-def _errors(
-    discrete: Discrete, omega: float, bounds: Floats, theory: Floats, cavity: Floats | None
-) -> list[ErrorParts]:
-    """The parts of each mode's error at a speed [rad/s]."""
-    mesh = discrete.choice.errors_at(omega)
-    left_out = {name: found.at(omega, bounds.size) for name, found in discrete.left_out.items()}
-    if cavity is not None:
-        left_out["cavity_mass"] = cavity
-    return [
-        ErrorParts(
-            mesh=float(mesh[k]) if np.isfinite(mesh[k]) else None,
-            layers=discrete.layers,
-            basis=float(bounds[k]),
-            theory=float(theory[k]),
-            **{name: _share(left_out.get(name), k) for name in _EFFECTS},
-        )
-        for k in range(bounds.size)
-    ]
-
-
-def _share(shifts: Floats | None, k: int) -> float | None:
-    return None if shifts is None or not np.isfinite(shifts[k]) else float(shifts[k])
+def _known(values: Floats) -> list[list[Any]]:
+    """Numbers (k, count) as lists, None where they are not known."""
+    found = values.astype(object)
+    found[~np.isfinite(values)] = None
+    return list(found.tolist())
 
 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[int], count: int) -> Surface:
