@@ -145,7 +145,7 @@ ANSWERS = {
     "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
     "What do I write for a new effect?": [
         ("workflows/scene/scene.py", "class Effects"),
-        ("CONTRIBUTING.md", "workflows/effects/<key>.py"),
+        ("CONTRIBUTING.md", "workflows/effects/plate.py"),
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
     "Where is the law of impact?": [

@@ -115,7 +115,9 @@ def plate_only(source: SceneFile) -> SceneFile:
         BadInput: it has no plate.
     """
     if source.scene.given is not None:
-        raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
+        raise BadInput(
+            "the table is missing: campbell needs a plate, a blade or known modes", file=source.name, key="[plate]"
+        )
     damper = source.scene.damper
     if source.scene.plate is not None and damper is not None and damper.cut:
         source = replace(source, remarks=(*source.remarks, UNCUT))

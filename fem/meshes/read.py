@@ -118,6 +118,8 @@ def _check_kind(path: Path, meshed: str) -> None:
     kind = _GEOMETRY.get(path.suffix.lower())
     if kind is not None:
         raise MeshError(f"{kind} is geometry without a mesh: mesh its {meshed} (with Gmsh, say) and give that file")
+    if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
+        raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
     if path.suffix.lower() in (".bdf", ".nas", ".fem") and _BULK not in path.read_bytes().upper():
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 

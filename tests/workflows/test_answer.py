@@ -433,6 +433,20 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert answer(torn).verdict.startswith("No verdict from 38000 rpm on")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
     assert "; it cannot turn from 38000 rpm on: there" in answer(workflows.run(alone)).verdict
+    slow = workflows.run(changed(alone, rotor__speeds=["3500 rpm"]))
+    assert (
+        answer(slow).sentences[0]
+        == f"The first frequency is {slow.speeds[0].modes[0].frequency_hz:.5g} Hz at 3500 rpm."
+    )
+
+
+def test_a_damping_ratio_of_rounding_counts_as_none() -> None:
+    """Of 1e-15 no verdict speaks as of a little."""
+    found = results()
+    least = [replace(p.working, damping_ratio=1e-12 * p.working.damping_ratio, peak=1e-15) for p in found.speeds]
+    points = tuple(replace(p, working=own) for p, own in zip(found.speeds, least, strict=True))
+    said = answer(limits.with_verdicts(replace(found, speeds=points)))
+    assert said.verdict == "Not found: whether the ball damps"
 
 
 @pytest.mark.parametrize("mesh", ["plate_coarse.msh", "plate_medium.msh"])

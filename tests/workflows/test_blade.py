@@ -10,7 +10,9 @@ import pytest
 from meshes import make
 from workflows import pipeline
 from workflows.errors import BadInput
+from workflows.formatting import significant
 from workflows.progress import Stages
+from workflows.report import remarks
 from workflows.report.verdict import answer
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import resources
@@ -219,6 +221,14 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
         assert f"along axis {axis} it measures {side} mm, and the structure is {thick} mm thick there" in text
 
 
+def test_check_gives_a_place_without_what_rounding_leaves_of_it(bricks, spindamp):
+    """The middle of the tip face is given to the nanometre."""
+    on_bricks(bricks, "at = [0.25, 0.0, 0.0]", "at = [0.25, 1e-11, -1e-11]")
+    said = spindamp("check", bricks / "bricks.toml").out
+    assert "# Place (250, 0, 0) mm, " in said
+    assert "; load along (1, 0, 0)\n" in said
+
+
 def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(bricks):
     """Its frequency at another is not known."""
     source = on_bricks(bricks, 'rolling_friction = "0.02 mm"', 'rolling_friction = "1 mm"')
@@ -226,6 +236,19 @@ def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(br
     assert verdict == "No: the ball never moves"
     assert "it would move with a rolling friction below" in first
     assert "rpm (" not in first
+
+
+def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks):
+    """Along the chord on the centre line that is the lag mode."""
+    stages = Stages(visible=False)
+    lag, bending = (
+        pipeline.structure(on_bricks(bricks, "friction = 0.3", f"friction = 0.3\ndirection = {way}"), stages)
+        for way in ([0, 1, 0], [0, 0, 1])
+    )
+    number = [mode.family for mode in lag.points[0].modes].index("lag")
+    said = remarks.other_mode(lag.results(stages=stages))
+    assert f"mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
+    assert remarks.other_mode(bending.results(stages=stages)) is None
 
 
 def test_a_direction_along_the_load_is_refused_by_its_own_key(bricks):

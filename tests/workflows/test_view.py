@@ -24,6 +24,7 @@ from workflows.report.page import load_results
 from workflows.scene.load import SHIPPED
 
 MESHES = Path(__file__).parents[2] / "meshes"
+KNOWN = Path(__file__).parents[1] / "fem" / "data" / "plate_paper_0.frd.gz"
 SIDE = 0.1
 
 
@@ -122,6 +123,7 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: Command
         ((".",), "holds no run: expected a folder with results.json and results.nc"),
         ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100: a mesh alone has no speeds"),
         ((MESHES / "make.py",), "not a readable mesh file"),
+        ((KNOWN,), "a file of modes or results, no mesh"),
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
         ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
         ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),

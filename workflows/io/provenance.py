@@ -129,7 +129,7 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
         ]
         rows.append((str(mode.number), significant(mode.frequency_hz, 5), mode.family, *cells))
     place, load, first, second = (
-        ", ".join(f"{scale * part:.5g}" for part in vector)
+        ", ".join(f"{scale * round(part, 9) + 0.0:.5g}" for part in vector)
         for scale, vector in ((1e3, seated.place), (1.0, seated.load), (1.0, seated.axes[0]), (1.0, seated.axes[1]))
     )
     return [

@@ -471,8 +471,7 @@ def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
 
 def frequency(point: SpeedPoint) -> float:
     """Of the structure with the ball at rest in its cavity [Hz]."""
-    if point.reduced is None:
-        raise ValueError("a ball has moved in a structure that is not known")
+    assert point.reduced is not None
     return point.reduced.f1_hz
 
 

@@ -80,8 +80,7 @@ def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], np
     """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
     from fem.meshes.thickness import of
 
-    if plate.width is None:
-        raise ValueError("the plate is no rectangle")
+    assert plate.width is not None
     places, (t, weights) = np.asarray(x, dtype=float), _gauss()
     points = np.stack(np.meshgrid(places, 0.5 * plate.width * t, indexing="ij"))
     heights = np.broadcast_to(of(profile(plate), points), points.shape[1:])
@@ -95,8 +94,7 @@ def planform(source: SceneFile) -> Planform:
         BadInput: the mesh file is no good.
     """
     plate = source.scene.plate
-    if plate is None:
-        raise ValueError("the scene has no plate")
+    assert plate is not None
     if source.mesh is not None:
         return _from_file(source)
     form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)

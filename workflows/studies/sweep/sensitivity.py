@@ -61,8 +61,7 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     ('auto') is not varied.
     """
     damper = scene.damper
-    if damper is None:
-        raise ValueError("the scene has no [damper]")
+    assert damper is not None
     gap = damper.cavity[0] - 2 * damper.radius
     tolerance = min(5e-5, gap / 2)
     e, rolling, zeta = damper.restitution, damper.rolling_friction, damper.damping_ratio
