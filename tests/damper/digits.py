@@ -47,10 +47,16 @@ def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -
 
 
 def ramp(
-    damper: ParticleDamper, first: float, place: float, factor: float, samples: int
+    damper: ParticleDamper, first: float, place: float, factor: float, samples: int, speed: float = 0.0
 ) -> Iterator[tuple[float, float]]:
-    """Amplitude and decrement of each cycle where the structure's energy changes by a factor from one to the next."""
+    """Amplitude and decrement of each cycle where the structure's energy changes by a factor from one to the next.
+
+    The ball begins at a share of half the clearance, at rest or rolling.
+    """
     run = Reference(damper, (first, 0.0), 0.0, samples, place=(place * damper.half_gap[0], 0.0))
+    if speed:
+        run.x[run.w[0]] = run.x[run.spin[0]] = speed
+        run.roll(0, int(math.copysign(1, speed)))
     stuck, mode = run.mass[: run.k, : run.k], slice(run.k + 2, 2 * run.k + 2)
 
     def swing() -> float:
