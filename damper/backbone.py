@@ -18,7 +18,7 @@ import numpy as np
 from damper.damping_curve import Working
 from damper.model import number
 from damper.ringdown import ringdown
-from damper.working import undamped, working
+from damper.working import swinging, undamped, working
 
 if TYPE_CHECKING:
     from damper.model import Floats, ParticleDamper
@@ -213,7 +213,7 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
     points = []
     for amplitude in np.geomspace(low * (1 + 1e-9), high, _POINTS):
-        ball = _swinging(bare, amplitude, share)
+        ball = swinging(bare, amplitude)
         if abs(ball[0]) > gap:
             break
         first, then = (_released(bare, amplitude, cycles, ball) for cycles in (_FIRST, _FIRST + _FEW))
@@ -225,22 +225,6 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
         return None
     amplitude, ratio, frequency = np.array(points).T
     return Branch(Way.ROLLS, amplitude, ratio, frequency, (float(amplitude[0]), float(amplitude[-1])))
-
-
-def _swinging(bare: ParticleDamper, amplitude: float, share: float) -> tuple[float, float]:
-    """Place and velocity along x, at a crest of the structure, of a ball that rolls evenly to and fro.
-
-    s'' = -share u'' - beta a_r sgn s' with a turn every half period: at each the structure's velocity is
-    pi beta a_r / (2 share omega) towards its crest. Where that is more than it has, or the ball is driven too little
-    there to turn at once, it pauses: it begins at rest.
-    """
-    omega, push = bare.stuck_frequency, bare.inertia_ratio * bare.rolling_threshold
-    ahead = 0.5 * math.pi * push / (abs(share) * amplitude * omega**2)
-    if ahead >= 1 or math.sqrt(1 - ahead**2) * abs(share) * amplitude * omega**2 < push:
-        return 0.0, 0.0
-    way, wait = math.copysign(1.0, share), math.asin(ahead) / omega
-    place = abs(share) * amplitude * (ahead * wait * omega - 1) - 0.5 * push * wait**2
-    return way * place, way * (abs(share) * amplitude * omega * ahead - push * wait)
 
 
 def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:

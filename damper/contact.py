@@ -74,10 +74,13 @@ def modulus(one: Solid, other: Solid) -> float:
     return 1 / sum((1 - each.poissons_ratio**2) / each.youngs_modulus for each in (one, other))
 
 
-def _weaker(one: Solid, other: Solid, name: str) -> float:
-    """The least that is known of the strengths of two solids [Pa]."""
-    known = [value for each in (one, other) if not math.isnan(value := getattr(each, name))]
-    return min(known, default=math.nan)
+def _strengths(one: Solid, other: Solid) -> tuple[float, float]:
+    """The least that is known of yield strength and hardness of two solids [Pa]."""
+    first, second = (
+        min((v for each in (one, other) if not math.isnan(v := getattr(each, name))), default=math.nan)
+        for name in ("yield_strength", "hardness")
+    )
+    return first, second
 
 
 def resting(load: float, radius: float, ball: Solid, floor: Solid, floor_radius: float = math.inf) -> Contact:
@@ -99,7 +102,7 @@ def resting(load: float, radius: float, ball: Solid, floor: Solid, floor_radius:
         raise ValueError(f"radius must be positive and less than that of the floor, got {radius:g}")
     relative = 1 / (1 / radius - 1 / floor_radius)
     stiff = modulus(ball, floor)
-    strength, hardness = (_weaker(ball, floor, name) for name in ("yield_strength", "hardness"))
+    strength, hardness = _strengths(ball, floor)
     a = (3 * load * relative / (4 * stiff)) ** (1 / 3)
     peak = 2 * a * stiff / (math.pi * relative)
     yields = (peak / (ONSET * strength)) ** 3
@@ -126,9 +129,11 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
         The slope [-]: 0 below first yield, nan where yield strength or hardness is not known.
     """
     found, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
-    strength, hardness = (_weaker(ball, floor, name) for name in ("yield_strength", "hardness"))
-    if math.isnan(strength + hardness) or found.yield_ratio <= 1:
-        return strength + hardness if math.isnan(strength + hardness) else 0.0
+    strength, hardness = _strengths(ball, floor)
+    if math.isnan(strength + hardness):
+        return math.nan
+    if found.yield_ratio <= 1:
+        return 0.0
     relative = 1 / (1 / radius - 1 / floor_radius)
     first = 2 / 3 * ONSET * strength
     onset = math.pi / 2 * ONSET * strength * relative / stiff
@@ -160,7 +165,7 @@ def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
         wall: that of the wall.
     """
     stiff = modulus(ball, wall)
-    peak = ONSET * _weaker(ball, wall, "yield_strength")
+    peak = ONSET * _strengths(ball, wall)[0]
     a = math.pi * radius * peak / (2 * stiff)
     load, approach = 2 / 3 * peak * math.pi * a**2, a**2 / radius
     return math.sqrt(0.8 * load * approach / mass)

@@ -27,6 +27,12 @@ _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
 
 
+_STEP = 1e-6
+"""Relative width of the step from one motion to another."""
+
+_NEAR = 2.5
+"""Bins between the end of a stretch and the amplitude that ends it, at most."""
+
 _PARTED = 0.1
 """Relative difference from which on a point of the way up is another motion's than that of the way down."""
 
@@ -44,13 +50,13 @@ class Working:
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
-            peak, or both from what faster sweeps show, or the peak from what it is where the first of the sweeps up
-            begins to bounce, and as far beyond the last of them, at most [-].
+            peak, or both from what faster sweeps show, or the sweeps up from each other [-].
         from_above: the same on the way down, where a ball in motion keeps bouncing; None: these are of that way.
-        folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and from
-            where on all of the sweeps up bounce [m]; nan where they do not differ.
-        jump: where the first and the last of the sweeps up begin to bounce [m]. Nothing brings a rolling ball back to
-            the middle of a level floor, so that this goes by how the vibration grows.
+        folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
+            where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
+            all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
+        jump: where the first and the last of the sweeps up from rest begin to bounce [m]. Nothing brings a rolling ball
+            back to the middle of a level floor, so that this goes by how the vibration grows.
     """
 
     amplitude: Floats
@@ -90,63 +96,71 @@ def at_bin(curve: Working, best: int) -> Working:
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
-def grown(above: Working, up: Floats) -> tuple[Working, tuple[int, int] | None]:
-    """The figures of a vibration that grows slowly, and the bins between which they are another motion's.
+def grown(above: Working, up: Floats, rolls: Floats, meets: float) -> tuple[Working, tuple[int, int] | None]:
+    """What every vibration that grows slowly is given at least, and the bins between which that is another motion's.
 
     Where the sweeps up agree with those down both show one motion, and the many sweeps down give its figures; where
-    they differ, the least of the sweeps up counts.
+    they differ, the least counts: of the sweeps up, and of a ball that rolls about the middle until it meets the walls.
 
     Args:
         above: figures of the way down.
         up: samples of the sweeps up.
+        rolls: samples of a ball that rolls about the middle.
+        meets: amplitude from which on it meets the walls; inf where there is none [m].
     """
-    each = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
+    climbs = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
+    rolling = _binned(rolls, above.cutoff)
     known = dict(zip(_bins(above.amplitude), zip(above.amplitude, above.damping_ratio, strict=True), strict=True))
     merged, parted, spreads = dict(known), dict[int, float](), dict[int, float]()
     edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else min(known) - 1  # bins that a cut-off shares
-    for k in sorted(set[int]().union(*each)):
-        seen = [curve[k] for curve in each if k in curve]
+    for k in sorted(set(rolling).union(*climbs)):
+        seen = [curve[k] for curve in (*climbs, rolling) if k in curve]
         place, least = min(seen, key=lambda point: point[1])
         if k <= edge if k in known else k > min(known):
             continue
         if k in known and least > (1 - _PARTED) * known[k][1]:
             continue
         merged[k] = place, least
-        spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 else 0.0
+        spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 and k not in rolling else 0.0
         if k in known:
             parted[k] = known[k][1] - least
-    amplitude, ratio = np.array([merged[k] for k in sorted(merged)]).T
+    points = [merged[k] for k in sorted(merged)]
+    if math.isfinite(meets) and (last := _bins(np.array([meets]))[0]) in parted:
+        beyond = merged[last + 1][1] if last + 1 in parted else math.inf
+        begun = min(float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio)), beyond)
+        below = [merged[k] for k in sorted(merged) if merged[k][0] < (1 - _STEP) * meets]
+        step = [((1 - _STEP) * meets, merged[last][1]), (meets, begun)]
+        points = [*below, *step, *(merged[k] for k in sorted(merged) if k > last)]
+        spreads[last] = spreads.get(last + 1, 0.0)
+    amplitude, ratio = np.array(points).T
     best = int(np.argmax(ratio))
     error = max(above.error, spreads.get(_bins(amplitude)[best], 0.0))
     curve = at_bin(Working(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
     return curve, _largest(parted)
 
 
-def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats) -> Working:
+def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> Working:
     """The same with its folds; on the way down a ball bounces no further than to where one of the sweeps falls off.
 
     Args:
         curve: figures of the way up, with those of the way down.
         region: first and last of the bins in which they differ.
         down: samples of slow sweeps down through these.
-        up: samples of the sweeps up.
+        up: samples of the sweeps up from rest.
+        meets: amplitude from which on a ball that rolls about the middle meets the walls; inf where there is none [m].
     """
     above = curve.descending
     leaves, joins = (
         [_turn(curve, each[each[:, 2] == number], region) for number in np.unique(each[:, 2])] for each in (down, up)
     )
-    jump = min(joins), max(joins)
-    place, error = np.log(above.amplitude), curve.error
+    place = np.log(above.amplitude)
     fallen = (place >= region[0] * _WIDTH) & (above.amplitude < max(leaves))
     below = np.interp(place, np.log(curve.amplitude), curve.damping_ratio)
     ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
-    if curve.peak_amplitude >= jump[1] > jump[0]:
-        wide = math.log(jump[1] / jump[0])
-        first, last = np.interp([math.log(jump[0]), math.log(jump[1]) + wide], place, above.damping_ratio)
-        error = max(error, float(first) / curve.peak - 1, curve.peak / float(last) - 1)
     above = at_bin(replace(above, damping_ratio=ratio), int(np.argmax(ratio)))
-    folds = min(float(np.median(leaves)), jump[1]), jump[1]
-    return replace(curve, error=error, from_above=above, folds=folds, jump=jump)
+    last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
+    folds = min(float(np.median(leaves)), last), last
+    return replace(curve, from_above=above, folds=folds, jump=(min(joins), max(joins)))
 
 
 def held_until(curve: Working, amplitude: float) -> Working:

@@ -495,6 +495,15 @@ class ParticleDamper:
         """The same for a ball in its dent, by Omega**2 R times the slope of the rim more [m/s^2]."""
         return self.leaving_threshold + self.break_away * self.centrifugal_acceleration
 
+    def amplitude_of(self, drive: float) -> float:
+        """Amplitude along x of a vibration, the ball stuck, that drives the ball by so much [m]; inf: none does.
+
+        Args:
+            drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
+        """
+        left = abs(1 - self.tilt_share[0])
+        return math.inf if left == 0 else drive / self.stuck_frequency**2 / left
+
     @property
     def inertia_ratio(self) -> float:
         """Beta in  s'' = -beta (u'' - a_r sigma)  [-].

@@ -3,8 +3,8 @@
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
 that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
-starts, slower where that changes them, and on sweeps up from a ball at rest; what the pace still changes is in the
-error.
+starts, slower where that changes them, and on sweeps up from a ball at rest or rolling about the middle, of which the
+least counts; what the pace still changes is in the error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from damper import laws, self_check
 from damper.batch import in_blocks
 from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, spread
-from damper.model import inertia_ratio, whole
+from damper.model import in_plane, inertia_ratio, whole
 from damper.motion import CLOSED_FORM, flights, kinds, prepare
 from damper.state import nothing_kept
 
@@ -43,6 +43,12 @@ _SLOW = 3
 
 _APART = (math.sqrt(5) - 1) / 2
 """Cycles by which sweeps up begin apart, no two by a whole number: where a rolling ball meets a wall goes by that."""
+
+_AROUND = 0.97, 1.5
+"""Ends of the sweeps up of balls that roll about the middle, over the amplitude at which these must meet the walls."""
+
+_FINE, _ROLLED = 4 * BINS, 4
+"""Amplitudes in an octave at which a rolling ball is followed, and cycles that it is followed for."""
 
 _ASIDE = 3
 """Bins on either side of two motions that slow sweeps go through."""
@@ -103,24 +109,27 @@ def working(
     if above.peak == 0:
         return above
     bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
-    up = np.zeros((0, 3))
-    for number, part in enumerate(_PACES):
-        sweep = samples_up(bare, low, high, _CLIMBS, max(round(part * cycles / _CLIMBS), 1), threads)
-        sweep[:, 2] += number * _CLIMBS
-        up = np.vstack([up, sweep])
-    samples = np.vstack([samples, up])
-    growing, region = grown(above, up)
+    rolls, meets = rolling(bare, low, threads)
+    paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
+    climbs = [samples_up(bare, low, high, _CLIMBS, pace, threads) for pace in paces]
+    if math.isfinite(meets):
+        first, last = _AROUND[0] * meets, _AROUND[1] * meets
+        climbs += [samples_up(bare, first, last, _CLIMBS, pace, threads, rolls=True) for pace in paces]
+    for number, climb in enumerate(climbs):
+        climb[:, 2] += number * _CLIMBS
+    samples = np.vstack([samples, *climbs, rolls])
+    growing, region = grown(above, np.vstack(climbs), rolls, meets)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(cycles // _SLOW, 1), threads)
-        growing = folded(growing, region, down, up)
+        growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
     for curve in (growing, growing.descending):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
     if bare.break_away == 0:
         return growing
-    return held_until(growing, bare.break_away_threshold / bare.stuck_frequency**2 / abs(1 - bare.tilt_share[0]))
+    return held_until(growing, bare.amplitude_of(bare.break_away_threshold))
 
 
 def falling(damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY) -> Working:
@@ -137,7 +146,7 @@ def _down(
     gap = bare.half_gap[0]
     if left < _BALANCED:
         return nothing(math.inf), *none
-    cutoff = bare.leaving_threshold / bare.stuck_frequency**2 / left
+    cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
     if gap == 0 or (cutoff == 0 and bare.restitution == 1):
         return nothing(cutoff), *none
@@ -213,16 +222,66 @@ def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, sta
     """
     each = np.arange(sweeps)
     start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
-    place = damper.half_gap[0] * (1 - each / sweeps)
+    ball = damper.half_gap[0] * (1 - each / sweeps), np.zeros(sweeps)
     cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
-    return _rows(damper, _ramped(damper, start, place, cycles, 4 ** (-1 / stay), threads, low))
+    return _rows(damper, _ramped(damper, start, ball, cycles, 4 ** (-1 / stay), threads, low))
 
 
-def samples_up(damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None) -> Floats:
-    """The same on sweeps from low to high, whose balls begin at rest in the middle."""
+def samples_up(
+    damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None, *, rolls: bool = False
+) -> Floats:
+    """The same on sweeps from low to high, whose balls begin at rest in the middle, or roll about it."""
     start = low * 2 ** (-(SETTLING + _APART * np.arange(sweeps)) / stay)
+    ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
     cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
-    return _rows(damper, _ramped(damper, start, np.zeros(sweeps), cycles, 4 ** (1 / stay), threads))
+    return _rows(damper, _ramped(damper, start, (ball[0], ball[1]), cycles, 4 ** (1 / stay), threads))
+
+
+def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float]:
+    """A ball that rolls to and fro about the middle of a level floor, on which nothing holds or pulls it.
+
+    Args:
+        damper: without damping of its own.
+        low: amplitude from which on it rolls [m].
+        threads: see :func:`damper.ringdowns`.
+
+    Returns:
+        Its samples, as `samples_of` has them, at amplitudes at which it meets no wall; the amplitude from which on it
+        does, inf on a floor that is not level [m].
+    """
+    gap, share = damper.half_gap[0], abs(1 - damper.tilt_share[0])
+    flat = damper.floor_radius is None or math.isinf(damper.floor_radius[0])
+    if not flat or damper.lateral_acceleration[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
+        return np.zeros((0, 3)), math.inf
+    free = gap / (damper.inertia_ratio * share)
+    high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
+    amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
+    wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
+    still = np.zeros((2, len(amplitude)))
+    energy = _ramped(wide, amplitude, (still[0], still[1]), SETTLING + _ROLLED, 1.0, threads)
+    swing = amplitude / free  # over half the clearance
+    if damper.rolling_threshold > 0:
+        pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
+        swing = energy[:, SETTLING:, 3].mean(axis=1) / pull
+    meets = float(np.exp(np.interp(1.0, swing, np.log(amplitude))))
+    return _rows(damper, energy[amplitude < meets]), meets
+
+
+def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
+    """Place and velocity along x, at a crest of the structure, of a ball that rolls evenly to and fro.
+
+    s'' = -share u'' - beta a_r sgn s' with a turn every half period: at each the structure's velocity is
+    pi beta a_r / (2 share omega) towards its crest. Where that is more than it has, or the ball is driven too little
+    there to turn at once, it pauses: it begins at rest.
+    """
+    share = damper.inertia_ratio * (1 - damper.tilt_share[0])
+    omega, push = damper.stuck_frequency, damper.inertia_ratio * damper.rolling_threshold
+    ahead = 0.5 * math.pi * push / (abs(share) * amplitude * omega**2)
+    if ahead >= 1 or math.sqrt(1 - ahead**2) * abs(share) * amplitude * omega**2 < push:
+        return 0.0, 0.0
+    way, wait = math.copysign(1.0, share), math.asin(ahead) / omega
+    place = abs(share) * amplitude * (ahead * wait * omega - 1) - 0.5 * push * wait**2
+    return way * place, way * (abs(share) * amplitude * omega * ahead - push * wait)
 
 
 def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
@@ -237,18 +296,21 @@ def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
 def _ramped(
     damper: ParticleDamper,
     amplitude: Floats,
-    place: Floats,
+    ball: tuple[Floats, Floats],
     cycles: int,
     factor: float,
     threads: int | None,
     least: float = 0.0,
 ) -> Floats:
-    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.amplitude_sweep.Ramp`, `least` as an amplitude [m]."""
+    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.amplitude_sweep.Ramp`.
+
+    `ball`: its places and velocities along x; `least` as an amplitude [m].
+    """
     from damper import amplitude_sweep
 
     sweeps = len(amplitude)
     start = np.zeros((sweeps, 5, 2))
-    start[:, 0, 0], start[:, 2, 0] = amplitude, place
+    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = amplitude, *ball
     many = np.repeat(damper.parameters, sweeps)
     p = prepare(many, start, cycles, cycles)
     tables = nothing_kept()

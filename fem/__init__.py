@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fem.modes.gyroscopic import critical_speed
     from fem.modes.real import Divergence, Modes, families
     from fem.modes.solve import solve_modes
-    from fem.operators.assembly import Operators, assemble, with_coriolis, with_point_mass
+    from fem.operators.assembly import Operators, assemble, with_cavity, with_coriolis, with_point_mass
     from fem.output import displacement
     from fem.plate import ElasticRoot, Material, Plate
     from fem.reduction.modal import ModesAtPlace, modes_at
@@ -74,6 +74,7 @@ _HOMES = {
     "reduce_at": "fem.reduction.single_mode",
     "reduce_over": "fem.reduction.single_mode",
     "solve_modes": "fem.modes.solve",
+    "with_cavity": "fem.operators.assembly",
     "with_coriolis": "fem.operators.assembly",
     "with_point_mass": "fem.operators.assembly",
 }
@@ -118,6 +119,7 @@ __all__ = [
     "reduce_at",
     "reduce_over",
     "solve_modes",
+    "with_cavity",
     "with_coriolis",
     "with_point_mass",
 ]

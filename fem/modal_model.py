@@ -587,14 +587,14 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
 _CHUNK = 2000
 """Cells whose integrals are taken at once."""
 
-STILL = 1e-9
+_STILL = 1e-9
 """Displacement over the largest of its mode that counts as none."""
 
 
-def held(modes: ModesAtSpeed) -> NDArray[np.bool_]:
-    """Which nodes (n,) no mode moves."""
-    largest = np.abs(modes.shapes).max(axis=(1, 2), keepdims=True)
-    return np.asarray((np.abs(modes.shapes) <= STILL * largest).all(axis=(0, 2)))
+def held(shapes: Array) -> NDArray[np.bool_]:
+    """Which nodes (n,) none of the shapes (..., n, 3) moves."""
+    moved = np.abs(shapes).reshape(-1, *shapes.shape[-2:])
+    return np.asarray((moved <= _STILL * moved.max(axis=(1, 2), keepdims=True)).all(axis=(0, 2)))
 
 
 def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
@@ -603,7 +603,7 @@ def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
     At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp, the mesh
     has finite. None where no cell with a volume is held.
     """
-    still = held(modes)
+    still = held(modes.shapes)
     total = np.zeros((len(model.points), modes.frequencies_hz.size, 3, 3))
     count = np.zeros(len(model.points))
     for name, cells in model.cells:

@@ -22,8 +22,8 @@ LONGEST = (
     "damper/test_invariants.py",
     "fem/test_fem_theories.py",
     "fem/test_fem_choice.py",
-    "workflows/test_reproducibility.py",
-    "workflows/test_windows.py",
+    "workflows/test_results.py",
+    "workflows/test_cli.py",
 )
 """Modules that take long; begun first, so that no core waits for another at the end."""
 

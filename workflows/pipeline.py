@@ -104,6 +104,10 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     return modal_model(operators, plate.diagram, [plate.numbers[k] for k in order], errors, at)
 
 
+UNCUT = "The scene's damper is left out: the plate is as heavy as before its cavities are cut."
+"""What a plate alone lacks."""
+
+
 def plate_only(source: SceneFile) -> SceneFile:
     """The scene without its damper.
 
@@ -112,6 +116,9 @@ def plate_only(source: SceneFile) -> SceneFile:
     """
     if source.scene.given is not None:
         raise BadInput("the table is missing: campbell needs a plate", file=source.name, key="[plate]")
+    damper = source.scene.damper
+    if source.scene.plate is not None and damper is not None and damper.cut:
+        source = replace(source, remarks=(*source.remarks, UNCUT))
     return source.plate_alone()
 
 

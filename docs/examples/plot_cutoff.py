@@ -31,8 +31,8 @@ print(results)
 # The cut-off over the load is 0.1 = 0.1 mm / 1 mm, within one cycle of the ring-down, which is its resolution.
 
 for point in results.speeds:
-    print(f"{point.rpm:6.0f} rpm: {point.damping.cutoff_g:7.0f} g, {point.damping.cutoff_ratio:.3f} of the load")
-    assert 0.09 < point.damping.cutoff_ratio < 0.13
+    print(f"{point.rpm:6.0f} rpm: {point.damper.cutoff_g:7.0f} g, {point.damper.cutoff_ratio:.3f} of the load")
+    assert 0.09 < point.damper.cutoff_ratio < 0.13
 
 # %%
 # How much the ball damps, and over which amplitudes:

@@ -1,4 +1,4 @@
-"""Effects left out: by how much Coriolis forces and large deflection would shift frequencies.
+"""Effects left out: by how much Coriolis forces, large deflection and cavities would shift frequencies.
 
 Coriolis forces (`turned`): two modes of rates a and b, coupled by g = phi_a' G phi_b, have together the rates w of
     (w² - a²) (w² - b²) = (Omega g w)²,
@@ -8,6 +8,8 @@ more than modes may be apart: the shift is the largest that their distance, as u
 
 Large deflection (`bent`): the static state at the highest speed, and by how much it shifts the frequencies; a coarse
 mesh is enough for the difference.
+
+Cavities (`cut`): by the first-order shift of each mode, of their mass and of their stiffness.
 
 Modes of rates that may coincide may be mixed in any way on the plate itself: an effect moves each of them by no more
 than the norm of what it does to all of them together (Weyl), whatever their mixture on the coarse mesh.
@@ -21,12 +23,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.linalg import orthonormal
+from fem.meshes.planform import locate
 from fem.modes.real import Divergence, solve_real
 from fem.modes.solve import solve_modes
-from fem.operators.assembly import assemble
+from fem.operators.assembly import assemble, footprint, with_masses
 from fem.statics import NoEquilibrium, linearise, settle, tangent
+from fem.theory.forms import energy_densities
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
@@ -34,6 +40,7 @@ if TYPE_CHECKING:
     from fem.operators.assembly import Operators
     from fem.plate import Plate
     from fem.rotor import Effects, Rotor
+    from fem.sweep.campbell import Campbell
 
     Array = NDArray[np.float64]
 
@@ -270,3 +277,56 @@ def _size(operators: Operators, state: Array | None) -> tuple[float, float]:
     within = np.arctan2(stretched[1, 0] - stretched[0, 1], stretched[0, 0] + stretched[1, 1])
     out = np.arctan(np.linalg.norm(stretched[2], axis=0))
     return float(max(np.abs(within).max(), out.max())), float(np.abs(np.linalg.eigvalsh(strain.T)).max())
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Relative shifts (k, count) of frequencies, without sign, by cavities.
+
+    Attributes:
+        mass: by the metal that they take out, at their place.
+        extent: by that it is not at the place alone.
+        stiffness: by the strain energy of as much metal, averaged over the thickness; cavities that are cut across the
+            stress lose a multiple.
+    """
+
+    mass: Array
+    extent: Array
+    stiffness: Array
+
+
+def cut(
+    operators: Operators,
+    diagram: Campbell,
+    numbers: Sequence[int],
+    at: tuple[float, float],
+    volume: float,
+    depth: float,
+) -> Cut:
+    """What cavities (`with_cavity`) do to first order, at the speeds of these numbers in a diagram.
+
+    operators: of the plate with or without them.
+
+    Raises:
+        PlaceError: off the plate, or where the plate has no room for them.
+    """
+    places = footprint(operators, at, volume, depth)
+    cells = [locate(operators.model.mesh, (x, y))[0] for x, y in places]
+    whole = operators.plate.material.density * volume
+    masses = [with_masses(operators, where, whole / len(where)) for where in (np.array([at]), places)]
+    found = []
+    for number in numbers:
+        omega, shapes = float(diagram.omega[number]), diagram.shapes(number)
+        squares = (2.0 * np.pi * diagram.frequencies_hz[number]) ** 2
+        shifts = []
+        for heavy in masses:
+            stiffer = omega**2 * _squares(heavy.spinning - operators.spinning, shapes) / squares
+            shifts.append(0.5 * (_squares(heavy.mass - operators.mass, shapes) - stiffer))
+        strained = energy_densities(operators.model, shapes)[cells].max(axis=1).mean(axis=0)
+        found.append((np.abs(shifts[0]), np.abs(shifts[1] - shifts[0]), 0.5 * volume * strained / squares))
+    return Cut(*np.array(found).reshape(len(numbers), 3, -1).transpose(1, 0, 2))
+
+
+def _squares(matrix: csc_array, shapes: Array) -> Array:
+    """Products (k,) of shapes (n, k) with themselves in a matrix."""
+    return np.asarray(np.real((shapes.conj() * (matrix @ shapes)).sum(axis=0)))

@@ -66,6 +66,11 @@ class Budget:
         return 0.95 * self.frequency
 
     @property
+    def rough_shift(self) -> float:
+        """The same where the plate is known as a beam only."""
+        return 0.1 * self.frequency
+
+    @property
     def drive(self) -> float:
         """Share of the ball's drive that may be left out."""
         return self.damping

@@ -17,6 +17,8 @@ import numpy as np
 from fem.meshes.planform import MeshError, check_mesh, root, root_facets
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     from numpy.typing import NDArray
 
 TRIANGLES = ("triangle", "triangle6", "triangle7")
@@ -49,11 +51,13 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
             flat, not upright, not in one piece or without a straight root edge.
         FieldError: for a field that is not there, or has not one finite number a point.
     """
+    import meshio
+
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
-        raw = _read(path)
+        raw = raw_mesh(path, meshio, "mid-surface")
         mesh, points = _surface(raw)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
@@ -74,36 +78,49 @@ def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float
     return found
 
 
-def _read(path: Path) -> Any:
-    import meshio
+def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
+    """What meshio, or a package with its calls, reads of a file, whose words it keeps for itself.
 
+    Args:
+        path: of the file.
+        reader: the package.
+        meshed: what of a geometry is to be meshed, in words.
+
+    Raises:
+        MeshError: it cannot be read.
+    """
     said = io.StringIO()
     try:
-        _check_kind(path)
+        _check_kind(path, meshed)
         _check_named_files(path)
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshio.read(path)
+            return reader.read(path)
     except MeshError:
         raise
     except SystemExit:
-        raise MeshError("not a mesh file that meshio can read") from None
-    except meshio.ReadError as error:
-        raise MeshError(f"not a readable mesh file ({str(error) or 'damaged'})") from None
+        lines = [line.strip() for line in said.getvalue().splitlines() if " id" in line and len(line) < _SAID]
+        why = f" ({lines[0]})" if lines else ""
+        raise MeshError(f"not a mesh file that {reader.__name__} can read{why}") from None
+    except reader.ReadError as error:
+        raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
-    except Exception as error:  # what meshio's readers stumble over, said in terms of their own code
+    except Exception as error:  # what readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
+
+_SAID = 80
+"""Length of a reader's line, on what is wrong with a number of a node or a cell, that is passed on."""
 
 _GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES"}
 _BULK = b"BEGIN BULK"
 
 
-def _check_kind(path: Path) -> None:
-    """Refuse geometry without a mesh, and a part of a Nastran file that meshio would search to its end."""
+def _check_kind(path: Path, meshed: str) -> None:
+    """Refuse geometry without a mesh, and a part of a Nastran file that readers would search to its end."""
     kind = _GEOMETRY.get(path.suffix.lower())
     if kind is not None:
-        raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
+        raise MeshError(f"{kind} is geometry without a mesh: mesh its {meshed} (with Gmsh, say) and give that file")
     if path.suffix.lower() in (".bdf", ".nas", ".fem") and _BULK not in path.read_bytes().upper():
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 

@@ -6,8 +6,6 @@ CalculiX) that meshio stumbles over, and keeps sets of nodes and cells.
 
 from __future__ import annotations
 
-import contextlib
-import io
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,6 +17,7 @@ import numpy as np
 
 from fem.meshes.cells import cell
 from fem.meshes.planform import MeshError
+from fem.meshes.read import raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -214,6 +213,8 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
     """
+    import meshlane
+
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
@@ -222,28 +223,9 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
             return _of_raw(_meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
-        return _of_raw(_read(path), scale)
+        return _of_raw(raw_mesh(path, meshlane, "volume"), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
-
-
-def _read(path: Path) -> Any:
-    import meshlane
-
-    said = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshlane.read(path)
-    except SystemExit:
-        lines = [line for line in said.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))]
-        why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
-        raise MeshError(f"not a mesh file that meshlane can read{why}") from None
-    except meshlane.ReadError as error:
-        raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
-    except ImportError as error:
-        raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
-    except Exception as error:  # what readers stumble over, said in terms of their own code
-        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
 def _meshed(path: Path, scale: float, size: float | None) -> Any:
@@ -258,6 +240,8 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         raise MeshError(
             f"to mesh geometry, the package gmsh must be installed (pip install spindamp[step]): {error}"
         ) from None
+    import meshlane
+
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -271,7 +255,7 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.model.mesh.generate(3)
         with tempfile.TemporaryDirectory() as folder:
             gmsh.write(str(Path(folder) / "volume.msh"))
-            return _read(Path(folder) / "volume.msh")
+            return raw_mesh(Path(folder) / "volume.msh", meshlane, "volume")
     except MeshError:
         raise
     except Exception as error:  # gmsh raises plain ones

@@ -1,7 +1,7 @@
 """Matrices of a plate on a rotor: everything that does not depend on the speed.
 
-`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `point_rows` reads displacements at a point,
-and `transfer` carries shapes from one mesh to another.
+`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `point_rows`
+reads displacements at a point, and `transfer` carries shapes from one mesh to another.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from fem.linalg import factorise
-from fem.meshes.planform import locate, root
+from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
 from fem.theory import forms
 from fem.theory.fields import gram
@@ -139,6 +139,7 @@ class Operators:
         load: the centrifugal load (n,) per Omega², zero where nothing asks for it.
         prestress: the displacement (n,) it causes, per Omega².
         pulled: what the point mass's load adds to geometric, None without it.
+        cavity: places (k, 2) in m at each of which it takes so much metal in kg out; None without one.
     """
 
     plate: Plate
@@ -153,6 +154,7 @@ class Operators:
     load: Array
     prestress: Array | None
     pulled: csc_array | None = None
+    cavity: tuple[Array, float] | None = None
 
     def __post_init__(self) -> None:
         for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic, self.pulled):
@@ -174,6 +176,16 @@ class Operators:
     def theory(self) -> str:
         """The plate's."""
         return self.model.theory
+
+    @property
+    def points(self) -> list[tuple[Array, float]]:
+        """Places (k, 2) in m, and the mass in kg at each of them: the plate's point mass, and the metal of a cavity."""
+        plate, found = self.plate, []
+        if plate.tip_mass > 0.0 and plate.tip_at is not None:
+            found.append((np.array([plate.tip_at]), plate.tip_mass))
+        if self.cavity is not None:
+            found.append((self.cavity[0], -self.cavity[1]))
+        return found
 
     def stressed(self, state: Array) -> StressedPlate:
         """The elastic energy at a displacement (n,)."""
@@ -241,8 +253,8 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         load,
         prestress,
     )
-    if plate.tip_mass > 0.0 and plate.tip_at is not None:
-        return _with_point_mass(operators, plate.tip_at, plate.tip_mass, held)
+    for places, each in operators.points:
+        operators = _with_masses(operators, places, each, held)
     return operators
 
 
@@ -256,14 +268,19 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     """
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")
+    return with_masses(operators, np.array([at]), mass)
+
+
+def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
+    """Add a mass in kg, which may be negative, at each of some places (k, 2) in m."""
     held = None if operators.prestress is None else _held(operators.model, operators.stiffness)
-    return _with_point_mass(operators, at, mass, held)
+    return _with_masses(operators, places, mass, held)
 
 
-def _with_point_mass(operators: Operators, at: tuple[float, float], mass: float, held: Factor | None) -> Operators:
+def _with_masses(operators: Operators, places: Array, mass: float, held: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
-    rows = point_rows(model, at)
-    load = mass * (rows.T @ (rotor.projector @ operators.from_axis(at)))
+    rows = _rows_at(model, places)
+    load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
     }
@@ -280,35 +297,87 @@ def _with_point_mass(operators: Operators, at: tuple[float, float], mass: float,
     return replace(operators, **changed)
 
 
+POINTS = 32
+"""Places at which a cavity takes its metal out: they reproduce its extent."""
+
+MOST_EMPTIED = 0.5
+"""Share of the thickness that cavities take around their place at most: the mass of a plate stays positive definite."""
+
+
+def with_cavity(operators: Operators, at: tuple[float, float], volume: float, depth: float) -> Operators:
+    """Take the metal of cavities, of a volume in m³ together and so deep in m, out around a place (x, y) in m.
+
+    Like all mass it has inertia, pulls outwards on the plate and softens. Its stiffness stays
+    (`fem.accuracy.neglected_effects.cut`).
+
+    Raises:
+        PlaceError: off the plate, or where the plate has no room for them.
+    """
+    places = footprint(operators, at, volume, depth)
+    mass = operators.plate.material.density * volume / len(places)
+    return replace(with_masses(operators, places, -mass), pulled=operators.pulled, cavity=(places, mass))
+
+
+def footprint(operators: Operators, at: tuple[float, float], volume: float, depth: float) -> Array:
+    """Places (k, 2) in m, evenly over the part of a plate nearest to a place that cavities take up (`with_cavity`).
+
+    Raises:
+        PlaceError: off the plate, or where the plate has no room for them.
+    """
+    plate, mesh = operators.plate, operators.model.mesh
+    locate(mesh, at)
+    pitch = np.sqrt(volume / (min(depth, MOST_EMPTIED * plate.thickness_at(at)) * POINTS))
+    steps = np.arange(-POINTS, POINTS) + 0.5
+    offsets = pitch * np.array(np.meshgrid(steps, steps)).reshape(2, -1).T
+    places: list[Array] = []
+    for offset in offsets[np.hypot(*offsets.T).argsort(kind="stable")]:
+        try:
+            locate(mesh, (at[0] + offset[0], at[1] + offset[1]))
+        except PlaceError:
+            continue
+        places.append(at + offset)
+        if len(places) == POINTS:
+            return np.array(places)
+    here = f"({at[0]:.6g}, {at[1]:.6g}) m"
+    raise PlaceError(f"the plate has no room around {here} for cavities of {1e9 * volume:.6g} mm³ together")
+
+
 def with_coriolis(operators: Operators) -> Operators:
     """Count the Coriolis forces in, those of the plate's own point mass too."""
-    plate, through = operators.plate, 2.0 * operators.rotor.spin
-    gyroscopic = forms.inertia(operators.model, plate.material.density, through)
-    if plate.tip_mass > 0.0 and plate.tip_at is not None:
-        gyroscopic = gyroscopic + plate.tip_mass * _through(point_rows(operators.model, plate.tip_at), through)
+    through = 2.0 * operators.rotor.spin
+    gyroscopic = forms.inertia(operators.model, operators.plate.material.density, through)
+    for places, mass in operators.points:
+        gyroscopic = gyroscopic + mass * _through(_rows_at(operators.model, places), through)
     return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
 
 
 def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
     """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
+    return _rows_at(model, np.array([at]), derivative)
+
+
+def _rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
+    """The same (3 k, n) at places (k, 2), one after the other."""
     from scipy.sparse import coo_array
 
-    cell, reference = locate(model.mesh, at)
+    located = [locate(model.mesh, (x, y)) for x, y in places]
+    cells, reference = np.array([cell for cell, _ in located]), np.column_stack([at for _, at in located])
     rows, columns, weights = [], [], []
     for k, space in enumerate(model.spaces):
-        weight, dofs = space.probe(np.array([cell]), reference[:, None], derivative)
-        free = dofs[0] >= 0
-        rows.append(np.full(np.count_nonzero(free), k))
-        columns.append(dofs[0][free])
-        weights.append(weight[0][free])
+        weight, dofs = space.probe(cells, reference, derivative)
+        place, function = np.nonzero(dofs >= 0)
+        rows.append(3 * place + k)
+        columns.append(dofs[place, function])
+        weights.append(weight[place, function])
     where = (np.concatenate(rows), np.concatenate(columns))
-    return coo_array((np.concatenate(weights), where), shape=(3, model.dofs)).tocsc()
+    return coo_array((np.concatenate(weights), where), shape=(3 * len(places), model.dofs)).tocsc()
 
 
 def _through(rows: csc_array, matrix: Array) -> csc_array:
     from scipy.sparse import csc_array as sparse
 
-    return sparse(rows.T @ sparse(matrix) @ rows)
+    each = np.kron(np.eye(rows.shape[0] // 3), matrix)
+    return sparse(rows.T @ sparse(each) @ rows)
 
 
 def _held(model: Discretisation, stiffness: csc_array) -> Factor:

@@ -113,12 +113,12 @@ def load_rows(operators: Operators) -> Array:
 
 def drawn_rows(operators: Operators, axes: Iterable[int]) -> Array:
     """Load vectors (axes, n): of unit accelerations of the root along axes of the plate, but for their sign."""
-    plate, model = operators.plate, operators.model
     drawn = []
     for axis in axes:
-        load = uniform_load(model, plate.material.density, np.eye(3)[axis])
-        if plate.tip_mass > 0.0 and plate.tip_at is not None:
-            load = load + plate.tip_mass * (point_rows(model, plate.tip_at).T @ np.eye(3)[axis])
+        load = uniform_load(operators.model, operators.plate.material.density, np.eye(3)[axis])
+        for places, mass in operators.points:
+            for x, y in places:
+                load = load + mass * (point_rows(operators.model, (x, y)).T @ np.eye(3)[axis])
         drawn.append(load)
     return np.array(drawn)
 

@@ -421,6 +421,7 @@ class SolvedBlade:
         self.errors: Array = np.vstack(every).max(axis=0)
         self._at = lru_cache(KEPT)(self._solved)
 
+    @cached_property
     def model(self) -> ModalModel:
         """The blade with its modes at the lowest speed."""
         blade = self.operators.blade

@@ -59,6 +59,17 @@ def _energies(coefficients: Array, strain: Array, dx: Array) -> Array:
     return np.asarray(np.tensordot(strain, stress, ((0, 1, 2), (0, 1, 2))))
 
 
+def energy_densities(model: Discretisation, shapes: Array) -> Array:
+    """Twice the elastic energy of shapes (n, k) per volume, (ncell, npoint, k), on average through the thickness."""
+    gradients = model.gradient.evaluate(shapes)
+    total = np.zeros(gradients.shape[1:])
+    for layer in model.elastic:
+        strain = np.einsum("sg,gcpk->scpk", strain_matrix(layer), gradients)
+        stress = np.einsum("st,tcpk->scpk", model.stiffness, strain)
+        total += layer.weight * np.real(strain.conj() * stress).sum(axis=0)
+    return total / sum(layer.weight for layer in model.elastic)
+
+
 def inertia(model: Discretisation, density: float, through: Array) -> csc_array:
     """Return the matrix of density * U.(through U): mass (identity), softening (P), Coriolis (2 n x)."""
     layers = [(layer.weight, layer.displacement) for layer in model.inertia]

@@ -120,7 +120,9 @@ class Trial:
 def _run(*arguments: str) -> None:
     """The command in a process that says nothing."""
     from workflows import cli
+    from workflows.report import figures
 
+    figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")  # drawing is not what is tried
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)

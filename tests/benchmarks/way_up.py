@@ -1,12 +1,15 @@
 """Both ways through the amplitudes against an integrator that shares no code: `python -m tests.benchmarks.way_up`.
 
 Random dampers with two steady motions over a range, ramps of 0.1 % a cycle up from the cut-off with the ball at rest in
-the middle, and down again. The reference is that of the tests; some 20 s a damper. `--count N`, `--first SEED`.
+the middle, and down again; how far a ball that rolls about the middle swings where it is to meet the walls; and by how
+much the published curve exceeds the ramp up anywhere. The reference is that of the tests; some 20 s a damper.
+`--count N`, `--first SEED`.
 """
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import itertools
 import math
 from collections.abc import Iterator
@@ -57,6 +60,25 @@ def turning(path: tuple[Floats, Floats]) -> float:
     return float(path[0][int(np.argmax(change)) + 12])
 
 
+def swing(damper: ParticleDamper, amplitude: float) -> float:
+    """Half the way of a ball that rolls to and fro at an amplitude in a cavity without end, by what it loses [m]."""
+    wide = dataclasses.replace(damper, cavity=(1e3 * amplitude, damper.cavity[1]))
+    lost = [decrement for _, decrement in itertools.islice(ramp(wide, amplitude, 0.0, 1.0, SAMPLES), 4, 12)]
+    energy = 0.5 * damper.stiffness[0] * amplitude**2
+    return float(-np.expm1(-2 * np.array(lost)).mean()) * energy / (4 * damper.ball_mass * damper.rolling_threshold)
+
+
+def excess(curve: Working, path: tuple[Floats, Floats]) -> float:
+    """The most by which a curve promises more than a ramp shows, over stretches of an eighth of an octave.
+
+    Over what is shown, or a twentieth of the peak where that is more, as just beyond the cut-off.
+    """
+    part = np.where(path[0] > curve.amplitude[0], np.floor(8 * np.log2(path[0])), -math.inf)
+    stretches = [part == k for k in np.unique(part)[1:-1]]
+    pairs = [(float(path[1][each].mean()), float(at(curve, path[0][each]).mean())) for each in stretches]
+    return max((promise - shown) / max(shown, 0.05 * curve.peak) for shown, promise in pairs)
+
+
 def compare(seed: int) -> str:
     """A damper's line: folds and the largest difference of either branch from the reference, away from the folds."""
     damper = drawn(seed)
@@ -69,16 +91,18 @@ def compare(seed: int) -> str:
     up = followed(ramp(damper, 0.99 * found.cutoff, 0.0, GROWTH**2, SAMPLES), top, rising=True)
     down = followed(ramp(damper, top, 1.0, GROWTH**-2, SAMPLES), 0.85 * low, rising=False)
     begun = up[0] > 0.9 * low
-    folds = turning(down), turning((up[0][begun], up[1][begun]))
-    lower, upper = (up[0] > 1.1 * low) & (up[0] < 0.93 * min(folds[1], found.jump[0])), down[0] > 1.08 * low
+    stops, begins = turning(down), turning((up[0][begun], up[1][begun]))
+    lower, upper = (up[0] > 1.1 * low) & (up[0] < 0.93 * min(begins, found.jump[0])), down[0] > 1.08 * low
     errors = [
         abs(float(np.mean(path[1][where] / at(curve, path[0][where]) - 1))) if where.any() else math.nan
         for path, curve, where in ((up, found, lower), (down, above, upper))
     ]
     return (
         f"{seed:3d}  e {damper.restitution:.2f}  rolling {100 * errors[0]:5.2f} %  bouncing {100 * errors[1]:5.2f} %"
-        f"  stops {1e3 * low:8.4f} mm, reference {100 * (folds[0] / low - 1):+5.1f} %"
-        f"  begins {1e3 * found.jump[0]:8.4f} to {1e3 * found.jump[1]:8.4f} mm, reference {1e3 * folds[1]:8.4f}"
+        f"  stops {1e3 * low:8.4f} mm, reference {100 * (stops / low - 1):+5.1f} %"
+        f"  sure {1e3 * high:8.4f} mm, swing {100 * (swing(damper, high) / damper.half_gap[0] - 1):+5.1f} %"
+        f"  begins {1e3 * found.jump[0]:8.4f} to {1e3 * found.jump[1]:8.4f} mm, reference {1e3 * begins:8.4f}"
+        f"  excess {100 * excess(found, up):+5.1f} %"
     )
 
 

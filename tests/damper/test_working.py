@@ -60,7 +60,7 @@ def held(damper: ParticleDamper, amplitude: float, growth: float = 0.0) -> float
 
     The structure moves as A cos wt, the ball relatively to it by s'' = -b (u'' + a sign s'), and s' = -e s' at walls.
     What it takes is the work done on it by the structure, m (u'' + s'') u' and m u' times the jump of s'. With a growth
-    A begins where the ball at rest in the middle begins to move, and grows by so much a cycle until then.
+    A begins where the ball at rest in the middle begins to move, and grows evenly by so much a cycle until then.
     """
     b, a, h, e = 5 / 7, damper.rolling_threshold, damper.half_gap[0], damper.restitution
     w, counted, work = damper.stuck_frequency, 100, 0.0
@@ -70,8 +70,9 @@ def held(damper: ParticleDamper, amplitude: float, growth: float = 0.0) -> float
     phases = [2 * math.pi * k / steps for k in range(steps)]
     motion = [(-amplitude * w * math.sin(phase), -amplitude * w * w * math.cos(phase)) for phase in phases]
     for cycle in range(settled + counted):
-        size = (1 + growth) ** min(cycle - settled, 0)
+        size, factor = (1 + growth) ** min(cycle - settled, 0), (1 + growth) ** (1 / steps * (cycle < settled))
         for rate, push in motion:
+            size *= factor
             drive = -b * push * size
             before, free = v, v + dt * drive
             rub = dt * b * a
@@ -103,19 +104,34 @@ def steel_ball() -> ParticleDamper:
     return ParticleDamper(0.1, (stiffness,) * 2, ball, 2.5e-3, (11e-3, 11e-3), load, 0.8, 0.3, 2e-5)
 
 
+def rolling(damper: ParticleDamper, amplitude: float) -> float:
+    """Damping ratio of a ball that rolls evenly to and fro on a structure much heavier than itself.
+
+    Its velocity turns every half period where the drive is n = (pi/2) a / w² A of its height: it goes 2 b A (1 - n²)½.
+    """
+    ahead = 0.5 * math.pi * damper.rolling_threshold / (damper.stuck_frequency**2 * amplitude)
+    way = 4 * 5 / 7 * amplitude * math.sqrt(1 - ahead**2)
+    lost = damper.ball_mass * damper.rolling_threshold * way
+    return -math.log1p(-lost / (0.5 * damper.stiffness[0] * amplitude**2)) / (4 * math.pi)
+
+
 def test_the_way_up_of_a_steel_ball() -> None:
-    """Both branches at four amplitudes, by an integrator of another hand: a bouncing ball does 37 times as much."""
-    found = working(steel_ball())
+    """Both branches at four amplitudes, by an integrator of another hand: a bouncing ball does 37 times as much.
+
+    On a ramp of its kind the ball drifts and bounces at 1.47 mm, 1.81e-3; one that keeps to the middle does not.
+    """
+    found, damper = working(steel_ball()), steel_ball()
     for amplitude, down, up in (
         (0.50e-3, 1.07e-2, 2.9e-4),
         (0.72e-3, 5.8e-3, 2.1e-4),
         (1.02e-3, 3.2e-3, 1.45e-4),
-        (1.47e-3, 1.80e-3, 1.81e-3),
+        (1.47e-3, 1.80e-3, rolling(damper, 1.47e-3)),
     ):
         assert at(found.descending, amplitude) == pytest.approx(down, rel=0.02)
         assert at(found, amplitude) == pytest.approx(up, rel=0.03)
     assert found.folds[0] == pytest.approx(found.descending.half[0], rel=0.05)
-    assert 0.9e-3 < found.jump[0] < found.jump[1] == found.folds[1] < 1.47e-3
+    assert 0.9e-3 < found.jump[0] < found.jump[1] < 1.47e-3
+    assert found.folds[1] == pytest.approx(damper.half_gap[0] / (5 / 7), rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -127,13 +143,23 @@ def test_the_way_up_of_a_steel_ball() -> None:
     ],
 )
 def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> None:
-    """Between the folds a ball that bounces, and one that has been at rest, on ramps of 0.1 % a cycle."""
+    """Between the folds a ball that bounces, one that was at rest, on ramps of 0.1 % a cycle, and one in the middle.
+
+    That one rolls on until its way is as long as the clearance, 2 h = 2 b A (1 - n²)½: beyond, all bounce.
+    """
     found = working(damper)
     amplitude = math.sqrt(found.folds[0] * found.jump[0])
     assert at(found, amplitude) == pytest.approx(held(damper, amplitude, 1e-3), rel=0.02)
     assert at(found.descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
     assert at(found, amplitude) < 0.5 * at(found.descending, amplitude)
+    last = math.hypot(7 / 5 * damper.half_gap[0], math.pi / 2 * damper.rolling_threshold / damper.stuck_frequency**2)
+    assert found.folds[1] == pytest.approx(last, rel=0.01)
+    assert at(found, 0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.02)
+    assert at(found, 1.05 * last) == pytest.approx(held(damper, 1.05 * last, 5e-3), rel=0.08)
     assert found.peak <= found.descending.peak
+    if found.peak_amplitude > last / 2:
+        assert found.range[0] == pytest.approx(found.folds[1], rel=1e-5)
+        assert found.error < 0.1
 
 
 def test_the_pace_of_the_sweeps_is_in_the_error() -> None:

@@ -419,4 +419,4 @@ def test_the_strain_at_the_root_is_that_of_a_cantilever(kind, n):
     solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 2, 1e-3)
     modes = solved.at(0.0)
     lift = np.abs(modes.shapes[0, :, 2]).max()
-    assert root_strains(solved.model(), modes)[0] / lift == pytest.approx(3.516 * sides[2] / 2 / sides[0] ** 2, rel=0.1)
+    assert root_strains(solved.model, modes)[0] / lift == pytest.approx(3.516 * sides[2] / 2 / sides[0] ** 2, rel=0.1)

@@ -143,7 +143,6 @@ def overlap(given: Scene, cycles: float = 10.0) -> float:
     damper, release, asked = damper_of(given)
     motion = ringdown(damper, release, min(cycles, asked or cycles), keep_events=True, max_events=EVENTS)
     position = np.abs(sample(motion, np.linspace(0.0, motion.duration, 300)).relative_position).max(axis=0)
-    assert motion.rows is not None
     scale = np.abs(motion.rows["u"]).max()
     worst = 0.0
     for axis in range(2):

@@ -36,8 +36,8 @@ def capped(found: Results, *which: int) -> Results:
     """The same, of which some ring-downs ended by their cap."""
     speeds = list(found.speeds)
     for k in which:
-        ended = replace(speeds[k].damping, outcome=CAP, cutoff_g=None, cutoff_ratio=None)
-        speeds[k] = replace(speeds[k], damping=ended)
+        ended = replace(speeds[k].damper, outcome=CAP, cutoff_g=None, cutoff_ratio=None)
+        speeds[k] = replace(speeds[k], damper=ended)
     return replace(found, speeds=tuple(speeds))
 
 
@@ -54,7 +54,7 @@ def _joined(text: str) -> str:
 def test_a_ring_down_without_a_cut_off_shows_the_one_of_a_ball_at_rest() -> None:
     """mu_r/r = 0.1 of the load, whatever the speed; a ring-down that ended shows its own."""
     found, loads = at(3, 3500, 10000), [(rpm * math.pi / 30) ** 2 * 0.2 / 9.80665 for rpm in (3500, 10000)]
-    assert [point.damping.cutoff_g for point in found.speeds] == [None, None]
+    assert [point.damper.cutoff_g for point in found.speeds] == [None, None]
     for (g, ratio), load in zip(cells(found), loads, strict=True):
         assert ratio == f"0.100{AT_REST}"
         assert float(g.removesuffix(AT_REST).replace("\u2009", "")) == pytest.approx(0.1 * load, rel=2e-3)

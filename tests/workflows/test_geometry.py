@@ -16,7 +16,6 @@ from tests.workflows.conftest import Command, Scene, changed, write
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.progress import Stages
-from workflows.scene import damper, plate_mesh
 from workflows.scene.load import SHIPPED, load, parse
 
 
@@ -50,7 +49,6 @@ def solved(scene: Scene, folder: Path) -> dict[str, Any]:
     """What the damper of a scene feels of its plate."""
     source = load(write(scene, folder / "scene.toml"))
     point = pipeline.structure(source, Stages(visible=False), shapes=False).points[0]
-    assert point.reduced is not None
     return {
         "frequencies": [mode.frequency_hz for mode in point.modes],
         "load": point.load_g,
@@ -113,13 +111,6 @@ def test_a_root_that_is_not_straight_is_refused(spindamp: Command, paper: Scene,
         assert "the root must be one straight, unbroken edge with x constant" in outcome.err
 
 
-def test_check_draws_the_axes(spindamp: Command) -> None:
-    said = spindamp("check", "paper").out
-    assert all(line in said for line in damper.PICTURE.splitlines())
-    assert "cavity[0]" in damper.PICTURE
-    assert damper.PICTURE.splitlines()[0] not in spindamp("check", "structure").out
-
-
 THICK = {"plate__thickness": "6 mm", "damper__radius": "10 mm", "damper__cavity": ["25 mm", "25 mm"]}
 
 MISFITS: list[tuple[dict[str, Any], str, str]] = [
@@ -176,16 +167,6 @@ def test_what_does_not_fit_a_mesh(
         assert outcome.out == ""
         assert f"[damper] {key}" in outcome.err
         assert "expected" in outcome.err
-
-
-def test_the_room_on_a_tapered_blade(tmp_path: Path) -> None:
-    """Against the trapezium: 50 mm wide at the root, 20 mm at the tip."""
-    from fem import read_mesh
-
-    mesh = read_mesh(drawn(tmp_path / "blade.msh", 0.4, taper=0.6))
-    for x, y in ((0.4, 0.0), (0.43, 0.0), (0.46, 0.01), (0.46, -0.0175), (0.52, 0.0)):
-        width = 0.05 - 0.03 * (x - 0.4) / 0.12
-        assert plate_mesh.room(mesh, (x, y)) == pytest.approx(width - 2 * abs(y), abs=1e-9)
 
 
 def test_a_housing_is_carried_like_a_tip_mass(paper: Scene, tmp_path: Path) -> None:

@@ -49,8 +49,6 @@ def files(tmp_path: Path) -> Path:
 def figures(results: Results) -> list[float]:
     """What a verdict rests on, at the last speed."""
     own, reduced = results.speeds[-1].working, results.speeds[-1].reduced
-    assert own is not None
-    assert reduced is not None
     return [own.peak, own.peak_amplitude, *own.half, own.cutoff, reduced.f1_hz, reduced.M2, reduced.floor_tilt]
 
 
@@ -115,7 +113,6 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
     results = package.run(changed(SCENE, damper=None, release=None))
     package.save(results, "out")
     surface = package.load_results("out").surface
-    assert surface is not None
     assert surface.frame is not None
     seen = mode_viewer.of_surface(surface, results.speeds, room=mode_viewer.Room(points=200))
     data = json.loads(seen.data)
@@ -127,7 +124,6 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
     assert area == pytest.approx(2 * (0.2 * 0.08 + 0.2 * 0.01 + 0.08 * 0.01))
     (files / "bar.json").write_text(json.dumps(small()))
     cloud = package.run(changed(OF_THE_BAR, damper=None, release=None)).surface
-    assert cloud is not None
     assert len(cloud.points) == 4 * 9
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import workflows
 from tests.workflows.browser import findings, needs_chromium
@@ -160,7 +161,6 @@ def costs(captured: list[Any]) -> list[Any]:
 def odd(captured: list[Any]) -> Drawn:
     """One cycle of a nanometre, at loads eleven powers of ten apart."""
     source = workflows.load("structure")
-    assert source.scene.release is not None
     release = source.scene.release.model_copy(update={"displacement": (1e-9, 0.0), "cycles": 1})
     rotor = source.scene.rotor.model_copy(update={"speeds": (0.1, 3e4)})
     return drawn(captured, source.changed(release=release, rotor=rotor))
@@ -240,7 +240,7 @@ def outside_view(text: Any, figure: Any) -> bool:
 
 def test_nothing_is_a_solid_block(spinning_up: Drawn) -> None:
     """A line turns at most thirty times an inch; 100 swings across a page, or chaos at rest, do so more often."""
-    longest = max(len(p.damping.sdc) for p in spinning_up.results.speeds if p.damping)
+    longest = max(len(p.damper.sdc) for p in spinning_up.results.speeds if p.damper)
     assert longest > 1000
     for figure in spinning_up.figures:
         for axes in figure.axes:
@@ -256,8 +256,7 @@ def test_envelopes_hold_the_curve(spinning_up: Drawn) -> None:
     """What is drawn instead of every cycle reaches as far as the cycles do, and its mean is theirs."""
     from workflows.report.figures import envelope
 
-    damping = spinning_up.results.speeds[0].damping
-    assert damping is not None
+    damping = spinning_up.results.speeds[0].damper
     x, y = damping.amplitude_g, damping.sdc
     found = envelope(x, y, np.geomspace(x.min(), x.max(), 81))
     assert found.high.max() == y.max()
@@ -281,24 +280,10 @@ def test_small_loads_have_digits(spinning_up: Drawn, page_of_it: str) -> None:
 
 
 def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
-    point = next(point for point in spinning_up.results.speeds if point.damping and point.damping.history)
-    assert point.damping is not None
-    assert point.damping.history is not None
+    point = next(point for point in spinning_up.results.speeds if point.damper and point.damper.history)
     page = " ".join(page_of_it.split())
-    assert point.damping.history.t[-1] < 0.5 * point.damping.duration
-    assert f", the first {point.damping.history.t[-1]:.3g} s of {point.damping.duration:.3g} s" in page
-
-
-def test_effects_begin_where_the_scene_can_see(captured: list[Any]) -> None:
-    """Below a hundredth of the accuracy asked for there is none; above, lengths differ as the changes do."""
-    figures = drawn_by(captured, lambda: effects_report.draw(EFFECTS))
-    left = figures[0].axes[0]
-    assert left.get_xlim()[0] == pytest.approx(1e-5)
-    ends = sorted(line.get_xdata().max() for line in left.lines if len(line.get_xdata()) == 1)
-    assert ends == [2e-4, 0.4, 5e3]
-    said = [text.get_text() for text in left.texts]
-    assert "none above 0.001 %" in said
-    assert "none" in said
+    assert point.damper.history.t[-1] < 0.5 * point.damper.duration
+    assert f", the first {point.damper.history.t[-1]:.3g} s of {point.damper.duration:.3g} s" in page
 
 
 def boundary(cells: np.ndarray) -> set[tuple[int, int]]:
@@ -310,7 +295,6 @@ def boundary(cells: np.ndarray) -> set[tuple[int, int]]:
 def test_the_plate_at_rest_is_its_outline(holed: Drawn, monkeypatch: pytest.MonkeyPatch) -> None:
     """What VTK is given, and what matplotlib draws without it: the mesh's boundary, the hole's among it."""
     surface = holed.results.surface
-    assert surface is not None
     mesh = meshio.read(MESHES / "plate_with_hole.msh")
     cells = surface.cells[1]
     assert len(cells) == len(mesh.get_cells_type("triangle"))
@@ -323,7 +307,6 @@ def test_the_plate_at_rest_is_its_outline(holed: Drawn, monkeypatch: pytest.Monk
     with mode_viewer.Artist() as artist:
         artist.draw(surface, 0)
         picture = artist.picture()
-    assert picture is not None
     with np.load(io.BytesIO(picture.png)) as archive:
         assert {tuple(sorted(edge)) for edge in archive["outline"].tolist()} == expected
         shape = mode_viewer.ModeShape(**{name: archive[name] for name in archive.files})
@@ -376,7 +359,6 @@ def test_the_mesh_is_what_was_solved(holed: Drawn) -> None:
     from matplotlib.patches import PathPatch
 
     surface = holed.results.surface
-    assert surface is not None
     figures = [figure for figure in holed.figures if figure.axes[0].get_xlabel().startswith("x, radial, mm")]
     assert len(figures) == 1
     for figure in figures:
@@ -415,10 +397,6 @@ def test_every_plate_shows_its_mesh(
     assert "quadrilaterals, finer towards the edges; 10 mm thick" in " ".join(page.split())
 
 
-def test_a_known_structure_has_no_mesh(spinning_up: Drawn) -> None:
-    assert spinning_up.pictures.figures["mesh"] == ""
-
-
 def study() -> WorkPrecision:
     chosen = Choice("thin plate, Bogner-Fox-Schmit rectangles", f"40 × 16 {30 * 'rectangles'}", 1.2e-4, 1.1e-4)
     return WorkPrecision(90 * "T", {"frequency": 1e-3, "damping": 1e-3}, (LADDER,), {"plate": chosen})
@@ -445,3 +423,50 @@ def test_pages_and_files_have_one_drawing(pages: dict[str, Path]) -> None:
 def test_nothing_hinders_a_reader(pages: dict[str, Path]) -> None:
     for path in pages.values():
         assert findings(path) == []
+
+
+@pytest.fixture(scope="module")
+def slow() -> Results:
+    """A ball that next to nothing holds: its cut-off lies far below the amplitudes at which it does anything."""
+    scene = changed(KNOWN, rotor__speeds=["100 rpm"], damper__rolling_friction="0.1 um")
+    return workflows.run(scene)
+
+
+def many(found: Results, count: int) -> Results:
+    """As at so many speeds, each with a load of its own."""
+    (point,) = found.speeds
+    loads = [1.0 * (k + 1) for k in range(count)]
+    return replace(found, speeds=tuple(replace(point, rpm=load, load_g=load) for load in loads))
+
+
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for each in figure.legends for text in each.get_texts()]
+
+
+@pytest.mark.parametrize(("count", "named"), [(3, 3), (16, 16), (17, 9), (120, 9)])
+def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: int, slow: Results) -> None:
+    found = many(slow, count)
+    for figure in (figures_of.damping_ratio(found), figures_of.capacity(found)):
+        said = legend(figure)
+        assert len(said) == named
+        assert {said[0], said[-1]} == {"1 g", f"{count} g"}
+        (title,) = (each.get_title().get_text() for each in figure.legends)
+        assert title == ("load" if named == count else f"load, {named} of {count}")
+
+
+def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
+    (point,) = slow.speeds
+    own, figure = point.working, figures_of.damping_ratio(slow)
+    shown = own.amplitude[own.damping_ratio > 0]
+    assert own.cutoff < 1e-2 * shown.min()
+    low, high = figure.axes[0].get_xlim()
+    assert low >= 0.09e3 * shown.min()
+    assert high >= 1e3 * shown.max()
+
+
+def test_a_tick_within_a_decade_of_its_curve_is_on_the_axis(slow: Results) -> None:
+    (point,) = slow.speeds
+    least = float(point.working.amplitude[point.working.damping_ratio > 0].min())
+    near = replace(point, working=replace(point.working, cutoff=least / 5))
+    figure = figures_of.damping_ratio(replace(slow, speeds=(near,)))
+    assert figure.axes[0].get_xlim()[0] < 1e3 * least / 5

@@ -102,9 +102,8 @@ def test_closure(found: Reproduction) -> None:
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_the_damper_of_the_figures_is_that_of_the_run(found: Reproduction, formulation: str) -> None:
     """Figs. 4 to 7 change one thing at a time of the very motion that Figs. 2 and 3 show."""
-    damping = found.study.points[formulation][SHOWN].damping
+    damping = found.study.points[formulation][SHOWN].damper
     curve = found.study.curve("as it is", found.study.system(formulation))
-    assert damping is not None
     assert curve.sdc.tolist() == damping.sdc.tolist()
     assert curve.amplitude_g.tolist() == damping.amplitude_g.tolist()
 
@@ -124,7 +123,7 @@ def test_the_bound_of_the_closure_is_that_of_both_axes(found: Reproduction) -> N
 def _another(study: Simulated, **changes: object) -> Simulated:
     """The study as it would be if every ring-down had come out otherwise."""
     points = {
-        formulation: tuple(replace(p, damping=replace(p.damping, **changes)) for p in points if p.damping is not None)
+        formulation: tuple(replace(p, damper=replace(p.damper, **changes)) for p in points if p.damper is not None)
         for formulation, points in study.points.items()
     }
     return replace(study, points=points)
@@ -132,8 +131,7 @@ def _another(study: Simulated, **changes: object) -> Simulated:
 
 def test_a_ball_that_took_all_would_be_said_to_make_the_decay(found: Reproduction) -> None:
     """Which verdict F2-decay gets rests on the energy books and on the velocity."""
-    damping = found.study.plate[SHOWN].damping
-    assert damping is not None
+    damping = found.study.plate[SHOWN].damper
     taken = replace(damping.energy, rolling=damping.energy.structure, structure=damping.energy.rolling)
     lasting = np.full_like(damping.peak_velocity, damping.peak_velocity[0])
     for changes, verdict in (

@@ -19,7 +19,6 @@ from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.scene.load import SHIPPED, opened
-from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
@@ -226,16 +225,6 @@ def test_crossings_beyond_the_speeds():
             assert found is None
         else:
             assert found == pytest.approx(60 * 100.0 / math.sqrt(order**2 - share), rel=1e-9)
-
-
-def test_words_of_a_response(known):
-    """Two speeds, of the crossing without a ball and of the largest amplitude with it, each named; the force's kind."""
-    assert "At engine order 3 (4020 rpm, flap mode): " in report.text(known)
-    assert "largest at, rpm" in report.text(known)
-    assert "force, N" in report.text(known)
-    pressed = dataclasses.replace(known, excitation=Excitation(orders=(3,), pressure=(2.0, 20.0)))
-    assert "pressure, Pa" in report.text(pressed)
-    assert not any("force," in line for line in report.text(pressed).splitlines())
 
 
 def test_crossings_between_few_speeds_are_exact():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pkgutil
 import re
 import tomllib
 from pathlib import Path
@@ -13,16 +14,22 @@ import jsonschema
 import pytest
 
 import workflows
+import workflows.effects
 from fem.theory.registry import THEORIES
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
 from workflows.effects import selection
+from workflows.effects.selection import EFFECTS
+from workflows.errors import BadInput
 from workflows.io import provenance
+from workflows.pipeline import run
 from workflows.progress import Stages
+from workflows.report.remarks import assumptions
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
-from workflows.scene.load import SHIPPED, load, parse, schema, shipped, slug
+from workflows.scene.load import SHIPPED, load, parse, schema, shipped
 from workflows.scene.plate import Plate
+from workflows.scene.scene import Effects
 from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -96,10 +103,8 @@ def test_where_nothing_is_left_the_speeds_are_asked_about(paper: Scene, spindamp
 
 def test_release_alternatives(paper: Scene) -> None:
     scene = parse(changed(paper, release={"acceleration": ["6000 g", 5.0]}))
-    assert scene.release is not None
     assert scene.release.acceleration == (60_000.0, 5.0)
     default = parse(changed(paper, rotor__gravity=None, release={"acceleration": ["1 g", "0 g"]}))
-    assert default.release is not None
     assert default.release.acceleration == (9.80665, 0.0)
     assert parse(changed(paper, release={"ratio": 0.3, "cycles": 20})).release is not None
 
@@ -110,16 +115,9 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
     assert parse(changed(scene, release={"cycles": 20})).release == Release(cycles=20)
     for point in workflows.run(scene).speeds:
         load, square = 0.2 * point.omega**2, (2 * math.pi * 269.5) ** 2
-        assert point.damping is not None
         free = 0.25e-3  # with no load the ball does not roll: it stays where it is, and the wall comes to it
-        assert point.damping.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
-        assert point.damping.events > 0
-
-
-def test_mass_alternatives(paper: Scene) -> None:
-    scene = parse(changed(paper, damper__mass_ratio=None, damper__mass="1.9 g"))
-    assert scene.damper is not None
-    assert scene.damper.mass == pytest.approx(0.0019)
+        assert point.damper.release == pytest.approx((1.5 * (0.01 * load / square or free), 0))
+        assert point.damper.events > 0
 
 
 def test_a_plate_may_have_every_theory_that_there_is() -> None:
@@ -129,14 +127,6 @@ def test_a_plate_may_have_every_theory_that_there_is() -> None:
 
 def test_a_ball_may_fill_its_cavity(paper: Scene) -> None:
     assert parse(changed(paper, damper__cavity=["2 mm", "2 mm"])).damper is not None
-
-
-def test_mesh_is_beside_the_scene(paper: Scene, tmp_path: Path) -> None:
-    (tmp_path / "deep").mkdir()
-    (tmp_path / "deep" / "plate.msh").write_text("a mesh, perhaps")
-    scene = on_mesh(paper, "plate.msh")
-    found = load(write(scene, tmp_path / "deep" / "scene.toml"))
-    assert found.mesh == tmp_path / "deep" / "plate.msh"
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -199,12 +189,12 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
     decided = selection.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
     plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
-    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes"}
+    assert on == plate | {"rolling_resistance", "impact_friction", "floor_tilt", "structural_modes", "cavity_mass"}
     assert all(effect.why for effect in decided.values())
 
     still = selection.resolve(parse(changed(paper, effects=None, rotor__speeds=[0])))
     on = {name for name, effect in still.items() if effect.on}
-    assert on == {"rotary_inertia", "impact_friction", "structural_modes"}
+    assert on == {"rotary_inertia", "impact_friction", "structural_modes", "cavity_mass"}
 
     one = changed(paper, effects=None, rotor__modes=1)
     assert selection.resolve(parse(one))["spin_softening"].on  # cross-sections turn across the axis
@@ -291,12 +281,6 @@ def test_nothing_spins_is_the_reason_at_rest(paper: Scene) -> None:
     assert (asked.on, asked.why) == (True, "asked for by the scene, although nothing spins")
 
 
-def test_slug() -> None:
-    assert slug("The paper's plate") == "the-papers-plate"
-    assert slug("../../etc") == "etc"
-    assert slug("ζ") == "run"
-
-
 @pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
 def test_a_mesh_file_is_read_once(
     command: list[str], paper: Scene, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -323,8 +307,47 @@ def test_scenes_with_meshes_are_solved(path: Path) -> None:
     source = load(path)
     rotor = source.scene.rotor.model_copy(update={"speeds": (0.0,)})
     results = pipeline.run(source.changed(rotor=rotor, damper=None, release=None), Stages(visible=False))
-    assert results.diagram is not None
     assert path.stem in results.diagram.mesh
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6
     assert all(part.mesh is not None and 0 < part.mesh <= source.scene.accuracy.frequency for part in parts)
+
+
+SHARED = {"definition", "selection"}
+"""What several effects share."""
+
+
+def test_every_key_has_a_module_and_every_module_a_key() -> None:
+    modules = {found.name for found in pkgutil.iter_modules([str(Path(workflows.effects.__file__).parent)])}
+    assert modules - SHARED == set(Effects.model_fields) == set(EFFECTS)
+    assert modules >= SHARED
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_words_of_an_effect_are_its_own(name: str) -> None:
+    words = [kind.word for kind in EFFECTS.values()]
+    assert words.count(EFFECTS[name].word) == 1
+    assert EFFECTS[name].part_of in {"", *EFFECTS}
+    assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ball_slip", {"damper__friction": 0}),
+        ("ball_slip", {"damper__formulation": "printed"}),
+        ("structural_modes", {}),
+        ("coriolis", {}),
+    ],
+)
+def test_what_rules_an_effect_out_is_said_with_its_key(structure: Scene, name: str, changes: dict[str, object]) -> None:
+    scene = parse(changed(structure, **changes, **{f"effects__{name}": True}))
+    with pytest.raises(BadInput, match=rf"{name}|friction"):
+        selection.resolve(scene, "scene.toml")
+
+
+def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
+    """What is taken for granted goes with the effects."""
+    for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
+        found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))
+        assert said in " ".join(text for text, _ in assumptions(found))

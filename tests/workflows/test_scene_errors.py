@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from fem.meshes.planform import MeshError, check_mesh
 from tests.workflows.conftest import Command, Scene, changed, refused, write
+from workflows import pipeline
+from workflows.errors import BadInput
+from workflows.report import remarks
+from workflows.scene import quantities
+from workflows.scene.load import parse
+from workflows.studies.sweep import study
 
 NAN = float("nan")
 
@@ -247,3 +257,108 @@ def test_what_people_write_leads_to_what_there_is(
 def test_a_mesh_in_place_of_a_scene(tmp_path: Path, spindamp: Command) -> None:
     (tmp_path / "it.msh").write_text("$MeshFormat", encoding="utf-8")
     refused(spindamp("run", "it.msh"), "it.msh: a mesh, not a scene", 'name it in a scene as [plate] mesh = "it.msh"')
+
+
+def test_hertz_are_no_speed() -> None:
+    """60 turns a second are 3600 rpm."""
+    for text, rpm in (("60 Hz", "3600"), ("0.06 kHz", "3600")):
+        with pytest.raises(quantities.UnitError, match=f"a frequency.*turns a second.*'{rpm} rpm'"):
+            quantities.to_si(text, quantities.ROTATION)
+    assert quantities.to_si("60 Hz", quantities.FREQUENCY) == 60
+
+
+def test_every_error_is_named(structure: Scene) -> None:
+    wrong = changed(structure, rotor__speeds=["60 Hz"], damper__friction=-1, damper__restitution=2)
+    with pytest.raises(BadInput) as found:
+        parse(wrong)
+    said = str(found.value)
+    for key, problem in (("speeds", "a frequency"), ("friction", "expected at least 0"), ("restitution", "at most 1")):
+        assert re.search(rf"{key}\b.*{problem}", said), said
+    assert "more)" not in said
+
+
+def test_a_place_on_the_edge_has_no_room(paper: Scene) -> None:
+    with pytest.raises(BadInput, match="no room for a cavity") as found:
+        parse(changed(paper, damper__at=["20 cm", "4 cm"]))
+    assert "[damper] at" in str(found.value)
+    assert "less than 0" not in str(found.value)
+
+
+@pytest.mark.parametrize(("asked", "taken"), [(1e-14, False), (0.9e-10, False), (1e-10, True)])
+def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool, paper: Scene) -> None:
+    scene = changed(paper, accuracy={"frequency": asked})
+    if taken:
+        assert parse(scene).accuracy.frequency == asked
+    else:
+        with pytest.raises(BadInput, match=r"accuracy\] frequency.*at least 1e-10"):
+            parse(scene)
+
+
+def _unmerged() -> Any:
+    """Two squares with nodes of their own along the side that they share."""
+    from skfem import MeshQuad
+
+    x = np.array([[0, 1, 1, 0, 1, 2, 2, 1], [0, 0, 1, 1, 0, 0, 1, 1]], dtype=float)
+    return MeshQuad(x, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]).T)
+
+
+def test_points_that_are_not_merged_are_why_a_mesh_falls_apart() -> None:
+    with pytest.raises(MeshError, match=r"2 points coincide with others, the first one at \(1, [01]\): merge them"):
+        check_mesh(_unmerged())
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "said"), [(30, 200, True), (30, 61, True), (30, 59, False), (200, 30, False)]
+)
+def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width: float, said: bool) -> None:
+    points = 1e-3 * np.array([[0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]])
+    plate = SimpleNamespace(mesh="m.msh")
+    found: Any = SimpleNamespace(scene=SimpleNamespace(plate=plate), surface=SimpleNamespace(points=points))
+    note = remarks.wide(found)
+    assert (note is not None) is said
+    if note is not None:
+        assert f"{width:g} mm wide" in note
+        assert f"{length:g} mm long" in note
+        assert "long edge" in note
+    plate.mesh = None
+    assert remarks.wide(found) is None
+
+
+@pytest.mark.parametrize(("change", "said"), [(-1.1e-7, False), (2e-6, True)])
+def test_a_stiffness_that_rounding_changes_is_no_remark(change: float, said: bool) -> None:
+    reduced = SimpleNamespace(K1=1 + change, K2=1.0)
+    scene = SimpleNamespace(plate=object(), accuracy=SimpleNamespace(frequency=1e-3))
+    found: Any = SimpleNamespace(scene=scene, speeds=[SimpleNamespace(reduced=reduced)])
+    assert (remarks.stiffness_with_ball(found) is not None) is said
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("6.9 1/m", 6.9), ("6.9 rad/m", 6.9), ("0.4 deg/mm", 6.98131700798), ("400 deg/m", 6.98131700798), (3, 3.0)],
+)
+def test_a_slope_may_be_an_angle_over_a_length(text, value):
+    assert quantities.to_si(text, quantities.SLOPE) == pytest.approx(value, rel=1e-9)
+
+
+@pytest.mark.parametrize("text", ["0.4 deg", "0.4 deg/s", "0.4 deg^2/m"])
+def test_other_angles_are_no_slopes(text):
+    with pytest.raises(quantities.UnitError, match=r"6\.9 1/m"):
+        quantities.to_si(text, quantities.SLOPE)
+
+
+@pytest.mark.parametrize("typed", ["0.1 mm:4 mm", "log:100 um:4e-1 cm"])
+def test_a_range_is_quoted_as_it_was_typed(typed):
+    with pytest.raises(BadInput, match="needs its COUNT") as found:
+        study.asked("structure", [f"damper.clearance={typed}"])
+    assert f"damper.clearance = '{typed}'" in str(found.value)
+
+
+def test_the_weight_left_out_is_said(structure):
+    for rpm, said in (("0 rpm", True), ("4000 rpm", False)):
+        scene = changed(structure, rotor__speeds=[rpm], release__cycles=2)
+        found = remarks.assumptions(pipeline.run(scene))
+        assert any("weight is left out: at 0 rpm" in text for text, _ in found) is said
+
+
+def test_balls_as_heavy_as_the_structure_are_taken(structure):
+    assert parse(changed(structure, damper__mass_ratio=10)).damper.mass_ratio == 10

@@ -26,7 +26,6 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     """Thin-plate theory is off by 5 % in the paper's twist, whatever the mesh."""
     scene = _plate(paper, accuracy__frequency=accuracy)
     said = remarks.sentence(workflows.run(scene))
-    assert said is not None
     assert said.endswith(f'was asked for; [plate] theory = "{theory}" would do.')
     mended = workflows.run(changed(scene, plate__theory=theory))
     assert remarks.met(mended)
@@ -38,7 +37,6 @@ def test_the_effects_that_would_do_do(paper: Scene) -> None:
     scene = _plate(paper, accuracy__frequency=3e-3, plate__theory="mindlin", rotor__stagger="90 deg")
     scene = changed(scene, rotor__speeds=["17500 rpm"], effects={"coriolis": False})
     said = remarks.sentence(workflows.run(scene))
-    assert said is not None
     assert said.endswith("was asked for; [effects] coriolis = true and [effects] large_deflection = true would do.")
     assert remarks.met(workflows.run(changed(scene, effects={"coriolis": True, "large_deflection": True})))
 
@@ -53,7 +51,6 @@ def test_where_nothing_would_do_it_says_what_can_be_had(paper: Scene) -> None:
     """What rounding leaves in a reduced basis, no key takes away."""
     found = _with_basis(workflows.run(_plate(paper, plate__theory="mindlin", accuracy__frequency=4e-3)), 6.2e-3)
     said = remarks.sentence(found)
-    assert said is not None
     assert said.endswith("no setting achieves this, but [accuracy] frequency = 0.009 would be met.")
     assert max(mode.whole for mode in remarks.worst(found)) <= 9e-3
 

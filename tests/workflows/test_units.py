@@ -102,25 +102,6 @@ def test_refuses(value: object, kind: Kind, message: str) -> None:
         to_si(value, kind)
 
 
-@pytest.mark.parametrize(
-    ("value", "half"),
-    [
-        ("20 mm", "'10 mm'"),
-        ("0.5in", "'0.25 in'"),
-        (0.02, "0.01"),
-        (3, "1.5"),
-        ("wide", None),
-        ("2", None),
-        (True, None),
-        ("20 kg", None),
-        (10**400, None),
-        (math.nan, None),
-    ],
-)
-def test_half_of_a_quantity_is_written_as_it_was(value: object, half: str | None) -> None:
-    assert quantities.halved(value, quantities.LENGTH) == half
-
-
 @given(st.floats(1e-6, 1e9) | st.floats(-1e9, -1e-6) | st.just(0.0))
 def test_a_unit_is_a_factor(number: float) -> None:
     assert to_si(f"{number!r} mm", quantities.LENGTH) == pytest.approx(1e-3 * number, rel=1e-15)

@@ -225,8 +225,6 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
     sight = viewer.of(str(turning))
     kept = load_results(turning).surface
-    assert kept is not None
-    assert kept.behind is not None
     assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
     data = json.loads(viewer.view(sight).data)
     assert data["behind"]

@@ -203,9 +203,7 @@ def test_a_report_stays_small(finished: Path) -> None:
 
 def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
     surface = load_results(finished).surface
-    assert surface is not None
     fine = surface.finer
-    assert fine is not None
     assert fine.lines is not None
     assert len(surface.points) < 0.5 * len(fine.points) <= 0.75 * SMOOTH
     data = json.loads((mode_viewer.view(load_results(finished)) or pytest.fail("a plate")).data)

@@ -32,7 +32,7 @@ TABLE = "speeds"
 
 _OF_A_SPEED = r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above)?)_[\d.e+]+rpm"
 
-FILES = rf"(speeds|frequency_errors|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
+FILES = rf"({TABLE}|{ERRORS}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
@@ -65,7 +65,7 @@ def campbell(results: Results) -> list[Curve]:
 
 def velocity(point: SpeedPoint) -> list[Curve]:
     """The structure's velocity over time along x, and along y if it moves that way (the paper's Fig. 2)."""
-    damping = point.damping
+    damping = point.damper
     if damping is None or damping.history is None:
         return []
     tag, found = speed_tag(point), []
@@ -78,7 +78,7 @@ def velocity(point: SpeedPoint) -> list[Curve]:
 
 def ball_path(point: SpeedPoint) -> list[Curve]:
     """The ball in its cavity, and the structure, over the stretch of time kept, along the axes that either moves on."""
-    path = None if point.damping is None else point.damping.path
+    path = None if point.damper is None else point.damper.path
     if path is None:
         return []
     tag, found = speed_tag(point), []
@@ -102,7 +102,7 @@ def capacity(results: Results) -> list[Curve]:
     """Specific damping capacity over the amplitude of the acceleration, a curve per load (Fig. 3)."""
     curves = []
     for point in results.speeds:
-        damping = point.damping
+        damping = point.damper
         if damping is not None and (known := np.isfinite(damping.sdc)).any():
             label = f"{formatting.amount(point.load_g)} g"
             name = f"sdc_{speed_tag(point)}"

@@ -79,7 +79,7 @@ class Document:
     ] = None
 
 
-_UNPUBLISHED = {"speeds": {"__all__": {"damping": {"duration"}}}}
+_UNPUBLISHED = {"speeds": {"__all__": {"damper": {"duration"}}}}
 """What data sets have and JSON has not."""
 
 
@@ -229,7 +229,7 @@ _NO_HEADLINES: Any = {
     "cavity_modes": True,
     "working": {"curve": True, "from_above": {"curve"}},
     "level": True,
-    "damping": {"cycles"},
+    "damper": {"cycles"},
 }
 """Lists, which no headline stands in."""
 

@@ -202,7 +202,7 @@ def campbell(results: Results, target: Target = PAGE) -> Figure | None:
 def velocity(results: Results, target: Target = PAGE) -> Figure | None:
     """The structure's velocity over time at one speed, where the ball stops marked (Fig. 2), or None."""
     point = next((p for p in results.speeds if files.velocity(p)), None)
-    if point is None or point.damping is None:
+    if point is None or point.damper is None:
         return None
     figure, (axes,) = plots.canvas(2.5, target=target)
     axes.axhline(0, color=plots.MUTED, lw=0.5)
@@ -210,7 +210,7 @@ def velocity(results: Results, target: Target = PAGE) -> Figure | None:
     for track, colour in zip(tracks, plots.CATEGORIES, strict=False):
         _oscillation(axes, track, colour)
     end = max(1e3 * float(track.x[-1]) for track in tracks)
-    stop = point.damping.stopped
+    stop = point.damper.stopped
     if stop is not None and 1e3 * stop < end:
         _stop(axes, 1e3 * stop, end)
     axes.set(xlim=(0, end), xlabel="time, ms", ylabel="velocity, m/s")
@@ -221,7 +221,7 @@ def velocity(results: Results, target: Target = PAGE) -> Figure | None:
 def capacity(results: Results) -> Figure | None:
     """Specific damping capacity over amplitude for every load: all of it, and the ball's part (Fig. 3)."""
     lines = files.capacity(results)
-    dampings = [p.damping for p in results.speeds if p.damping is not None and np.isfinite(p.damping.sdc).any()]
+    dampings = [p.damper for p in results.speeds if p.damper is not None and np.isfinite(p.damper.sdc).any()]
     if not lines:
         return None
     # Without damping of its own the structure's part is nothing, and the two pictures would be one.
@@ -422,7 +422,7 @@ def _beside(axes: Axes, limit: float | None) -> None:
 
 def _speeds_shown(results: Results) -> list[tuple[float, Energy]]:
     """Speed [rpm] and books of the ring-downs that the figure shows, evenly chosen where there are many."""
-    found = [(p.rpm, p.damping.energy) for p in results.speeds if p.damping and p.damping.energy.initial > 0]
+    found = [(p.rpm, p.damper.energy) for p in results.speeds if p.damper and p.damper.energy.initial > 0]
     if len(found) <= _BARS_AT_MOST:
         return found
     return [found[k] for k in np.unique(np.linspace(0, len(found) - 1, _BARS_AT_MOST).round().astype(int))]
@@ -466,8 +466,8 @@ def _bars(axes: Axes, bars: list[tuple[float, Energy]], parts: tuple[tuple[str, 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
     """The path kept and the speed it belongs to; None where no ball moved."""
     for point in results.speeds:
-        if point.damping is not None and point.damping.path is not None:
-            return point.damping.path, point
+        if point.damper is not None and point.damper.path is not None:
+            return point.damper.path, point
     return None
 
 

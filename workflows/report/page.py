@@ -181,8 +181,8 @@ def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
     return {name: Markup(drawn) for name, drawn in drawings.figures.items()} | {
         "cells_drawn": results.surface is not None and figures.cells_are_drawn(results.surface),
         "fast": any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
-        "bands": any(figures.is_band(p.damping.sdc) for p in results.speeds if p.damping),
-        "shown": next((p for p in results.speeds if p.damping and p.damping.history), None),
+        "bands": any(figures.is_band(p.damper.sdc) for p in results.speeds if p.damper),
+        "shown": next((p for p in results.speeds if p.damper and p.damper.history), None),
         "playing": data(results) if drawings.figures["path"] else "",
         "playing_script": script("player.js"),
         "stretch": _stretch(results),
@@ -239,8 +239,8 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "cutoff": limits.cutoff(results, point),
         "cutoff_mark": remarks.cutoff_mark(results, point),
         "share": limits.energy_loss(point.working.peak) if point.working else 0.0,
-        "damping": point.damping,
-        "lost": None if point.damping is None else remarks.lost_at_most(point.damping),
+        "damper": point.damper,
+        "lost": None if point.damper is None else remarks.lost_at_most(point.damper),
     }
 
 

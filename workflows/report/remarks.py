@@ -183,7 +183,7 @@ _NOTABLE_TILT = 0.01
 
 def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
     """The speeds at which the damper was simulated."""
-    return [(p, p.reduced, p.damping) for p in results.speeds if p.reduced is not None and p.damping is not None]
+    return [(p, p.reduced, p.damper) for p in results.speeds if p.reduced is not None and p.damper is not None]
 
 
 def level_floor(results: Results) -> str | None:
@@ -545,7 +545,8 @@ PARTS = {
     "layers": "layers of the solid",
     "basis": "reduced basis",
     "theory": "theory",
-    **{name: f"{kind.word} left out" for name, kind in EFFECTS.items() if name in ErrorParts.__annotations__},
+    **{name: f"{EFFECTS[name].word} left out" for name in ("large_deflection", "coriolis")},
+    "cavity_mass": "cavities",
 }
 """Parts of an error, as people call them."""
 
@@ -593,7 +594,9 @@ def carrier(results: Results) -> str:
 def cavities(results: Results) -> str | None:
     """What the frequencies leave out: the material of the cavities; None where that is nothing, or hardly anything."""
     hole, damper = limits.cavity_mass(results), results.scene.damper
-    if hole is None or damper is None or abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
+    if results.scene.effects.cavity_mass is not False or hole is None or damper is None:
+        return None
+    if abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
         return None
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (

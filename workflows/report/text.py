@@ -61,7 +61,7 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
 
 def rows(results: Results) -> list[tuple[str, ...]]:
     """The table, its heads first: a row a speed."""
-    if any(point.damping is not None for point in results.speeds):
+    if any(point.damper is not None for point in results.speeds):
         heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
         heads += ("ball ζ %", "at mm", "hits")
         return [heads, *(_damped(results, point) for point in results.speeds)]
@@ -75,7 +75,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 
 
 def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
-    damping, figures = point.damping, point.working
+    damping, figures = point.damper, point.working
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
     cutoff = limits.cutoff(results, point)

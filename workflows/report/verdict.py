@@ -70,9 +70,9 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
     """Down to where a ball in motion goes on, far below what sets it off, as one in a hollow floor may."""
-    if point.level is not None or point.damping is None or not point.damping.cutoff_g or point.reduced is None:
+    if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return ""
-    last = point.damping.cutoff_g / in_g(results, point.reduced, 1.0)
+    last = point.damper.cutoff_g / in_g(results, point.reduced, 1.0)
     return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 
@@ -135,27 +135,12 @@ def way_down(results: Results, points: list[SpeedPoint]) -> str | None:
     if not parted:
         return None
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
-    stops, begins = figures.folds
+    stops, rolls = figures.folds
     return (
-        f"These figures are of a slowly growing vibration: {at_load(point)} the ball first rolls to and fro, and meets"
-        f" the walls from about {millimetres(begins)} mm on{_at_the_latest(results, point)}. As the vibration falls, it"
-        f" keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
+        "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
+        f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm. Once it"
+        f" bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
     )
-
-
-_ROLLS = 5 / 7
-"""Displacement of a free rolling ball in its cavity over that of the floor."""
-
-
-def _at_the_latest(results: Results, point: SpeedPoint) -> str:
-    """Where even a ball that has not drifted from the middle of a flat floor meets a wall."""
-    damper, figures = results.scene.damper, point.working
-    if damper is None or figures is None or damper.floor_radius is not None or point.tilt_share == 1:
-        return ""
-    last = (damper.cavity[0] / 2 - damper.radius) / (_ROLLS * abs(1 - point.tilt_share))
-    if last <= figures.folds[1]:
-        return ""
-    return f" (from {millimetres(last)} mm if it does not drift from the middle, where nothing holds it)"
 
 
 def _rank(point: SpeedPoint) -> int:
@@ -409,7 +394,7 @@ def _beside_the_paper(results: Results) -> str | None:
     else:
         text += "The ball does not do that, even by the equations as printed."
     tilts = results.effects["floor_tilt"].on
-    off = [(abs(p.damping.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damping and p.damping.cutoff_g]
+    off = [(abs(p.damper.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damper and p.damper.cutoff_g]
     near = [pair for pair in off if pair[0] <= _NEAR]
     if near and not tilts:
         loads = [load for _, load in near]

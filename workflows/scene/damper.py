@@ -143,6 +143,11 @@ class Damper(Table):
         """The place (x, y) on a plate; None for the middle of its tip."""
         return (self.at[0], self.at[1]) if isinstance(self.at, tuple) else None
 
+    @property
+    def cut(self) -> float:
+        """Volume that all cavities together take out of the plate [m³]; none where they have a housing."""
+        return 0.0 if self.housing else self.count * 2 * self.radius * self.cavity[0] * self.cavity[1]
+
     def density(self, mass: float) -> float:
         """Of each ball where all of them weigh so much [kg/m³]."""
         return mass / self.count / (4 / 3 * math.pi * self.radius**3)

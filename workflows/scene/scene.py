@@ -335,6 +335,7 @@ class Effects(Table):
         default="auto",
         description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",
     )
+    cavity_mass: Switch = Field(default="auto", description="the cavities take metal out of the plate")
 
 
 class Accuracy(Table):

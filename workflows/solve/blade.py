@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -13,21 +12,13 @@ from workflows.errors import BadInput
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
-from workflows.solve.known_modes import SpaceStructure, seat_of, space_structure, turning
+from workflows.solve.known_modes import Asked, SpaceStructure, seat_of, space_structure, turning
 
 if TYPE_CHECKING:
     import fem
     from fem.meshes.volume import VolumeMesh
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """A scene, the same as another where what its blade depends on is."""
-
-    key: str
-    source: SceneFile = field(compare=False)
 
 
 def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
@@ -56,8 +47,8 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     scene = source.scene
     rotor = scene.rotor.model_dump_json(exclude={"gravity"})
     key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
-    solved = _solved(_Asked(key, source))
-    model = solved.model()
+    solved = _solved(Asked(key, source))
+    model = solved.model
     seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model)
     return SpaceStructure(
         model=model,
@@ -71,7 +62,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
 
 
 @lru_cache(maxsize=2)
-def _solved(asked: _Asked) -> SolvedBlade:
+def _solved(asked: Asked) -> SolvedBlade:
     """The blade at the speeds of a scene, kept for other dampers on it."""
     from fem import Effects
     from fem.solid.assembly import assemble_solid

@@ -152,12 +152,6 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 
-def moves_from(system: damper.ParticleDamper) -> float:
-    """Amplitude along the bending direction above which a ball at rest begins to roll [m]; inf where it never does."""
-    left = abs(1 - system.tilt_share[0])
-    return math.inf if left == 0 else system.rolling_threshold / system.stuck_frequency**2 / left
-
-
 OUT_OF_REACH = 1e3
 """Amplitude [m] from which on a ball that would move there counts as one that never does."""
 
@@ -185,7 +179,8 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
     elif release.ratio is not None:
         found = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
-        begin, freely = moves_from(system), (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
+        begin = system.amplitude_of(system.rolling_threshold)
+        freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
         found = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"

@@ -111,15 +111,17 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
     A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
     """
+    from damper.working import falling
+
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
-    found = replace(point, damping=damping, pendulum=coupling.pendulum(system, point.omega))
+    found = replace(point, damper=damping, pendulum=coupling.pendulum(system, point.omega))
     judged = system if tilting is None or system.formulation == "printed" else tilting
     found = replace(found, working=OwnFigures.of(figures(judged)))
     if tilting is None:
         return found
-    level = None if judged is system else taken_over(Figures, figures(system).descending)
+    level = None if judged is system else taken_over(Figures, falling(leading(system)))
     return replace(found, level=level, tilted=_cutoff(tilting, point))
 
 
@@ -166,7 +168,7 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
     """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
     from damper import capacity, ringdown
 
-    begin = coupling.moves_from(system)
+    begin = system.amplitude_of(system.rolling_threshold)
     if not begin < coupling.OUT_OF_REACH:
         return CutOff(None, None)
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)

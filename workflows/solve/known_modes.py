@@ -106,18 +106,17 @@ class SpaceStructure:
         return tuple(self._point(source, effects, omega) for omega in source.scene.rotor.speeds)
 
     def _point(self, source: SceneFile, effects: dict[str, Effect], omega: float) -> SpeedPoint:
-        from fem.modal_model import families, root_strains
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        names = families(self.model, modes)[: scene.rotor.modes]
+        names, strains = _seen(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names)),
+            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names[: scene.rotor.modes])),
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -129,7 +128,7 @@ class SpaceStructure:
             )
         except NoMotion as error:
             raise BadInput(str(error), file=source.name, key="[damper] direction") from error
-        strains, lifts = root_strains(self.model, modes), every.shape[0, 0]
+        lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
         reduced = Reduced(found.f1_hz, found.M1, found.K1, found.f2_hz, found.M2, found.K2, found.slope)
         at_cavity = tuple(
@@ -160,12 +159,10 @@ class SpaceStructure:
 
     def seated(self, omega: float) -> Seated | None:
         """How the damper lies at a speed [rad/s]; None without one."""
-        from fem.modal_model import families
-
         if self.seat is None:
             return None
         modes = self.modes(omega)
-        floor, names = self.floor(modes), families(self.model, modes)
+        floor, names = self.floor(modes), _seen(self.model, modes)[0]
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
@@ -202,7 +199,7 @@ class SpaceStructure:
 
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        from fem.modal_model import STILL, edges, faces
+        from fem.modal_model import edges, faces, held
 
         kept = range(len(speeds))
         if len(speeds) > SHAPES_AT_MOST:
@@ -218,8 +215,7 @@ class SpaceStructure:
             points = (points[:, None] + marks).reshape(-1, 3)
             shapes = np.repeat(shapes, 4, axis=2)
         outline = edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
-        largest = np.abs(shapes).max(axis=(2, 3), keepdims=True)
-        still = (np.abs(shapes) <= STILL * largest).all(axis=(0, 1, 3))
+        still = held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
         return Surface(
@@ -297,14 +293,26 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
     seat = None if damper is None else (damper.at, damper.direction)
-    found = _built(_Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    found = _built(Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         found.modes(omega)
     return replace(found, remarks=(*found.remarks, *_interpolation_remarks(source, found.model)))
 
 
+_SPEEDS = 64
+"""Speeds at which modes are kept, with what is seen of them, for other dampers."""
+
+
+@lru_cache(_SPEEDS)
+def _seen(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
+    """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
+    from fem.modal_model import families, root_strains
+
+    return tuple(families(model, modes)), root_strains(model, modes)
+
+
 @dataclass(frozen=True)
-class _Asked:
+class Asked:
     """A scene, the same as another where what its structure depends on is."""
 
     key: str
@@ -312,7 +320,7 @@ class _Asked:
 
 
 @lru_cache(maxsize=8)
-def _built(asked: _Asked) -> SpaceStructure:
+def _built(asked: Asked) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
     from fem.modal_model import chosen
 
@@ -326,6 +334,7 @@ def _built(asked: _Asked) -> SpaceStructure:
     count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
     seat, seated = (None, ()) if source.scene.damper is None else seat_of(source, model)
 
+    @lru_cache(_SPEEDS)
     def modes_at(omega: float) -> ModesAtSpeed:
         _check_speed(source, model, omega)
         return chosen(model.at(omega), np.arange(count), np.ones(count))

@@ -555,9 +555,9 @@ def cavity_mass(results: Results) -> CavityMass | None:
     """
     damper, material = results.scene.damper, results.scene.material
     reduced = [point.reduced for point in results.speeds if point.reduced is not None]
-    if damper is None or material is None or damper.housing or not reduced:
+    if damper is None or material is None or not damper.cut or not reduced:
         return None
-    mass = material.density * damper.count * 2 * damper.radius * damper.cavity[0] * damper.cavity[1]
+    mass = material.density * damper.cut
     return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
 
 
@@ -583,7 +583,7 @@ def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
 
 def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
-    damping, own, reduced = point.damping, point.level or point.working, point.reduced
+    damping, own, reduced = point.damper, point.level or point.working, point.reduced
     if damping is not None and damping.cutoff_g is not None:
         return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
     if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -203,8 +203,8 @@ class OwnFigures(Figures):
     from_above: Annotated[
         Figures,
         part(
-            "the same on the way down, where a ball in motion keeps bouncing; the other figures are those of the way"
-            " up, from a ball at rest in the middle",
+            "the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those"
+            " of the way up, from a ball at rest in the middle or rolling about it",
             prefix="from_above_",
         ),
     ] = field(repr=False)
@@ -213,7 +213,7 @@ class OwnFigures(Figures):
         quantity(
             "m",
             "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
-            " where all sweeps up bounce; null where the ways do not differ",
+            " where a ball that rolls about the middle must meet the walls; null where the ways do not differ",
             ends=_ENDS,
             headline=True,
         ),
@@ -222,8 +222,8 @@ class OwnFigures(Figures):
         Pair,
         quantity(
             "m",
-            "amplitudes at which the first and the last sweep up begin to bounce, which goes by how the vibration"
-            " grows; null as of `folds`",
+            "amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the"
+            " vibration grows; null as of `folds`",
             ends=_ENDS,
         ),
     ]
@@ -530,13 +530,16 @@ class ErrorParts:
     theory: Annotated[float, quantity("1", "of the plate theory, against a solid")]
     large_deflection: Annotated[float | None, quantity("1", "what large deflection would move, left out")]
     coriolis: Annotated[float | None, quantity("1", "what Coriolis forces would move, left out")]
+    cavity_mass: Annotated[
+        float | None, quantity("1", "by cavities: of their stiffness and extent, and of their mass where left out")
+    ] = None
 
     @property
     def whole(self) -> float | None:
         """The sum; None where the mesh's part is not known."""
         if self.mesh is None:
             return None
-        left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0)
+        left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0) + (self.cavity_mass or 0.0)
         return self.mesh + self.layers + self.basis + self.theory + left_out
 
 
@@ -657,7 +660,7 @@ class SpeedPoint:
 
     Attributes:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
-        damping: what the scene's release leads to, with its effects.
+        damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
@@ -681,7 +684,7 @@ class SpeedPoint:
             along="cavity_mode",
         ),
     ] = ()
-    damping: Annotated[Damping | None, part("the ring-down of the scene's release", "damper")] = None
+    damper: Annotated[Damping | None, part("the ring-down of the scene's release")] = None
     working: Annotated[
         OwnFigures | None,
         part(
@@ -876,6 +879,7 @@ class Discrete:
     """Matrices on the mesh chosen, and how it was chosen.
 
     `layers`: the error that the layers of a solid leave. `left_out`: what effects left out would move, by name.
+    `cavity`: what is cut into the plate; None: nothing, or the scene leaves it out.
     """
 
     choice: fem.Choice
@@ -883,6 +887,34 @@ class Discrete:
     mesh: str
     layers: float
     left_out: dict[str, LeftOut] = field(default_factory=dict)
+    cavity: Cavity | None = None
+
+
+class Cavity(NamedTuple):
+    """All cavities of a damper in a plate, at a place: their volume [m³] and depth [m].
+
+    `weakens`: stiffness that they take over the volume, at most. `single`: whether there is one, whose extent is known.
+    `counted`: whether their mass is taken out.
+    """
+
+    at: tuple[float, float]
+    volume: float
+    depth: float
+    weakens: float
+    single: bool
+    counted: bool
+
+
+def _of_the_cavity(discrete: Discrete, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats | None:
+    """By how much the frequencies (k, modes) are off for the cavities, relative; None without them."""
+    from fem.accuracy.neglected_effects import cut
+
+    cavity = discrete.cavity
+    if cavity is None:
+        return None
+    shifts = cut(discrete.choice.operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
+    left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
+    return np.asarray(left + cavity.weakens * shifts.stiffness)
 
 
 def points(
@@ -900,6 +932,8 @@ def points(
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
     left_out = {name: found.at(omega, count) for name, found in discrete.left_out.items()}
+    if (cavity := _of_the_cavity(discrete, diagram, rows)) is not None:
+        left_out["cavity_mass"] = cavity[:, :count]
     effects = [left_out.get(name, np.full(bounds.shape, np.nan)) for name in _EFFECTS]
     theory = over_speeds(operators, diagram)[rows, :count]
     mesh, *moved = map(_known, (discrete.choice.errors_at(omega), *effects))

@@ -20,7 +20,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
-from workflows.solve.results import Diagram, Discrete, Results, SpeedPoint, Surface, Theory
+from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory
 
 if TYPE_CHECKING:
     import fem
@@ -177,9 +177,11 @@ class StructureSolver:
             self.space = space_of(source)
         if self.space is not None:
             self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
+        self._uncut: Discrete | None = None
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):
-                self.discrete = discretise(source, self.choice, stages, size)
+                self._uncut = discretise(source, self.choice, stages, size)
+                self.discrete = with_cavities(source, self._uncut, self.choice.effects)
 
     def meeting(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
@@ -187,6 +189,15 @@ class StructureSolver:
         given = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
         on = {name: replace(self.choice.effects[name], on=True) for name, value in given.items() if value is True}
         other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
+        return other
+
+    def carrying(self, source: SceneFile, effects: dict[str, Effect]) -> StructureSolver:
+        """The same plate on the same mesh, with the damper of another scene and its effects."""
+        if self._uncut is None:
+            raise ValueError("the scene has no plate")
+        other = copy(self)
+        other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | effects)
+        other.discrete = with_cavities(source, self._uncut, other.choice.effects)
         return other
 
     @property
@@ -293,6 +304,30 @@ def discretise(
         described += f", {model.removeprefix('solid/')} layers of bricks"
     LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])
     return Discrete(choice, theory, described, layers, _left_out(effects))
+
+
+def with_cavities(source: SceneFile, discrete: Discrete, effects: dict[str, Effect]) -> Discrete:
+    """The same plate with what the damper's cavities take out of it, as far as the scene has that.
+
+    Raises:
+        BadInput: the plate has no room for them.
+    """
+    from fem import PlaceError, with_cavity
+
+    scene, choice = source.scene, discrete.choice
+    damper, on = scene.damper, effects["cavity_mass"].on
+    if damper is None or not damper.cut or scene.effects.cavity_mass is False:
+        return discrete
+    at, depth = plate_mesh.place(source, choice.operators.plate.mesh), damper.cavity[0]
+    if on:
+        try:
+            operators = with_cavity(choice.operators, at, damper.cut, depth)
+        except PlaceError as error:
+            raise BadInput(str(error), file=source.name, key="[damper] cavity", value=list(damper.cavity)) from error
+        choice = replace(choice, operators=operators, states=())
+    sides = (2 * damper.radius, *damper.cavity)
+    weakens = 1 + 3 * max(sides) / min(sides)  # a round hole in shear takes 4 times its volume, one across it more
+    return replace(discrete, choice=choice, cavity=Cavity(at, damper.cut, depth, weakens, damper.count == 1, on))
 
 
 def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:

@@ -103,10 +103,8 @@ def least(figures: Working, low: float, high: float) -> tuple[float, float]:
 
 def cutoff_of(damper: ParticleDamper) -> float:
     """Amplitude up to which the ball stays at rest in the middle of a flat floor [m]; inf where nothing drives it."""
-    left = abs(1 - damper.tilt_share[0])
-    if left < 1e-3:
-        return math.inf
-    return damper.break_away_threshold / damper.stuck_frequency**2 / left
+    driven = abs(1 - damper.tilt_share[0]) >= 1e-3
+    return damper.amplitude_of(damper.break_away_threshold) if driven else math.inf
 
 
 def bound_of(damper: ParticleDamper, amplitude: float) -> float:

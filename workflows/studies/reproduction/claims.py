@@ -113,7 +113,7 @@ def of_table_two(study: Simulated) -> Iterator[Claim]:
 def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
     printed, consistent = ([_cutoff(point) for point in study.points[f]] for f in FORMULATIONS)
     ratios = [[c / load for c, load in zip(cut, loads, strict=True)] for cut in (printed, consistent)]
-    damping = study.plate[0].damping
+    damping = study.plate[0].damper
     decay = 1 / math.sqrt(1 - damping.intrinsic_sdc) if damping else 1.0
     # As close to the table's as two cycles resolve.
     resolved = [abs(math.log(c / r.cutoff)) <= 2 * math.log(decay) for c, r in zip(consistent, TABLE_II, strict=True)]
@@ -155,20 +155,20 @@ def _near_a_tenth(ratio: float) -> bool:
 
 def _taken(point: SpeedPoint) -> float:
     """Most that a cycle loses beyond what the structure's own damping takes [-]."""
-    if point.damping is None or point.damping.peak_sdc is None:
+    if point.damper is None or point.damper.peak_sdc is None:
         return 0.0
-    return point.damping.peak_sdc - point.damping.intrinsic_sdc
+    return point.damper.peak_sdc - point.damper.intrinsic_sdc
 
 
 def _cutoff(point: SpeedPoint) -> float:
-    if point.damping is None or point.damping.cutoff_g is None:
+    if point.damper is None or point.damper.cutoff_g is None:
         return math.nan
-    return point.damping.cutoff_g
+    return point.damper.cutoff_g
 
 
 def of_equations(study: Simulated) -> Iterator[Claim]:
     """Sections I and II: rolling and sliding, impacts, sticking, time steps, the measure of damping."""
-    demands = [[p.damping.largest_rolling_demand or 0.0 for p in study.points[f] if p.damping] for f in FORMULATIONS]
+    demands = [[p.damper.largest_rolling_demand or 0.0 for p in study.points[f] if p.damper] for f in FORMULATIONS]
     friction = study.scene.damper.friction if study.scene.damper else 0.0
     rolls = judge(max(demands[1]) <= friction, partly=min(demands[1]) <= friction)
     yield _claim("S1-rolls", (max(demands[0]), max(demands[1])), rolls, friction=friction)
@@ -180,7 +180,7 @@ def of_equations(study: Simulated) -> Iterator[Claim]:
     yield _claim("S2-cap", losses, judge(min(losses) >= 0), capped=caps[1])
     yield _sticking(study)
     yield _steps(study)
-    energies = [damping.energy if (damping := study.points[f][SHOWN].damping) else None for f in FORMULATIONS]
+    energies = [damping.energy if (damping := study.points[f][SHOWN].damper) else None for f in FORMULATIONS]
     shares = [energy.impact / (energy.impact + energy.rolling) if energy else math.nan for energy in energies]
     yield _claim("S2-measure", shares, judge(shares[1] > 0.99, partly=shares[1] > 0.1))
     gains = [100 * gain(study.system(formulation, damping_ratio=0.0)) for formulation in FORMULATIONS]
@@ -280,7 +280,7 @@ def of_figures(study: Simulated, sweeps: Sweeps) -> Iterator[Claim]:
 
 
 def _decay(study: Simulated) -> Claim:
-    dampings = [study.points[f][SHOWN].damping for f in FORMULATIONS]
+    dampings = [study.points[f][SHOWN].damper for f in FORMULATIONS]
     ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
     decays = dampings[1] is not None and _cycles_to_decay(dampings[1].peak_velocity) < 100
     return _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))

@@ -122,7 +122,7 @@ def draw(found: Reproduction) -> list[Figure]:
 def _velocity(found: Reproduction) -> str:
     figure, panels = plots.canvas(2.3, 2)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        damping = found.study.points[formulation][SHOWN].damping
+        damping = found.study.points[formulation][SHOWN].damper
         if damping is None or damping.history is None:
             continue
         for axis, name in enumerate("xy"):

@@ -168,7 +168,7 @@ def sweeps(study: Simulated) -> Sweeps:
 
     def load(formulation: str) -> Iterator[DampingCurve]:
         for point in study.points[formulation]:
-            d = point.damping
+            d = point.damper
             if d is not None:
                 part = d.sdc - d.intrinsic_sdc
                 yield DampingCurve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)

@@ -492,6 +492,11 @@ def of_the_plate(key: Key) -> bool:
     return key.name != SPEEDS
 
 
+def of_the_cavity(key: Key) -> bool:
+    """Whether the metal that the cavities take out of the plate may differ where this key does."""
+    return key.table == ("damper",) and key.field in ("count", "radius", "cavity", "clearance")
+
+
 def of_the_mass(key: Key) -> bool:
     """Whether the ball's mass may differ where this key does."""
     return key.table == ("damper",) and key.field in _OF_THE_MASS

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections import OrderedDict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -79,17 +79,23 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how
 
 
 _KEPT = 4
-"""PlateCache that are kept at a time."""
+"""Plates that are kept at a time."""
+
+_CUT = 16
+"""Cavities with which each of them is kept."""
+
+_Solved: TypeAlias = tuple[PlateSolution, Surface | None]
+"""A plate, and its surface where it is of a mesh file."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Plate:
-    """A plate with its planform, its effects, and its surface where it is of a mesh file."""
+    """A plate with its planform, its effects and what solves it; `solutions` by volume and depth of cavities in it."""
 
     form: Planform | None
     effects: dict[str, Effect]
-    solution: PlateSolution
-    surface: Surface | None
+    solver: StructureSolver
+    solutions: OrderedDict[tuple[float, float], _Solved] = field(default_factory=OrderedDict)
 
 
 class PlateCache:
@@ -109,9 +115,25 @@ class PlateCache:
             return StructureSolver(source, Stages(visible=False)).at()
         plate = self._plate(source)
         effects = plate.effects | of_the_damper(source.scene, plate.form)
+        solution, surface = self._solution(source, plate, effects)
         with translated_errors(source):
-            points = plate.solution.with_ball(source, effects)
-        return StructureState(source, effects, points, plate.solution, plate.surface)
+            points = solution.with_ball(source, effects)
+        return StructureState(source, effects, points, solution, surface)
+
+    def _solution(self, source: SceneFile, plate: _Plate, effects: dict[str, Effect]) -> _Solved:
+        """The plate with the cavities of a scene, as far as it has them."""
+        damper = source.scene.damper
+        key = (0.0, 0.0) if damper is None or not effects["cavity_mass"].on else (damper.cut, damper.cavity[0])
+        with self._lock:
+            if key in plate.solutions:
+                return plate.solutions[key]
+        solution = plate.solver.carrying(source, effects).plate()
+        solved = solution, None if source.mesh is None else solution.surface(speeds=1)
+        with self._lock:
+            plate.solutions[key] = solved
+            while len(plate.solutions) > _CUT:
+                plate.solutions.popitem(last=False)
+        return solved
 
     def _plate(self, source: SceneFile) -> _Plate:
         key = plate_key(source.scene)
@@ -120,10 +142,8 @@ class PlateCache:
                 self._known.move_to_end(key)
                 return self._known[key]
         solver = StructureSolver(source, Stages(visible=False))
-        solution = solver.plate()
-        surface = None if source.mesh is None else solution.surface(speeds=1)
         effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
-        plate = _Plate(solver.choice.form, effects, solution, surface)
+        plate = _Plate(solver.choice.form, effects, solver)
         with self._lock:
             self._known[key] = plate
             while len(self._known) > _KEPT:
@@ -132,7 +152,7 @@ class PlateCache:
 
 
 def plate_key(scene: Scene) -> str:
-    """What the solution of a scene's plate depends on, as text: all but the damper, of which the place counts."""
+    """What a scene's plate without cavities depends on, as text: all but the damper, of which the place counts."""
     data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release", "design"})
     damper = scene.damper
     place = None if damper is None else {"at": damper.at, "housing": damper.housing}

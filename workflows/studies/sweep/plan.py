@@ -22,6 +22,7 @@ from workflows.studies.sweep.axes import (
     Key,
     Value,
     find,
+    of_the_cavity,
     of_the_mass,
     of_the_plate,
     plain,
@@ -185,7 +186,7 @@ def drawn(axis: Axis, shares: npt.NDArray[np.float64]) -> list[Value]:
 
 
 def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Grid:
-    """All axes against each other, those first that change the plate, then the ball's mass, the speeds last."""
+    """All axes against each other: first those that change the plate, then cavities, then masses; speeds last."""
     for axis in axes:
         if not axis.values:
             _refuse(axis, "a range over a grid needs its COUNT: START:STOP:COUNT")
@@ -205,8 +206,10 @@ def sample(axes: Sequence[Axis], speeds: Sequence[float], count: int, seed: int)
 def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]:
     def rank(axis: Axis) -> int:
         if axis.name == SPEEDS:
-            return 3
-        return 0 if of_the_plate(axis.key) else 1 if of_the_mass(axis.key) else 2
+            return 4
+        if of_the_plate(axis.key):
+            return 0
+        return 1 if of_the_cavity(axis.key) else 2 if of_the_mass(axis.key) else 3
 
     given = list(axes)
     if not any(axis.name == SPEEDS for axis in given):

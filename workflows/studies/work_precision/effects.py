@@ -78,13 +78,13 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     found: dict[str, tuple[float | None, float | None]] = {}
     for number, (mode, partner) in enumerate(zip(own.modes, partners, strict=True), 1):
         found[f"frequency_{number}"] = mode.frequency_hz, None if partner is None else partner.frequency_hz
-    if own.damping is not None and other.damping is not None:
+    if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
-            found[name] = getattr(own.damping, name), getattr(other.damping, name)
+            found[name] = getattr(own.damper, name), getattr(other.damper, name)
         figures = [point.level or point.working for point in (own, other)]
         here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
         found["ball_damping_ratio"] = here, there
-        found["ball_share"] = own.damping.energy.ball_share, other.damping.energy.ball_share
+        found["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
     return found
 
 

@@ -150,8 +150,8 @@ FINEST = 1e-5
 
 QUANTITIES: dict[str, Callable[[SpeedPoint], float | None]] = {
     "first frequency": lambda point: point.reduced.f2_hz if point.reduced else point.modes[0].frequency_hz,
-    "cut-off": lambda point: None if point.damping is None else point.damping.cutoff_g,
-    "peak specific damping capacity": lambda point: None if point.damping is None else point.damping.peak_sdc,
+    "cut-off": lambda point: None if point.damper is None else point.damper.cutoff_g,
+    "peak specific damping capacity": lambda point: None if point.damper is None else point.damper.peak_sdc,
 }
 """Headline numbers of a run, at one speed."""
 
