@@ -64,7 +64,7 @@ def test(arguments):
         ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
     ]
     ready = [PYTHON, "-W", "error", "-m", "tests.kernels_ready"]
-    kernels = [subprocess.Popen([*ready, engine], cwd=ROOT) for engine in ("level", "linear")]  # mypy takes one core
+    kernels = [subprocess.Popen([*ready, part], cwd=ROOT) for part in ("free", "forced")]  # mypy takes one core
     failed = []
     for name, command in steps:
         if name == "pytest":

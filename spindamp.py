@@ -41,10 +41,10 @@ if TYPE_CHECKING:
 
     from fem.modal_model import ModalModel
     from workflows.solve.results import Results
-    from workflows.studies.comparison.study import Comparison
+    from workflows.studies.comparison import Comparison
     from workflows.studies.design.report import Designed
     from workflows.studies.reproduction import Reproduction
-    from workflows.studies.response.study import Response
+    from workflows.studies.response import Response
     from workflows.studies.work_precision.effects import Switches
     from workflows.studies.work_precision.timing import WorkPrecision
 
@@ -139,7 +139,7 @@ def response(scene: SceneLike = DEFAULT) -> Response:
 
     Takes and raises what :func:`run` does.
     """
-    from workflows.studies.response.study import respond
+    from workflows.studies.response import respond
 
     return respond(opened(scene))
 
@@ -245,9 +245,9 @@ def compare(*runs: SceneLike | Results) -> Comparison:
     Raises:
         BadInput: fewer than two, or one that is none of these; else as :func:`run`.
     """
-    from workflows.studies.comparison import study
+    from workflows.studies import comparison
 
-    return study.compare(runs)
+    return comparison.compare(runs)
 
 
 def dataset(results: Results) -> xarray.Dataset:
@@ -259,12 +259,12 @@ def dataset(results: Results) -> xarray.Dataset:
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from workflows.studies.response.study import Response
+    from workflows.studies.response import Response
 
     if isinstance(results, Response):
-        from workflows.studies.response import report as of_response
+        from workflows.studies import response_report
 
-        return of_response.write(results, folder)
+        return response_report.write(results, folder)
     from workflows.report import page
 
     return page.save(results, folder)

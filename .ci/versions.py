@@ -116,7 +116,7 @@ def check(environment: Environment, expected: list[str]) -> None:
     """Kernels, types, the paper's figures and the tests."""
     place, python = environment.place, environment.python
     print(*together(place, PRINTING, [python, "-c", INSTALLED]), end="", flush=True)
-    kernels = [[python, "-W", "error", "-m", "tests.kernels_ready", engine] for engine in ("level", "linear")]
+    kernels = [[python, "-W", "error", "-m", "tests.kernels_ready", part] for part in ("free", "forced")]
     together(place, COMPILING, *kernels, [python, "-m", "mypy"])
     here = figures(place, python)
     if here != expected:

@@ -1,4 +1,4 @@
-"""The particle damper: one ball rolling on the floor of a cavity, followed event by event in closed form.
+"""The particle damper: one ball rolling on the floor of a cavity, followed event by event.
 
     from damper import ParticleDamper, capacity, ringdown
 
@@ -14,11 +14,10 @@ from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
 from damper.damping_curve import Working
 from damper.fixed_step import SteppedRingDown, stepped_ringdown
-from damper.history import History, sample
 from damper.laws import LawViolation
 from damper.model import Formulation, Harmonic, Mode, ParticleDamper
 from damper.motion import EnergyBooks, Outcome, RingDown
-from damper.ringdown import ringdown
+from damper.ringdown import History, ringdown, sample
 from damper.starts import Start
 from damper.steady_state import Forced, Regime, forced
 from damper.working import working

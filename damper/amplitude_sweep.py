@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from damper import engine
 from damper.compiled import kernel
 from damper.engine import DONE
-from damper.events import schedule
-from damper.flight import begin
-from damper.state import STUCK
 from damper.steady_motion import lost, stored
 
 if TYPE_CHECKING:
@@ -35,27 +32,8 @@ class Ramp(NamedTuple):
 
 
 @kernel
-def run_level(block: tuple[int, int], runs: Records, tables: Tables, ramp: Ramp) -> None:
-    """Lead ring-downs in closed form."""
-    for k in range(block[0], block[1]):
-        it, energies = runs[k], ramp.energies[k]
-        for n in range(len(energies)):
-            it.clock.end = (n + 1) * it.cycle.period
-            if n == 0:
-                engine.level_release(it, tables)
-            else:
-                _scale_level(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it)
-            _open(it.books)
-            before, swing = _stored_level(it), _of_the_structure(it)
-            if swing < ramp.least or engine.level_run(it, tables, ramp.budget - it.clock.events) != DONE:
-                break
-            energies[n, 0], energies[n, 1] = swing, swing - (before - _stored_level(it))
-            energies[n, 2], energies[n, 3] = before, lost(it.books)
-
-
-@kernel
-def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, ramp: Ramp) -> None:
-    """Lead ring-downs in linear flights."""
+def run_ramps(block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, ramp: Ramp) -> None:
+    """Lead ring-downs."""
     for k in range(block[0], block[1]):
         it, flow, energies = runs[k], flows[runs[k].system.flow], ramp.energies[k]
         for n in range(len(energies)):
@@ -63,9 +41,9 @@ def run_linear(block: tuple[int, int], runs: Records, flows: Floats, tables: Tab
             if n == 0:
                 engine.release(it, flow, tables)
             else:
-                _scale_linear(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_modes(it)), it, flow)
+                _scale(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it, flow)
             _open(it.books)
-            before, swing = stored(it), _of_the_modes(it)
+            before, swing = stored(it), _of_the_structure(it)
             if swing < ramp.least or engine.run(it, flow, tables, ramp.budget - it.clock.events) != DONE:
                 break
             energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
@@ -79,18 +57,8 @@ def _open(books: Record) -> None:
 
 
 @kernel
-def _scale_level(scale: float, it: Record) -> None:
+def _scale(scale: float, it: Record, flow: Floats) -> None:
     """Change the structure's motion, and leave the ball's in its cavity."""
-    for i in range(2):
-        it.axes[i].u *= scale
-        it.axes[i].v *= scale
-        begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
-        schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
-
-
-@kernel
-def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
-    """The same in linear flights."""
     for m in range(it.system.coordinates):
         if m != it.system.place[0] and m != it.system.place[1]:
             it.motion.z[m] *= scale
@@ -100,29 +68,8 @@ def _scale_linear(scale: float, it: Record, flow: Floats) -> None:
 
 
 @kernel
-def _stored_level(it: Record) -> float:
-    """Energy of structure and ball [J]."""
-    ball, twice = it.ball, 0.0
-    for i in range(2):
-        axis, speed = it.axes[i], it.axes[i].v + it.axes[i].w
-        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + ball.host_mass * axis.v * axis.v
-        twice += ball.mass * speed * speed + ball.spin_mass * axis.spin * axis.spin
-    return 0.5 * twice
-
-
-@kernel
 def _of_the_structure(it: Record) -> float:
     """Energy of the structure, the ball counted as stuck to it [J]."""
-    twice = 0.0
-    for i in range(2):
-        axis = it.axes[i]
-        twice += it.laws[i, STUCK].stiffness * axis.u * axis.u + (it.ball.host_mass + it.ball.mass) * axis.v * axis.v
-    return 0.5 * twice
-
-
-@kernel
-def _of_the_modes(it: Record) -> float:
-    """The same in linear flights."""
     system, motion, twice = it.system, it.motion, 0.0
     for m in range(system.coordinates):
         for n in range(system.coordinates):

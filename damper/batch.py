@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.model import Floats, Integers, energy, ensemble, stuck_frequency, table, whole
-from damper.motion import CLOSED_FORM, COUPLED, Prepared, flights, kinds, outcome_of, prepare
+from damper.equations import at_once
+from damper.model import Floats, Integers, ensemble, stuck_frequency, table, whole
+from damper.motion import COUPLED, Prepared, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
-from damper.setup import at_once
 from damper.state import BOOKS, COUNTED, Counts
 
 if TYPE_CHECKING:
@@ -157,14 +157,12 @@ def ringdowns(
     prepared = prepare(rows, start, cycles, max_cycles)
     run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)
-    closed = bool((kind == CLOSED_FORM).all())
-    status, final = (run.closed if closed else functools.partial(run.by_kinds, kind))(rows, prepared, progress)
-    batch = _summary(rows, prepared, status, final, asked=cycles is not None)
+    status, initial, final = run.by_kinds(kind, rows, prepared, progress)
+    batch = _summary(rows, prepared, status, (initial, final), asked=cycles is not None)
     velocity = np.maximum(prepared.clocks["first_speed"], prepared.cycles["last_speed"])
     extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
-    for family in {"level" if each == CLOSED_FORM else "linear" for each in np.unique(kind)}:
-        self_check.once(family, ringdown)
+    self_check.once("ring-downs", ringdown)
     return batch
 
 
@@ -178,30 +176,15 @@ class _Run:
     threads: int
     most: int
 
-    def closed(self, rows: Parameters, p: Prepared, progress: Progress | None) -> tuple[Integers, Floats]:
-        """Have every ring-down run in closed form: why each ended, and the energies left."""
-        from damper import engine
-        from damper.state import nothing_kept
-
-        status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
-
-        def work(block: tuple[int, int]) -> None:
-            engine.level_run_block(block, p.runs, tables, self.most, status)
-
-        in_blocks(work, len(status), self.threads, progress)
-        laws.check_rest(p.runs)
-        return status, energy(rows, p.axes)
-
-    def linear(
+    def alike(
         self, rows: Parameters, p: Prepared, progress: Progress | None, amplitudes: Floats | None
-    ) -> tuple[Integers, Floats]:
-        """The same in linear flights, all of one kind."""
+    ) -> tuple[Integers, Floats, Floats]:
+        """Have ring-downs of one kind run: why each ended, and its energy at the beginning and at the end."""
         from damper import engine
         from damper.state import nothing_kept
 
         f = flights(self.damper, rows, p, self.harmonic, amplitudes)
-        p.initial[:] = f.energy(rows)
-        status, tables = np.zeros(len(p.runs), np.int64), nothing_kept()
+        initial, status, tables = f.energy(rows), np.zeros(len(p.runs), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
             engine.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
@@ -209,32 +192,28 @@ class _Run:
         in_blocks(work, len(status), self.threads, progress)
         f.give_back(p)
         laws.check_rest(f.runs)
-        return status, f.energy(rows)
+        return status, initial, f.energy(rows)
 
     def by_kinds(
         self, kind: Integers, rows: Parameters, prepared: Prepared, progress: Progress | None
-    ) -> tuple[Integers, Floats]:
+    ) -> tuple[Integers, Floats, Floats]:
         """Each kind of flight by itself."""
-        status, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), 0
+        status, initial, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), np.zeros(len(kind)), 0
         for which in self._parts(kind, rows):
-            each = kind[which[0]]
             part = prepared.some(which)
             count = None if progress is None else functools.partial(_further, progress, done)
-            if each == CLOSED_FORM:
-                status[which], final[which] = self.closed(rows[which], part, count)
-            else:
-                modal = None if self.amplitudes is None else self.amplitudes[which]
-                status[which], final[which] = self.linear(rows[which], part, count, modal)
-            prepared.take(which, part)
+            modal = None if self.amplitudes is None else self.amplitudes[which]
+            status[which], initial[which], final[which] = self.alike(rows[which], part, count, modal)
+            prepared.runs[which] = part.runs
             done += len(which)
-        return status, final
+        return status, initial, final
 
     def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
         """Which to prepare together: of one kind, and as many as there is room for."""
-        alike, modes = bool((rows == rows[0]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
+        alike, modes = bool((rows == rows[:1]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
         for each in np.unique(kind):
             which = np.flatnonzero(kind == each)
-            room = _AT_ONCE if alike or each == CLOSED_FORM else at_once(modes, coupled=each == COUPLED)
+            room = _AT_ONCE if alike else at_once(modes, coupled=each == COUPLED)
             yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
@@ -252,7 +231,9 @@ def _further(progress: Progress, before: int, done: int) -> None:
     progress(before + done)
 
 
-def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floats, *, asked: bool) -> Batch:
+def _summary(
+    rows: Parameters, prepared: Prepared, status: Integers, energies: tuple[Floats, Floats], *, asked: bool
+) -> Batch:
     from damper.engine import DONE
 
     clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
@@ -266,8 +247,8 @@ def _summary(rows: Parameters, prepared: Prepared, status: Integers, final: Floa
     return Batch(
         outcome=np.array(outcomes, dtype=object),
         duration=clocks["time"].copy(),
-        initial=prepared.initial,
-        final=final,
+        initial=energies[0],
+        final=energies[1],
         **booked,
         **counted,
         peak_sdc=cycles["peak_sdc"].copy(),

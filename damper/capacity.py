@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper import laws
-from damper.model import Floats, number, pair, whole
+from damper.model import Floats, number, pair, stuck_decay, whole
 from damper.motion import Outcome, RingDown
 
 if TYPE_CHECKING:
@@ -62,10 +62,8 @@ def capacity(ringdown: RingDown) -> Capacity:
 
 def intrinsic_sdc(damper: ParticleDamper) -> float:
     """1 - exp(-4 pi decay / frequency) of the structure with the ball stuck [-]."""
-    from damper.state import STUCK, laws_of
-
-    law = laws_of(damper.parameters)[0, 0, STUCK]
-    return -math.expm1(-4 * math.pi * float(law["decay"]) / float(law["frequency"]))
+    decay, frequency = stuck_decay(damper.parameters)
+    return -math.expm1(-4 * math.pi * float(decay[0] / frequency[0]))
 
 
 def work_bound(damper: ParticleDamper, amplitude: float | tuple[float, float]) -> float:

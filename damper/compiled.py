@@ -20,7 +20,6 @@ import llvmlite
 import numba as nb
 import numpy as np
 from llvmlite.binding import get_host_cpu_name
-from numba.extending import overload
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,29 +114,3 @@ def _loaded(cache: Any, load: Callable[..., Any], *what: Any) -> Any:
     except Exception:
         cache.flush()
         return None
-
-
-def by_flights(level: Any, linear: Any) -> Callable[[_F], _F]:
-    """Have a function be one kernel for runs in closed form and another for runs in linear flights.
-
-    The type of the run, its first argument, decides: only runs in closed form have `laws`.
-    """
-
-    def decorate(head: _F) -> _F:
-        @functools.wraps(head)
-        def chosen(it: Any, *more: Any) -> Any:
-            return (level if "laws" in it.dtype.names else linear)(it, *more)
-
-        def typed(it: Any, *more: Any) -> Any:
-            one = level if "laws" in it.fields else linear
-
-            def impl(it: Any, *more: Any) -> Any:
-                return one(it, *more)
-
-            return impl
-
-        if COMPILES:
-            overload(chosen, jit_options=_OPTIONS)(typed)
-        return cast("_F", chosen)
-
-    return decorate

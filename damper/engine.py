@@ -1,8 +1,8 @@
 """The event loop: find the next event, fly to it, resolve it, record it.
 
-`level_run` follows one ring-down in closed form, `run` one in linear flights; `level_run_block` and `run_block`
-follow many. Both loops share what they record (`write_event`, `write_peak`) and when a run ends (`end_cycle`),
-and the velocity maxima by which cycles are told apart (`watch`, `close`).
+`run` follows one ring-down, `run_block` many; `advance` is one turn of the loop, which `damper.steady_motion` shares.
+Beside it stand the velocity maxima by which cycles are told apart (`watch`, `close`), when a run ends (`end_cycle`),
+and the motion between the events of a table (`sample_flights`).
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import by_flights, kernel
-from damper.events import account, look, schedule, seek, strongest_drive
-from damper.flight import begin, expand, increment, increments, places, structure, travel, velocity, viscous_loss
-from damper.impacts import let_go, level_hit, level_rub, level_settle, read, resolve, roll, roll_on, slip
-from damper.slip import spend
-from damper.state import GRIP, HIT, NOTHING, RELEASE, REVERSAL, ROLLING, RUB, SLIPPING, START, STUCK
+from damper.compiled import kernel
+from damper.events import account, seek, strongest_drive
+from damper.flight import expand, increment, places, spend, spin_after, travel
+from damper.impacts import let_go, read, resolve
+from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
 
 if TYPE_CHECKING:
     from damper.model import Floats, Integers, Record, Records
@@ -110,35 +109,13 @@ def pass_time(it: Record, time: float) -> None:
 
 
 @kernel
-def _level_take(it: Record, time: float, square: float) -> None:
-    """`_take` in closed form."""
-    cycle, speed = it.cycle, math.sqrt(square)
-    if speed > cycle.speed:
-        cycle.speed, cycle.time = speed, time
-
-
-@kernel
-def _level_speed(it: Record, time: float) -> tuple[float, float]:
-    """`_speed` in closed form."""
-    square = rate = 0.0
-    for i in range(2):
-        axis = it.axes[i]
-        law = it.laws[i, axis.regime]
-        v, acceleration = velocity(axis, law, time - axis.start)
-        square += v * v
-        rate += v * acceleration
-    return square, rate
-
-
-@kernel
-def _linear_take(it: Record, time: float, square: float) -> None:
-    """`_take` in linear flights."""
+def _take(it: Record, time: float, square: float) -> None:
+    """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
     cycle = it.cycle
-    if not it.system.several:
-        _level_take(it, time, square)
-    elif square > cycle.square:
+    if square > cycle.square:
         cycle.square, cycle.time = square, time
-        cycle.speed = math.sqrt(_twice_the_energy(it, time) / (it.ball.host_mass + it.ball.mass))
+        twice = _twice_the_energy(it, time) / (it.ball.host_mass + it.ball.mass) if it.system.several else square
+        cycle.speed = math.sqrt(twice)
 
 
 @kernel
@@ -160,8 +137,8 @@ def _twice_the_energy(it: Record, time: float) -> float:
 
 
 @kernel
-def _linear_speed(it: Record, time: float) -> tuple[float, float]:
-    """`_speed` in linear flights."""
+def _speed(it: Record, time: float) -> tuple[float, float]:
+    """Square of the cavity's speed at a time, and half its rate."""
     system, square, rate = it.system, 0.0, 0.0
     for g in range(system.groups):
         span = system.span[g]
@@ -177,17 +154,6 @@ def _linear_speed(it: Record, time: float) -> tuple[float, float]:
             square += v * v
             rate += v * acceleration
     return square, rate
-
-
-@by_flights(_level_take, _linear_take)
-def _take(it: Record, time: float, square: float) -> None:
-    """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
-
-
-@by_flights(_level_speed, _linear_speed)
-def _speed(it: Record, time: float) -> tuple[float, float]:
-    """Square of the cavity's speed at a time, and half its rate."""
-    raise NotImplementedError
 
 
 @kernel
@@ -209,18 +175,6 @@ def write_peak(it: Record, tables: Tables) -> bool:
     return True
 
 
-@kernel
-def write_event(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
-    """Write an event of an axis, if asked; `before` it had this relative velocity."""
-    if len(tables.rows) == 0:
-        return
-    row, axis = tables.rows[it.clock.rows], it.axes[i]
-    row.time, row.axis, row.kind = it.clock.time, i, kind
-    row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
-    row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
-    it.clock.rows += 1
-
-
 DONE, PAUSED, FULL = 0, 1, 2
 """Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
 
@@ -235,17 +189,17 @@ TREMOR = 1e-7
 
 
 @kernel
-def end_cycle(it: Record, tables: Tables, drive: float) -> bool:
+def end_cycle(it: Record, tables: Tables) -> bool:
     """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
     if not write_peak(it, tables):
         return False
-    _fade(it, drive)
+    _fade(it)
     close(it.cycle, it.clock.last_motion)
     return True
 
 
 @kernel
-def _fade(it: Record, drive: float) -> None:
+def _fade(it: Record) -> None:
     """At a velocity maximum, end a run soon in which nothing more will happen that counts.
 
     Either the ball, a cycle long, hit no wall and rolled away next to nothing, on a structure whose largest drive is at
@@ -262,7 +216,7 @@ def _fade(it: Record, drive: float) -> None:
     if speed <= DIED_OUT * clock.first_speed:
         clock.trembles = 2
         settle_down(clock)
-    elif still and ball.threshold > 0.0 and drive <= NEAR * ball.threshold:
+    elif still and ball.threshold > 0.0 and strongest_drive(it) <= NEAR * ball.threshold:
         clock.trembles = 1
         settle_down(clock)
 
@@ -280,157 +234,6 @@ def settle_down(clock: Record) -> None:
     """End the run a little after the last event."""
     clock.rest = clock.time
     clock.end = min(clock.end, clock.time + clock.tail)
-
-
-@kernel
-def level_release(it: Record, tables: Tables) -> None:
-    """Let go at time 0 from the state in `it.axes`."""
-    for i in range(2):
-        axis = it.axes[i]
-        if it.ball.grip > 0.0 and axis.spin != axis.w:
-            slip(axis)
-        elif axis.w == 0.0:
-            level_settle(axis, it.laws[i], it.ball)
-        else:
-            roll_on(axis)
-        _restart(i, RELEASE, 0.0, it, tables)
-    _level_rest(it)
-
-
-@kernel
-def level_run(it: Record, tables: Tables, budget: int) -> int:
-    """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
-    clock, axes = it.clock, it.axes
-    stop = clock.events + budget
-    while True:
-        i = 0 if axes[0].next <= axes[1].next else 1
-        if axes[i].kind == NOTHING and axes[i].next < clock.end:
-            look(axes[i], it.laws[i], it.ball, clock.end)
-            continue
-        time = min(axes[i].next, clock.end)
-        if not _level_observe(it, tables, time):
-            return FULL
-        if time >= clock.end:
-            for j in range(2):
-                _fly(j, time - axes[j].start, it)
-            resume(it.cycle, clock.last_motion)
-            clock.time = time
-            return DONE
-        if clock.events >= stop:
-            return PAUSED
-        if full(it, tables):
-            return FULL
-        clock.time = time
-        _happen(i, it, tables)
-        _level_rest(it)
-
-
-@kernel
-def level_run_block(block: tuple[int, int], runs: Records, tables: Tables, budget: int, status: Integers) -> None:
-    """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
-    for k in range(block[0], block[1]):
-        level_release(runs[k], tables)
-        status[k] = level_run(runs[k], tables, budget)
-
-
-@kernel
-def _happen(i: int, it: Record, tables: Tables) -> None:
-    """The next event of axis i: fly to it, resolve it, start the flights that follow."""
-    axis, other, laws, ball = it.axes[i], it.axes[1 - i], it.laws[i], it.ball
-    kind = axis.kind
-    count(kind, axis, it.clock)
-    _fly(i, axis.due, it)
-    before = axis.w
-    if kind == START and axis.spin != 0.0:
-        slip(axis)
-    elif kind == START:
-        roll(axis, axis.heading)
-    elif kind == REVERSAL:
-        level_settle(axis, laws, ball)
-    elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
-        axis.spin = 0.0
-    elif kind == GRIP and axis.w == 0.0:
-        level_settle(axis, laws, ball)
-    elif kind == GRIP:
-        roll_on(axis)
-    elif kind == HIT:
-        impulse = level_hit(axis, ball, it.books)
-        if ball.friction > 0.0 and other.regime != STUCK:
-            _fly(1 - i, it.clock.time - other.start, it)
-            sliding = other.w
-            level_rub(other, impulse, it.laws[1 - i], ball, it.books)
-            _restart(1 - i, RUB, sliding, it, tables)
-    _restart(i, kind, before, it, tables)
-
-
-@kernel
-def _fly(i: int, tau: float, it: Record) -> None:
-    """Bring an axis to a flight time tau after its start: its state there, and the work done on the way."""
-    axis, law = it.axes[i], it.laws[i, it.axes[i].regime]
-    it.books.structure += viscous_loss(axis, law, tau)
-    du, dv, acceleration = increments(axis, law, tau)
-    path = 0.0
-    if axis.regime != STUCK:
-        path = axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau
-        axis.s += path
-        axis.w += axis.f * tau - axis.beta * dv
-        axis.excursion = max(axis.excursion, abs(axis.s))
-    if axis.regime == ROLLING:
-        _account(axis, law, tau, acceleration)
-    spend(axis, path, tau, it.ball, it.books)
-    axis.u += axis.v * tau + du
-    axis.v += dv
-
-
-@kernel
-def _account(axis: Record, law: Record, tau: float, acceleration: float) -> None:
-    """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2]."""
-    share = 1.0 - axis.beta
-    at_start = -2.0 * law.decay * axis.v - law.square * (axis.u - axis.offset)
-    axis.demand = max(axis.demand, abs(share * at_start + axis.f), abs(share * acceleration + axis.f))
-    crest = axis.crest
-    for _ in range(2):
-        if crest < tau:
-            axis.demand = max(axis.demand, abs(share * structure(axis, law, crest)[2] + axis.f))
-        crest += math.pi / law.frequency
-
-
-@kernel
-def _restart(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
-    """Begin the flight that follows an event of axis i, schedule its end, and write the event's row if asked."""
-    begin(it.axes[i], it.laws[i], it.ball, it.clock.time)
-    schedule(it.axes[i], it.laws[i], it.ball, it.clock.end)
-    write_event(i, kind, before, it, tables)
-
-
-@kernel
-def _level_observe(it: Record, tables: Tables, time: float) -> bool:
-    """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(it, it.clock.watched, time):
-        if not end_cycle(it, tables, _strongest_drive(it)):
-            return False
-    pass_time(it, time)
-    return True
-
-
-@kernel
-def _strongest_drive(it: Record) -> float:
-    """Largest acceleration of a structure whose ball is stuck, along either axis, from here on [m/s^2]."""
-    most = 0.0
-    for i in range(2):
-        square = it.laws[i, STUCK].square
-        most = max(most, math.sqrt((square * it.axes[i].u) ** 2 + square * it.axes[i].v ** 2))
-    return most
-
-
-@kernel
-def _level_rest(it: Record) -> None:
-    """Once both axes stick and nothing will ever happen again, the run ends a little later."""
-    for i in range(2):
-        if it.axes[i].regime != STUCK or it.axes[i].next < np.inf:
-            return
-    if it.clock.rest == np.inf:
-        settle_down(it.clock)
 
 
 @kernel
@@ -461,26 +264,22 @@ def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
     clock, motion = it.clock, it.motion
     stop = clock.events + budget
     while True:
-        g = 0 if it.system.groups == 1 or motion.next[0] <= motion.next[1] else 1
+        g = earliest(it)
         time = min(motion.next[g], clock.end)
-        if not _observe(it, tables, time):
-            return FULL
+        while watch(it, clock.watched, time):
+            if not end_cycle(it, tables):
+                return FULL
+        pass_time(it, time)
         if time >= clock.end:
             arrive(it, time)
             resume(it.cycle, clock.last_motion)
             clock.time = time
             return DONE
-        if motion.kind[g] == NOTHING:
-            fly(g, 1.0, it)
-            restart(g, time, it, flow)
-            _rest(it, time)
-            continue
-        if clock.events >= stop:
+        if motion.kind[g] != NOTHING and clock.events >= stop:
             return PAUSED
-        if full(it, tables):
+        if motion.kind[g] != NOTHING and full(it, tables):
             return FULL
-        clock.time = time
-        happen(g, it, flow, tables)
+        advance(g, time, it, flow, tables)
         _rest(it, time)
 
 
@@ -496,13 +295,23 @@ def run_block(
 
 
 @kernel
-def happen(g: int, it: Record, flow: Floats, tables: Tables) -> None:
-    """The next event of a group: fly to it, resolve it, start the flights that follow, record it."""
-    i, kind, time = it.motion.axis[g], it.motion.kind[g], it.clock.time
-    axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
-    count(kind, axis, it.clock)
+def earliest(it: Record) -> int:
+    """The group whose event, or end of a step, comes next; x before y."""
+    return 0 if it.system.groups == 1 or it.motion.next[0] <= it.motion.next[1] else 1
+
+
+@kernel
+def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> None:
+    """Fly to a group's next event, or the end of its step, resolve it, start the flights that follow, record it."""
+    i, kind, clock, ball = it.motion.axis[g], it.motion.kind[g], it.clock, it.ball
     fly(g, it.motion.at[g], it)
-    if apart and kind == HIT and it.ball.friction > 0.0 and other.regime != STUCK:
+    if kind == NOTHING:
+        restart(g, time, it, flow)
+        return
+    axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
+    clock.time = time
+    count(kind, axis, clock)
+    if apart and kind == HIT and ball.friction > 0.0 and other.regime != STUCK:
         fly(1 - g, (time - it.motion.start[1 - g]) / it.system.span[1 - g], it)
     before, sliding = axis.w, other.w
     rubbed = resolve(i, kind, it, flow)
@@ -538,22 +347,17 @@ def fly(g: int, x: float, it: Record) -> None:
 
 @kernel
 def _record(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
-    """An event's row, and the state of the whole motion that goes with it, if asked."""
-    if len(tables.rows) > 0:
-        for m in range(it.system.coordinates):
-            tables.states[it.clock.rows, 0, m] = it.motion.z[m]
-            tables.states[it.clock.rows, 1, m] = it.motion.rate[m]
-    write_event(i, kind, before, it, tables)
-
-
-@kernel
-def _observe(it: Record, tables: Tables, time: float) -> bool:
-    """Seek velocity maxima up to `time`; False if their table is full."""
-    while watch(it, it.clock.watched, time):
-        if not end_cycle(it, tables, strongest_drive(it)):
-            return False
-    pass_time(it, time)
-    return True
+    """Write an event of an axis, whose relative velocity was `before`, and the state of the whole motion, if asked."""
+    if len(tables.rows) == 0:
+        return
+    for m in range(it.system.coordinates):
+        tables.states[it.clock.rows, 0, m] = it.motion.z[m]
+        tables.states[it.clock.rows, 1, m] = it.motion.rate[m]
+    row, axis = tables.rows[it.clock.rows], it.axes[i]
+    row.time, row.axis, row.kind = it.clock.time, i, kind
+    row.u, row.v, row.s, row.w = axis.u, axis.v, axis.s, axis.w
+    row.spin, row.regime, row.direction, row.w_before = axis.spin, axis.regime, axis.direction, before
+    it.clock.rows += 1
 
 
 @kernel
@@ -565,3 +369,59 @@ def _rest(it: Record, now: float) -> None:
     if it.clock.rest == np.inf:
         settle_down(it.clock)
         it.clock.end = max(it.clock.end, now)
+
+
+@kernel
+def sample_flights(it: Record, flow: Floats, tables: Tables, times: Floats, out: Floats, regimes: Integers) -> None:
+    """Fill `out`, shape (5, n, 2), with u, v, s, w and spin at n ascending times, and the regimes, shape (n, 2)."""
+    system, motion, rows = it.system, it.motion, tables.rows
+    for g in range(system.groups):
+        row = -1
+        for k in range(len(times)):
+            while row + 1 < len(rows) and rows[row + 1].time <= times[k]:
+                row += 1
+                if system.group[rows[row].axis] == g:
+                    _resume(g, row, it, flow, tables)
+            while (times[k] - motion.start[g]) > system.span[g]:
+                travel(g, 1.0, it)
+                motion.start[g] += system.span[g]
+                expand(g, it, flow)
+            x = (times[k] - motion.start[g]) / system.span[g]
+            for i in range(system.first[g], system.last[g]):
+                _place(i, x, it, out[:, k, i])
+                _spin(times[k], it.axes[i], it.ball, out[:, k, i])
+                regimes[k, i] = it.axes[i].regime
+
+
+@kernel
+def _resume(g: int, row: int, it: Record, flow: Floats, tables: Tables) -> None:
+    """Put a group into its state after an event."""
+    event = tables.rows[row]
+    axis = it.axes[event.axis]
+    axis.regime, axis.direction, axis.spin, axis.start = event.regime, event.direction, event.spin, event.time
+    axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
+    for m in range(it.system.low[g], it.system.high[g]):
+        it.motion.z[m], it.motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
+    it.motion.start[g] = event.time
+    expand(g, it, flow)
+
+
+@kernel
+def _place(i: int, x: float, it: Record, out: Floats) -> None:
+    """Displacement, velocity, relative position and velocity along an axis x steps on."""
+    system, g = it.system, it.system.group[i]
+    c, span = it.motion.series[g], system.span[g]
+    cavity = c[system.cavity[i]]
+    gain, rate = increment(cavity, x)
+    out[0], out[1] = cavity[0] + gain, rate / span
+    out[2], out[3] = it.motion.z[system.place[i]], 0.0
+    if it.axes[i].regime != STUCK:
+        gain, rate = increment(c[system.lane[i]], x)
+        out[2], out[3] = out[2] + gain, rate / span
+
+
+@kernel
+def _spin(time: float, axis: Record, ball: Record, out: Floats) -> None:
+    out[4] = out[3] if axis.regime == ROLLING else 0.0
+    if axis.regime == SLIPPING or (axis.regime == STUCK and axis.spin != 0.0):
+        out[4] = spin_after(axis, ball, time - axis.start)

@@ -10,22 +10,25 @@ path of the ball's centre, P the projection onto the plane of rotation, as a sta
 does to a ball in its place. Rolling resistance or sliding friction is a constant force on s. Each flight is then
 
     z'' = - stiffness z - damping z' + resistance + force cos(nu t + phase),   z = (q, s).
+
+`systems_of` makes the constants of such systems and the terms of their flights' power series. Axes that neither a mode
+nor the load couples fall into two groups of coordinates that fly on their own.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from damper.model import Harmonic, in_plane, inertia_ratio, path_curvature
-from damper.state import ROLLING, STUCK
+from damper.state import MODES, STEP, SYSTEM, TERMS, Equations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from damper.model import Floats, Mode, Parameters, ParticleDamper
+    from damper.model import Floats, Mode, Parameters, ParticleDamper, Records
 
 
 class Structures(NamedTuple):
@@ -82,7 +85,10 @@ def load_of(rows: Parameters, structures: Structures) -> tuple[Floats, Floats]:
 
 def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
     """Whether anything couples the two axes of a damper, shape (n,)."""
-    pull, curve = load_of(rows, structures)
+    return _coupled(structures, *load_of(rows, structures))
+
+
+def _coupled(structures: Structures, pull: Floats, curve: Floats) -> npt.NDArray[np.bool_]:
     felt = (structures.shape != 0) | (pull != 0)
     coupled: npt.NDArray[np.bool_] = (felt[:, 0] & felt[:, 1]).any(axis=1) | (curve[:, 0, 1] != 0)
     return coupled
@@ -90,8 +96,8 @@ def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
 
 def members_of(rows: Parameters, structures: Structures) -> list[list[int]]:
     """Coordinates (q, s) of each group: those of x and those of y, or all in one where anything couples them."""
-    k, pull = structures.mass.shape[1], load_of(rows, structures)[0]
-    if couples(rows, structures).any():
+    k, (pull, curve) = structures.mass.shape[1], load_of(rows, structures)
+    if _coupled(structures, pull, curve).any():
         return [list(range(k + 2))]
     along_y = ((structures.shape[:, 1] != 0) | (pull[:, 1] != 0)).any(axis=0)
     return [[*np.flatnonzero(~along_y), k], [*np.flatnonzero(along_y), k + 1]]
@@ -112,32 +118,6 @@ def forces_on(structures: Structures, harmonics: Sequence[Harmonic]) -> Floats:
 REGIMES = 3
 
 
-class Equations(NamedTuple):
-    """Of the flights of n dampers in every pair of regimes of x and y, in the N coordinates (q, s).
-
-    Attributes:
-        stiffness, damping: shape (n, 9, N, N).
-        resistance: what a unit of resisting acceleration does along each axis, shape (n, 9, 2, N).
-        force: what a harmonic does at its height, shape (n, 9, N).
-        shape: u = shape z, shape (n, 2, N).
-        pull: the load accelerates the ball in its cavity by -pull z, shape (n, 2, N).
-        sway: the harmonic accelerates a stuck ball against its cavity, shape (n, 2).
-        power: that it puts in per velocity, shape (n, N).
-        frequency, phase: of the harmonic, 0 where there is none, shape (n,).
-    """
-
-    stiffness: Floats
-    damping: Floats
-    resistance: Floats
-    force: Floats
-    shape: Floats
-    pull: Floats
-    sway: Floats
-    power: Floats
-    frequency: Floats
-    phase: Floats
-
-
 def equations_of(
     rows: Parameters, structures: Structures, harmonic: Harmonic | Sequence[Harmonic] | None = None
 ) -> Equations:
@@ -145,19 +125,28 @@ def equations_of(
     n = len(rows)
     pull, curve = load_of(rows, structures)
     sway, load, driven = _driven(rows, structures, harmonic)
-    flights = [
-        _flight(_Felt(structures, pull, curve, rows["ball_mass"][:, None, None], load, sway), _beta(rows, regimes))
-        for regimes in np.ndindex(REGIMES, REGIMES)
-    ]
-    stiffness, damping, resistance, force = (np.stack(each, axis=1) for each in zip(*flights, strict=True))
+    ball, printed, pairs = rows["ball_mass"][:, None, None], rows["printed"][:, None], REGIMES**2
+    # how much of the structure's acceleration the ball lags behind by: stuck, rolling, slipping
+    lags = np.stack([np.zeros(n), inertia_ratio(rows), np.ones(n)])[list(np.ndindex(REGIMES, REGIMES))]
+    beta = np.moveaxis(lags, 2, 0).reshape(-1, 2)
+    each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
+    felt = _Felt(each, *(np.repeat(values, pairs, axis=0) for values in (pull, curve, ball, load, sway, printed)))
+    stiffness, damping, resistance, force = (
+        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(felt, beta)
+    )
+    excess = np.zeros((n, 2))
+    if printed.any():
+        stuck, moving = np.moveaxis(_dashpots(structures, ball, printed), 1, 0)
+        excess = (stuck - moving) / (structures.mass + ball[:, 0])
     return Equations(
         stiffness=stiffness,
         damping=damping,
-        resistance=resistance,
-        force=force,
+        resistance=np.ascontiguousarray(resistance),
+        force=np.ascontiguousarray(force),
         shape=np.concatenate([structures.shape, np.zeros((n, 2, 2))], axis=2),
         pull=np.concatenate([pull, curve], axis=2),
         sway=sway,
+        excess=excess,
         power=load,
         frequency=driven[:, 0],
         phase=driven[:, 1],
@@ -165,7 +154,7 @@ def equations_of(
 
 
 class _Felt(NamedTuple):
-    """A structure, what the load and a harmonic do to the ball on it, and the ball's mass."""
+    """A structure, what the load and a harmonic do to the ball on it, the ball's mass, and whose equations hold."""
 
     structures: Structures
     pull: Floats
@@ -173,41 +162,50 @@ class _Felt(NamedTuple):
     ball: Floats
     load: Floats
     sway: Floats
-
-
-def _beta(rows: Parameters, regimes: tuple[int, ...]) -> Floats:
-    """How much of the structure's acceleration the ball lags behind by, along each axis, shape (n, 2)."""
-    share = {STUCK: np.zeros(len(rows)), ROLLING: inertia_ratio(rows)}
-    return np.stack([share.get(regime, np.ones(len(rows))) for regime in regimes], axis=1)
+    printed: npt.NDArray[np.bool_]
 
 
 def _flight(felt: _Felt, beta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Stiffness, damping, resistance and force in one pair of regimes.
 
     Along each axis the ball's acceleration in space is b = (1 - beta) u'' + h, h = -beta (E q + D s + resistance), and
-    M q'' + C q' + K q + m Phi' b + m E's = 0: two equations for u'', the rest is substitution.
+    M q'' + C q' + K q + m Phi' b + m E's = 0: two equations for u'', the rest is substitution. In the printed equations
+    the structure feels of a moving ball the rolling resistance alone, and one that is stuck adds to its dashpot.
     """
-    structures, pull, curve, ball, load, sway = felt
+    structures, pull, curve, ball, load, sway, printed = felt
     n, k = structures.mass.shape
+    alone = printed & (beta > 0.0)
+    carried = np.where(alone, 0.0, 1.0 - beta)[:, :, None]
+    share = 1.0 / np.where(alone, beta, 1.0)[:, :, None]
     compliance = structures.shape @ (structures.shape / structures.mass[:, None, :]).transpose(0, 2, 1)
     inverse = 1.0 / structures.mass[:, :, None]
     lag = beta[:, :, None]
-    back = np.linalg.inv(np.eye(2) + ball * compliance * (1.0 - beta)[:, None, :])
+    back = np.linalg.inv(np.eye(2) + ball * compliance * carried.transpose(0, 2, 1))
 
     def response(modes: Floats, h: Floats) -> Floats:
         """Accelerations of z from those that the modes would have without the ball, and from h."""
-        u = back @ (structures.shape @ modes - ball * compliance @ h)
-        b = (1.0 - lag) * u + h
-        return np.concatenate([modes - ball * inverse * (structures.shape.transpose(0, 2, 1) @ b), b - u], axis=1)
+        u = back @ (structures.shape @ modes - ball * compliance @ (share * h))
+        b = carried * u + share * h
+        moved = modes - ball * inverse * (structures.shape.transpose(0, 2, 1) @ b)
+        return np.concatenate([moved, h - lag * u], axis=1)
 
     eye = np.broadcast_to(np.eye(k), (n, k, k))
     springs = np.concatenate([structures.spring[:, :, None] * eye, ball * pull.transpose(0, 2, 1)], axis=2)
     stiffness = -response(-inverse * springs, -lag * np.concatenate([pull, curve], axis=2))
-    dashpots = np.concatenate([structures.dashpot[:, :, None] * eye, np.zeros((n, k, 2))], axis=2)
+    dashpot = structures.dashpot
+    if printed.any():  # there is one mode along each axis
+        dashpot = np.where(beta == 0.0, _dashpots(structures, ball, printed)[:, 0], dashpot)
+    dashpots = np.concatenate([dashpot[:, :, None] * eye, np.zeros((n, k, 2))], axis=2)
     damping = -response(-inverse * dashpots, np.zeros((n, 2, k + 2)))
     resistance = response(np.zeros((n, k, 2)), -lag * np.eye(2))
     force = response(inverse * load[:, :k, None], lag * sway[:, :, None])
     return stiffness, damping, resistance.transpose(0, 2, 1), force[..., 0]
+
+
+def _dashpots(structures: Structures, ball: Floats, printed: npt.NDArray[np.bool_]) -> Floats:
+    """Coefficients while the ball is stuck, and else, shape (n, 2, k); the same but in the printed equations."""
+    with_ball = structures.dashpot * np.sqrt(np.where(printed, 1.0 + ball[:, 0] / structures.mass, 1.0))
+    return np.stack([with_ball, structures.dashpot], axis=1)
 
 
 def _driven(
@@ -223,3 +221,198 @@ def _driven(
     modal = forces_on(structures, each) + (ball[:, None, :] @ structures.shape)[:, 0]
     driven = np.array([(one.frequency, one.phase) for one in each])
     return sway, np.concatenate([modal, ball], axis=1), driven
+
+
+class Swinging(NamedTuple):
+    """`deflection`, `swing`, shape (n, N, N), `reach` and `bias`, shape (n, 2, N), of `damper.state.SYSTEM`."""
+
+    deflection: Floats
+    swing: Floats
+    reach: Floats
+    bias: Floats
+
+
+def swinging(structures: Structures, pull: Floats, curve: Floats, ball: Floats, members: list[list[int]]) -> Swinging:
+    """In the coordinates (q, s), N of them.
+
+    In the modes v_k of M + m Phi'Phi and K, the structure swings about where the ball's place holds it; its dashpots
+    add to the accelerations.
+    """
+    n, k = structures.mass.shape
+    deflection, swing = np.zeros((n, k + 2, k + 2)), np.zeros((n, k + 2, k + 2))
+    reach, bias = np.zeros((n, 2, k + 2)), np.zeros((n, 2, k + 2))
+    sag = ball * pull.transpose(0, 2, 1) / structures.spring[:, :, None]  # q = -sag s at rest
+    bias[:, :, k:] = pull @ sag - curve
+    for group in members:
+        modes = [z for z in group if z < k]
+        if not modes:
+            continue
+        shape, force = structures.shape[:, :, modes], pull[:, :, modes]
+        diagonal = np.eye(len(modes))
+        mass = structures.mass[:, modes, None] * diagonal + ball * (shape.transpose(0, 2, 1) @ shape)
+        root = np.linalg.inv(np.linalg.cholesky(mass))
+        square, vectors = np.linalg.eigh(root @ (structures.spring[:, modes, None] * root.transpose(0, 2, 1)))
+        v, rate = root.transpose(0, 2, 1) @ vectors, np.sqrt(square)
+        projected = v.transpose(0, 2, 1) @ mass
+        here = np.ix_(range(n), modes, modes)
+        swing[here], deflection[here] = projected, rate[:, :, None] * projected
+        for axis in range(2):
+            deflection[:, modes, k + axis] = (deflection[here] @ sag[:, modes, axis, None])[..., 0]
+        still = rate[:, None, :] * (shape @ v) - force @ v / rate[:, None, :]
+        moving = shape @ v @ (v.transpose(0, 2, 1) @ (structures.dashpot[:, modes, None] * v))
+        reach[:, :, modes] = np.hypot(still, moving)
+    return Swinging(deflection, swing, reach, bias)
+
+
+_ROOM = 2**26
+"""Bytes that the terms of flights may take at once; working them out takes four times that."""
+
+
+def at_once(modes: int, *, coupled: bool) -> int:
+    """How many dampers' terms there is room for."""
+    flows, size, axes = (REGIMES**2, modes + 2, 2) if coupled else (2 * REGIMES, modes + 1, 1)
+    return max(1, _ROOM // (flows * (size + 2 * axes + 2) * (2 * size + axes + 2) * TERMS * 8))
+
+
+def flows_of(equations: Equations, members: list[list[int]], spans: Floats) -> Floats:
+    """Terms of all series of flights, shape (n, flows, series, sources, TERMS).
+
+    Flow 3 (x) + (y) belongs to a pair of regimes where all coordinates are one group, else flow 3 g + (regime).
+    """
+    from damper.flight import fill_flows
+
+    n, driven = len(spans), 2 * bool((equations.frequency > 0.0).any())
+    if len(members) == 1:
+        parts = [(members[0], [0, 1], range(REGIMES**2))]
+    else:
+        parts = [(members[0], [0], range(0, REGIMES**2, REGIMES)), (members[1], [1], range(REGIMES))]
+    series, sources = (
+        max(k * len(z) + each * len(axes) + driven for z, axes, _ in parts) for k, each in ((1, 2), (2, 1))
+    )
+    flows = np.zeros((n, sum(len(pairs) for *_, pairs in parts), series, sources, TERMS))
+    room = np.zeros((max(len(group) for group, *_ in parts) + 1, TERMS + 2))
+    for g, (group, axes, pairs) in enumerate(parts):
+        fill_flows(equations, np.array(group), np.array(axes), np.array(pairs), spans, g, driven, room, flows)
+    return flows
+
+
+class Systems(NamedTuple):
+    """Of n dampers: their constants, shape (n,); the terms of their flights, shape (m, …), as `flow` tells; equations.
+
+    The latter in the coordinates (q, s), the former in these sorted by groups, `order` of them.
+    """
+
+    constants: Records
+    flows: Floats
+    equations: Equations
+    order: list[int]
+
+
+def systems_of(
+    rows: Parameters, structures: Structures, harmonic: Harmonic | Sequence[Harmonic] | None = None
+) -> Systems:
+    """The systems of dampers on structures; something couples the axes of all of them or of none."""
+    n, k = structures.mass.shape
+    if k > MODES:
+        raise ValueError(f"modes must be at most {MODES}, got {k}")
+    equations, members = equations_of(rows, structures, harmonic), members_of(rows, structures)
+    order = [z for group in members for z in group]
+    spans = _spans(equations, members)
+    constants = np.zeros(n, SYSTEM)
+    for values in (
+        _places(members, k, alone=_alone(structures, members)),
+        _sorted(_inertia(rows, structures, members), order),
+        {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
+        {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
+        {"lateral": rows["lateral_acceleration"]},
+        {"frequency": equations.frequency, "phase": equations.phase, "flow": np.arange(n)},
+        {"several": k > 2 and harmonic is None, "damped": (structures.dashpot > 0).any(axis=1)},
+    ):
+        for name, value in values.items():
+            _fill(constants[name], np.asarray(value))
+    return Systems(constants, flows_of(equations, members, spans), equations, order)
+
+
+def _alone(structures: Structures, members: list[list[int]]) -> bool:
+    """Whether each axis has one mode, scaled to 1 at the cavity: it is the cavity's displacement itself."""
+    return len(members) == 2 == structures.mass.shape[1] and bool((structures.shape == np.eye(2)).all())
+
+
+def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
+    """Which coordinates and axes each group has."""
+    ends, axes = np.cumsum([0, *map(len, members)]), [0, 1, 2] if len(members) == 2 else [0, 2]
+    order = [z for group in members for z in group]
+    group = [0, len(members) - 1]
+    return {
+        "coordinates": k + 2,
+        "groups": len(members),
+        "low": ends[:-1],
+        "high": ends[1:],
+        "first": axes[:-1],
+        "last": axes[1:],
+        "group": group,
+        "place": [order.index(k), order.index(k + 1)],
+        "lane": [members[g].index(k + i) for i, g in enumerate(group)],
+        "cavity": [0 if alone else len(members[g]) + i - axes[g] for i, g in enumerate(group)],
+    }
+
+
+def _inertia(rows: Parameters, structures: Structures, members: list[list[int]]) -> dict[str, Floats]:
+    """What has to do with masses and energies, in the coordinates (q, s)."""
+    n = len(rows)
+    pull, curve = load_of(rows, structures)
+    ball, none = rows["ball_mass"][:, None, None], np.zeros((n, 2))
+    give = structures.shape / structures.mass[:, None, :]
+    mass, spring = _energies(structures, ball, pull, curve)
+    still = swinging(structures, pull, curve, ball, members)
+    return {
+        "mass": mass,
+        "spring": spring,
+        "yielding": np.concatenate([give, -structures.shape @ give.transpose(0, 2, 1)], axis=2),
+        "dashpot": np.concatenate([_dashpots(structures, ball, rows["printed"][:, None]), np.zeros((n, 2, 2))], axis=2),
+        "inertia": np.concatenate([structures.mass, none], axis=1),
+        **still._asdict(),
+    }
+
+
+def _sorted(values: dict[str, Floats], order: list[int]) -> dict[str, Floats]:
+    """Vectors and matrices with their coordinates in this order."""
+    square = {"mass", "spring", "deflection", "swing"}
+    two = np.ix_(order, order)
+    return {name: each[:, two[0], two[1]] if name in square else each[..., order] for name, each in values.items()}
+
+
+def _energies(structures: Structures, ball: Floats, pull: Floats, curve: Floats) -> tuple[Floats, Floats]:
+    """Matrices (n, k + 2, k + 2) of twice the kinetic and potential energy, spin apart; modes, then the ball."""
+    n, k = structures.mass.shape
+    ride = np.concatenate([structures.shape, np.broadcast_to(np.eye(2), (n, 2, 2))], axis=2)
+    mass, spring = ball * (ride.transpose(0, 2, 1) @ ride), np.zeros((n, k + 2, k + 2))
+    mass[:, range(k), range(k)] += structures.mass
+    spring[:, range(k), range(k)] = structures.spring
+    spring[:, k:, :k], spring[:, k:, k:] = ball * pull, ball * curve
+    spring[:, :k, k:] = spring[:, k:, :k].transpose(0, 2, 1)
+    return mass, spring
+
+
+def _fill(room: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
+    """Put values, the same for all dampers or with a row for each, into the first places of their room."""
+    inner = values.shape[values.ndim - room.ndim + 1 :]
+    room[(slice(None), *map(slice, inner))] = values
+
+
+def _spans(equations: Equations, members: list[list[int]]) -> Floats:
+    """Length (n, groups) [s] of each group's steps; a group without a mode of its own takes the others'."""
+    rates = np.stack([_fastest(equations, group) for group in members], axis=1)
+    spans: Floats = STEP / np.where(rates > 0.0, rates, rates.max(axis=1, keepdims=True))
+    return spans
+
+
+def _fastest(equations: Equations, group: list[int]) -> Floats:
+    """Largest angular frequency or decay rate of a group's flights, and of what drives it, shape (n,) [rad/s]."""
+    rows, columns = np.ix_(group, group)
+    turns, decays = (
+        np.abs(np.linalg.eigvals(each[..., rows, columns])).max(axis=(1, 2))
+        for each in (equations.stiffness, equations.damping)
+    )
+    fastest: Floats = np.maximum(np.maximum(np.sqrt(turns), decays), equations.frequency)
+    return fastest

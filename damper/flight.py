@@ -1,14 +1,14 @@
-"""Flights between events: in closed form, or as power series.
+"""Flights between events, as power series.
 
-In closed form the structure is a damped oscillator about a constant offset, u = offset + exp(-decay tau) (a C + b S)
-with C = cos(omega tau) and S = sin(omega tau) / omega, which stays accurate as damping nears its critical value and
-omega zero; the ball follows as s = s0 + w0 tau - beta (u - u0 - v0 tau) + f tau**2 / 2: rolling, with beta of its
-inertia and f of the rolling resistance; slipping, with beta = 1 and f of the sliding friction.
+Flights are taken in steps, on which every coordinate is a power series of `damper.state.TERMS` terms. `expand` makes
+the series of a group from its state, `travel` moves the group on and books the work of dashpots and forces by Lobatto's
+rule, `spend` what the floor takes. Series are computed eight numbers at a time (`load`, `store`, `fill`, `times`,
+`add_times`, `total`): vectors for the compiler, arrays in plain Python.
 
-Linear flights are taken in steps, on which every coordinate is a power series of `damper.state.TERMS` terms. `expand`
-makes the series of a group from its state, `travel` moves the group on and books the work by Lobatto's rule. Series
-are computed eight numbers at a time (`load`, `store`, `fill`, `times`, `add_times`, `total`): vectors for the
-compiler, arrays in plain Python.
+A ball that slips keeps its spin after a wall hit and slides until it rolls again. Sliding friction (grip = mu Omega² R
+per unit of mass) slows the contact; rolling resistance, which has no say in where a sliding contact goes, is left out
+until the ball rolls. A slipping ball can meet either wall, and one that the friction presses against a wall spins there
+until its spin is spent or the structure pulls the wall away.
 """
 
 from __future__ import annotations
@@ -26,131 +26,11 @@ from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
 from damper.compiled import fused, kernel
-from damper.state import ROLLING, SLIPPING, STUCK, TERMS
+from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
-    from damper.model import Floats, Record, Records
-
-
-_SHORT = 0.1
-"""Phase angle below which differences are summed as a series, since u - u0 - v0 tau would cancel."""
-_TERMS = 10
-_NODES = tuple(float(0.5 * (1.0 + x)) for x in np.polynomial.legendre.leggauss(5)[0])
-_WEIGHTS = tuple(float(0.5 * w) for w in np.polynomial.legendre.leggauss(5)[1])
-_RECIPROCALS = tuple(1.0 / max(k, 1) for k in range(_TERMS + 2))
-
-
-@kernel
-def begin(axis: Record, laws: Records, ball: Record, time: float) -> None:
-    """Start a flight from the state in `axis`: the constants of its closed form."""
-    law = laws[axis.regime]
-    axis.start = time
-    axis.beta, axis.f, push = 0.0, 0.0, 0.0
-    if axis.regime == ROLLING:
-        axis.beta, axis.f = ball.inertia_ratio, -axis.direction * ball.relative_push
-        push = axis.direction * ball.push
-    elif axis.regime == SLIPPING:
-        axis.beta, axis.f = 1.0, -axis.direction * ball.grip
-        push = -ball.mass * axis.f
-    axis.offset = push / law.stiffness
-    axis.a = axis.u - axis.offset
-    axis.b = axis.v + law.decay * axis.a
-
-
-@kernel
-def wave(law: Record, tau: float) -> tuple[float, float]:
-    """C and S: the cosine, and the sine over the frequency [s]."""
-    angle = law.frequency * tau
-    return math.cos(angle), math.sin(angle) / law.frequency
-
-
-@kernel
-def structure(axis: Record, law: Record, tau: float) -> tuple[float, float, float]:
-    """Displacement, velocity and acceleration of the structure, to the rounding of its amplitude about the offset.
-
-    A heavy ball pushes the offset far out: just after the start, `increments` are better.
-    """
-    c, s = wave(law, tau)
-    e = math.exp(-law.decay * tau) if law.decay > 0.0 else 1.0
-    p = e * (axis.a * c + axis.b * s)
-    v = e * (axis.b * c - law.frequency * law.frequency * axis.a * s) - law.decay * p
-    acceleration = -2 * law.decay * v - law.square * p
-    return axis.offset + p, v, acceleration
-
-
-@kernel
-def velocity(axis: Record, law: Record, tau: float) -> tuple[float, float]:
-    """Velocity and acceleration of the structure."""
-    if tau == 0.0:
-        return axis.v, -2 * law.decay * axis.v - law.square * (axis.u - axis.offset)
-    _, dv, acceleration = increments(axis, law, tau)
-    return axis.v + dv, acceleration
-
-
-@kernel
-def increments(axis: Record, law: Record, tau: float) -> tuple[float, float, float]:
-    """U - u0 - v0 tau, v - v0 and the acceleration, without cancellation however small tau is."""
-    if law.frequency * tau > _SHORT or law.decay * tau > _SHORT:
-        u, v, acceleration = structure(axis, law, tau)
-        return u - axis.u - axis.v * tau, v - axis.v, acceleration
-    square = law.square
-    first = axis.v
-    second = -2 * law.decay * axis.v - square * (axis.u - axis.offset)
-    du = dv = ddv = 0.0
-    power = 1.0  # tau**k / k!
-    for k in range(_TERMS):
-        ddv += second * power
-        power *= tau * _RECIPROCALS[k + 1]
-        dv += second * power
-        du += second * power * tau * _RECIPROCALS[k + 2]
-        first, second = second, -2 * law.decay * second - square * first
-    return du, dv, ddv
-
-
-@kernel
-def relative(axis: Record, law: Record, tau: float) -> tuple[float, float, float, float]:
-    """Position, velocity, acceleration and jerk of a moving ball relative to the structure."""
-    du, dv, acceleration = increments(axis, law, tau)
-    jerk = -2.0 * law.decay * acceleration - law.square * (axis.v + dv)
-    return (
-        axis.s + axis.w * tau - axis.beta * du + 0.5 * axis.f * tau * tau,
-        axis.w - axis.beta * dv + axis.f * tau,
-        axis.f - axis.beta * acceleration,
-        -axis.beta * jerk,
-    )
-
-
-@kernel
-def first_extremum(axis: Record, law: Record, order: int) -> float:
-    """First tau > 0 at which derivative `order` + 1 of u vanishes (order 2: acceleration is extreme)."""
-    p, q = axis.a, axis.b
-    for _ in range(order + 1):
-        p, q = q - law.decay * p, -law.frequency * law.frequency * p - law.decay * q
-    if p == 0.0 and q == 0.0:
-        return np.inf
-    angle = math.atan2(law.frequency * p, -q) if p > 0.0 else math.atan2(-law.frequency * p, q)
-    return (angle if angle > 0.0 else math.pi) / law.frequency
-
-
-@kernel
-def viscous_loss(axis: Record, law: Record, tau: float) -> float:
-    """Work of the structure's dashpot over a flight of length tau, c * integral of v**2 [J]."""
-    if law.damping == 0.0:
-        return 0.0
-    if law.frequency * tau <= _SHORT and law.decay * tau <= _SHORT:  # the closed form would cancel: by Gauss
-        square = 0.0
-        for k in range(5):
-            square += _WEIGHTS[k] * (axis.v + increments(axis, law, _NODES[k] * tau)[1]) ** 2
-        return float(law.damping * tau * square)
-    alpha, c, s = law.decay, *wave(law, tau)
-    e = math.exp(-2 * alpha * tau)
-    gone = -math.expm1(-2 * alpha * tau)
-    # integrals of exp(-2 alpha t) times C S and S^2; that of C^2 is what 1 leaves over omega^2 S^2
-    mixed = (1.0 - e * (2 * alpha * s * c + c * c - (law.frequency * s) ** 2)) / (4 * law.square)
-    sines = (gone - 2 * e * alpha * s * (alpha * s + c)) / (4 * alpha * law.square)
-    cosines = 0.5 * gone / alpha - law.frequency**2 * sines
-    fall = alpha * axis.v + law.square * axis.a  # v = exp(-alpha t) (v0 C - fall S)
-    return law.damping * (axis.v * axis.v * cosines - 2 * axis.v * fall * mixed + fall * fall * sines)
+    from damper.model import Floats, Integers, Record
+    from damper.state import Equations
 
 
 WIDTH = 8
@@ -312,6 +192,66 @@ else:
             return result
 
         return _EIGHT(types.float64), code
+
+
+@kernel
+def fill_flows(
+    of: Equations,
+    group: Integers,
+    axes: Integers,
+    pairs: Integers,
+    spans: Floats,
+    g: int,
+    driven: int,
+    room: Floats,
+    flows: Floats,
+) -> None:
+    """Fill in the terms of a group's series in some pairs of regimes, its steps as long as `spans` tells.
+
+    The series are those of its coordinates, of the cavity's displacement along its axes, of the drive of a stuck ball
+    there and, where it is driven, of the wave and of what that puts in per velocity; `room` is to work in.
+    """
+    size, count = len(group), len(axes)
+    pressed, wave = 2 * size, room[size]
+    for n in range(len(spans)):
+        span = spans[n, g]
+        inverse, turn = 1.0 / span, of.frequency[n] * span
+        for f in range(len(pairs)):
+            pair, terms = pairs[f], flows[n, g * len(pairs) + f]
+            for j in range(pressed + count + driven):
+                wave[0] = 1.0 if j == pressed + count else 0.0
+                wave[1] = -turn if j == pressed + count + 1 else 0.0
+                for m in range(size):
+                    room[m, 0], room[m, 1] = 1.0 if j == m else 0.0, 1.0 if j == size + m else 0.0
+                for k in range(TERMS):
+                    factor = 1.0 / ((k + 1) * (k + 2))
+                    wave[k + 2] = -turn * turn * wave[k] * factor
+                    for m in range(size):
+                        pull, drag = of.force[n, pair, group[m]] * wave[k], 0.0
+                        if k == 0 and pressed <= j < pressed + count:
+                            pull += of.resistance[n, pair, axes[j - pressed], group[m]]
+                        for h in range(size):
+                            pull -= of.stiffness[n, pair, group[m], group[h]] * room[h, k]
+                            drag += of.damping[n, pair, group[m], group[h]] * room[h, k + 1]
+                        room[m, k + 2] = (pull * span - (k + 1) * drag) * span * factor
+                for k in range(TERMS):
+                    power = 0.0
+                    for m in range(size):
+                        terms[m, j, k] = room[m, k]
+                        power += of.power[n, group[m]] * room[m, k]
+                    for i in range(count):
+                        axis, u, v, a = axes[i], 0.0, 0.0, 0.0
+                        drive = of.sway[n, axis] * wave[k]
+                        for m in range(size):
+                            shape = of.shape[n, axis, group[m]]
+                            u, v, a = u + shape * room[m, k], v + shape * room[m, k + 1], a + shape * room[m, k + 2]
+                            drive -= of.pull[n, axis, group[m]] * room[m, k]
+                        drive -= (k + 1) * inverse * (of.excess[n, axis] * v + (k + 2) * inverse * a)
+                        if k == 0 and j == pressed + i:  # what resists a stuck ball is nothing but a lateral pull
+                            drive -= 1.0
+                        terms[size + i, j, k], terms[size + count + i, j, k] = u, drive
+                    if driven:
+                        terms[size + 2 * count, j, k], terms[size + 2 * count + 1, j, k] = wave[k], power
 
 
 @fused
@@ -499,6 +439,7 @@ def travel(g: int, x: float, it: Record) -> None:
     """Bring a group's coordinates x steps on, and book the work."""
     system, motion = it.system, it.motion
     low, high, c, scaled = system.low[g], system.high[g], motion.series[g], motion.scaled
+    dashpots = system.dashpot[0 if it.axes[system.first[g]].regime == STUCK else 1]
     if x == 0.0:
         for m in range(low, high):
             motion.gain[m] = 0.0
@@ -508,7 +449,7 @@ def travel(g: int, x: float, it: Record) -> None:
     three = times(two, eighth)
     time, squares, first = x * system.span[g], fill(0.0), 0.0
     for m in range(low, high):
-        series, dashpot = c[m - low], system.dashpot[m]
+        series, dashpot = c[m - low], dashpots[m]
         if dashpot == 0.0:
             motion.gain[m], rate = increment(series, x)
             motion.z[m] += motion.gain[m]
@@ -550,3 +491,32 @@ def _at_points(scaled: Floats, table: Floats) -> Floats:
         three = add_times(three, load(table[k + 2], 0), fill(scaled[k + 2]))
         four = add_times(four, load(table[k + 3], 0), fill(scaled[k + 3]))
     return add_times(add_times(one, two, fill(1.0)), add_times(three, four, fill(1.0)), fill(1.0))
+
+
+@kernel
+def spin_after(axis: Record, ball: Record, tau: float) -> float:
+    """Surface speed after sliding for tau; a ball pressed against a wall spins down to rest."""
+    if axis.f != 0.0:
+        return float(axis.spin - SPIN_UP * axis.f * tau)
+    return math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+
+
+@kernel
+def sliding_distance(axis: Record, path: float, tau: float) -> float:
+    """Distance that the contact slid while the ball's centre moved by `path`."""
+    return float(path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau)
+
+
+@kernel
+def spend(axis: Record, path: float, tau: float, ball: Record, books: Record) -> None:
+    """Spin after a flight of length tau on which the ball went by `path`, and what the floor took on it."""
+    if axis.regime == ROLLING:
+        books.rolling += ball.mass * ball.threshold * abs(path)
+        axis.spin = axis.w
+    elif axis.spin != 0.0 or axis.regime == SLIPPING:
+        spin = spin_after(axis, ball, tau)
+        if axis.regime == SLIPPING:
+            books.slip += ball.mass * ball.grip * abs(sliding_distance(axis, path, tau))
+        else:
+            books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+        axis.spin = spin

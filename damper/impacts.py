@@ -1,8 +1,9 @@
-"""What an event does to the motion: hits, wall friction, sticking, setting off, slip.
+"""What an event does to the motion: hits, wall friction, sticking, setting off, slip; `resolve` is the entry.
 
-The law of impact is `restitution`, `sticks` and `rubbing`: both kinds of flights have their hits from these.
-Functions whose name begins with `level` act on an axis in closed form. The others act on linear flights, where an
-impulse along one axis moves the cavity along the other too if a mode couples them; `resolve` is their entry.
+The law of impact is `restitution`, `sticks`, `rubbing` and `rubbed`. An impulse along one axis moves the cavity along
+the other too if a mode couples them. In a wall hit the ball's surface rubs up or down the wall: a vertical impulse, at
+most friction times the normal one, up to what ends that sliding, (2/7) m |spin|, since it lifts the ball too. What it
+gives the ball upwards or downwards is taken for lost on the floor.
 """
 
 from __future__ import annotations
@@ -13,12 +14,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.events import departure, level_departure
-from damper.slip import rubbed
-from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, START, STUCK
+from damper.events import departure
+from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK
 
 if TYPE_CHECKING:
-    from damper.model import Floats, Record, Records
+    from damper.model import Floats, Record
 
 
 @kernel
@@ -51,16 +51,22 @@ def sticks(axis: Record, ball: Record) -> bool:
 
 @kernel
 def rubbing(w: float, normal: float, mass: float, ball: Record) -> float:
-    """Relative velocity along a wall after a hit with this normal impulse: friction at most ends it, eq. (11)."""
+    """Relative velocity along a wall after a hit with this normal impulse: friction at most ends the sliding.
+
+    The impulse P turns the ball about the vertical too: the sliding loses (1/mass + 5/2m) P, that is all of it where P
+    is 2/7 of what stops the centre, at a wall at rest. The floor's pivoting friction then stops that spin. The paper's
+    eq. (11) stops the centre.
+    """
+    most = abs(w) / (1.0 + ball.wall_spin * mass / ball.mass)
     change = ball.friction * normal / mass
-    return 0.0 if change >= abs(w) else w - math.copysign(change, w)
+    return w - math.copysign(min(change, most), w)
 
 
 @kernel
-def level_settle(axis: Record, laws: Records, ball: Record) -> None:
-    """At a zero of the relative velocity: the ball sticks, or rolls off the way the structure drives it."""
-    axis.w = 0.0
-    roll(axis, level_departure(axis, laws, ball))
+def rubbed(spin: float, normal_impulse: float, ball: Record) -> float:
+    """Spin after a wall hit with this impulse [N s]."""
+    vertical = min(ball.friction * normal_impulse / ball.mass, abs(spin) / (1.0 + SPIN_UP))
+    return math.copysign(abs(spin) - SPIN_UP * vertical, spin)
 
 
 @kernel
@@ -90,56 +96,6 @@ def slip_or_press(axis: Record) -> None:
     slip(axis)
     if axis.w == 0.0 and abs(axis.s) >= axis.half_gap:
         axis.regime, axis.direction = STUCK, 0
-
-
-@kernel
-def level_hit(axis: Record, ball: Record, books: Record) -> float:
-    """Impact of the ball with the wall on the side `heading`, first two of eqs. (10), then sticking or rebound.
-
-    Returns the normal impulse [N s]. Without slip the spin follows the new rolling velocity at once, and what that
-    takes away is booked with the impact.
-    """
-    reduced = ball.mass * ball.host_mass / (ball.mass + ball.host_mass)
-    e = restitution(abs(axis.w), ball)
-    impulse = float(reduced * (1.0 + e) * abs(axis.w))
-    axis.s = axis.heading * axis.half_gap
-    _level_exchange(axis, -e * axis.w, reduced, ball, books)
-    if ball.grip > 0.0:
-        spin = rubbed(axis.spin, impulse, ball)
-        books.impact += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
-        axis.spin = spin
-    if sticks(axis, ball):
-        _level_exchange(axis, 0.0, reduced, ball, books)
-        axis.regime, axis.direction = STUCK, 0
-    elif ball.grip > 0.0:
-        slip(axis)
-    else:
-        roll(axis, -axis.heading)
-    return impulse
-
-
-@kernel
-def level_rub(axis: Record, normal_impulse: float, laws: Records, ball: Record, books: Record) -> None:
-    """Tangential part of an impact, last two of eqs. (10), friction capped by eq. (11)."""
-    reduced = ball.mass * ball.host_mass / (ball.mass + ball.host_mass)
-    after = rubbing(axis.w, normal_impulse, reduced, ball)
-    _level_exchange(axis, after, reduced, ball, books)
-    if ball.grip > 0.0 and axis.w != axis.spin:
-        slip(axis)
-    elif after == 0.0:
-        level_settle(axis, laws, ball)
-
-
-@kernel
-def _level_exchange(axis: Record, w: float, reduced: float, ball: Record, books: Record) -> None:
-    """Give the ball the relative velocity w by an impulse between it and the structure; book the loss."""
-    inertia = reduced
-    if ball.grip == 0.0:
-        inertia += ball.spin_mass
-        axis.spin = w
-    books.impact += 0.5 * inertia * (axis.w - w) * (axis.w + w)
-    axis.v -= (w - axis.w) * reduced / ball.host_mass
-    axis.w = w
 
 
 _NOTHING = 1e-7

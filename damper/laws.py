@@ -17,7 +17,7 @@ from damper.damping_curve import BINS
 from damper.equations import load_of, structures_by
 from damper.model import half_gap
 from damper.motion import COUPLED, Outcome, RingDown, kinds
-from damper.state import HIT, LOCKED, PERIODIC, ROLLING, RUB, STUCK, TIRED, balls_of
+from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
 
 if TYPE_CHECKING:
     from damper.damping_curve import Working
@@ -292,30 +292,16 @@ def check_rest(runs: Records) -> None:
     """Check that balls said to rest for good are never driven off again.
 
     Args:
-        runs: at their ends, dtype `damper.state.LEVEL` or `damper.state.LINEAR`.
+        runs: at their ends, dtype `damper.state.FLYING`.
 
     Raises:
         LawViolation: the drive to come exceeds the rolling threshold.
     """
     runs = runs[np.isfinite(runs["clock"]["rest"]) & (runs["clock"]["trembles"] == 0)]
     if len(runs):
-        drive = _drive_in_modes(runs) if "system" in (runs.dtype.names or ()) else _drive_on_level_floor(runs)
+        drive = _drive_in_modes(runs)
         most = runs["ball"]["threshold"][:, None] * (1 + EXACT)
         require("the load holds a ball at rest", "drive [m/s²]", drive, most, "a ring-down")
-
-
-def _drive_on_level_floor(runs: Records) -> Floats:
-    """Lower bound of the largest drive to come along x and y, shape (n, 2) [m/s²].
-
-    K u + c v swings with M1 omega² U, where U is at least hypot(u, v / omega) / sqrt(1 + zeta), and its next crest
-    comes within half a period. The printed equations have a second threshold where the structure is damped.
-    """
-    law, axes = runs["laws"][:, :, STUCK], runs["axes"]
-    omega = np.sqrt(law["square"])
-    free = (axes["half_gap"] > 0) & (law["damping"] == runs["laws"][:, :, ROLLING]["damping"])
-    swing = omega**2 * np.hypot(axes["u"], axes["v"] / omega) / _decay(law["decay"] / omega)
-    drive: Floats = np.where(free, swing, 0.0)
-    return drive
 
 
 def _decay(zeta: Any) -> Any:
@@ -325,7 +311,7 @@ def _decay(zeta: Any) -> Any:
 
 
 def _drive_in_modes(runs: Records) -> Floats:
-    """Largest drive to come in linear flights, away from the walls that balls rest on, shape (n, 2) [m/s²]."""
+    """Largest drive to come, away from the walls that balls rest on, shape (n, 2) [m/s²]."""
     system, state = runs["system"], runs["motion"]
     parts = [
         np.einsum("nij,nj->ni", system[name], state[each]) for name, each in (("deflection", "z"), ("swing", "rate"))
@@ -508,7 +494,7 @@ def check_steady_states(m: Motions, figures: dict[str, Any]) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         cycles = np.where(repeats | locked, np.inf, m.runs["window"]["cycles"])
         power = np.where(along, height * (4 * mean + 2 * most / cycles) / period, np.inf)
-        compliance = np.where(probe == 0, 0.0, probe**2 / system["dashpot"]).sum(axis=1)
+        compliance = np.where(probe == 0, 0.0, probe**2 / system["dashpot"][:, 0]).sum(axis=1)
         ways = np.where(locked | (repeats & (figures["repeats"] == 1)), 4.0, 2.0)
         amplitude = np.where(compliance < np.inf, np.sqrt(lost * compliance) * period / ways, np.inf)
     power = np.where(np.isnan(power), np.inf, power)  # nothing is known of a motion that took all its events

@@ -181,6 +181,19 @@ def stuck_frequency(rows: Parameters) -> Floats:
     return omega
 
 
+def stuck_decay(rows: Parameters) -> tuple[Floats, Floats]:
+    """Decay rate and damped frequency along x, the ball stuck, shape (n,) [1/s, rad/s].
+
+    The frequency is next to nothing where the damping is nearly critical; zeta refers to the structure alone, but in
+    the printed equations.
+    """
+    zeta, mass = rows["damping_ratio"], rows["modal_mass"] + rows["ball_mass"]
+    share = np.where(rows["printed"], 0.0, rows["ball_mass"]) / mass
+    omega = stuck_frequency(rows)
+    # 1 - zeta^2 (1 - share), which must not cancel where zeta nears 1
+    return zeta * omega * np.sqrt(1 - share), omega * np.sqrt((1 - zeta) * (1 + zeta) + zeta**2 * share)
+
+
 def half_gap(rows: Parameters) -> Floats:
     """How far the ball's centre can go from the cavity's centre along x and y, shape (n, 2) [m]."""
     gap: Floats = np.maximum(0.5 * rows["cavity"] - rows["ball_radius"][:, None], 0.0)
@@ -223,18 +236,6 @@ def level(rows: Parameters) -> npt.NDArray[np.bool_]:
     bent &= rows["centrifugal_acceleration"] != 0
     square: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & (rows["lateral_acceleration"] == 0).all(axis=1) & ~bent
     return square
-
-
-def energy(rows: Parameters, state: npt.NDArray[Any]) -> Floats:
-    """Energy of structure and ball, shape (n,) [J], from records with fields u, v, w, spin, shape (n, 2 axes).
-
-    Sum over the axes of  K u^2 / 2 + M2 v^2 / 2 + m_p (v + w)^2 / 2, and for a rolling ball 2/5 m_p spin^2 / 2.
-    """
-    u, v, w, spin = state["u"], state["v"], state["w"], state["spin"]
-    m2, ball, sphere = (m[:, None] for m in (rows["modal_mass"], rows["ball_mass"], spin_mass(rows)))
-    twice = rows["stiffness"] * u**2 + m2 * v**2 + ball * (v + w) ** 2 + sphere * spin**2
-    total: Floats = 0.5 * twice.sum(axis=1)
-    return total
 
 
 def _require(holds: npt.NDArray[np.bool_], name: str, values: npt.NDArray[Any], rule: str) -> None:

@@ -1,7 +1,7 @@
 """Ring-downs before and after the event loop: how they begin, and what they leave.
 
-`prepare` turns initial states into runs in closed form; `kinds` says which flights a damper needs, and `flights`
-turns prepared runs into runs in linear flights. `RingDown` is the result, with its `Outcome` and its `EnergyBooks`.
+`prepare` turns initial states into runs; `kinds` says whether their axes are coupled, and `flights` gives them the
+constants of their flights. `RingDown` is the result, with its `Outcome` and its `EnergyBooks`.
 """
 
 from __future__ import annotations
@@ -14,25 +14,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.equations import couples, structures_by
-from damper.model import Floats, Harmonic, Records, energy, half_gap, level, number, spin_mass, stuck_frequency
-from damper.setup import systems_of
-from damper.state import LEVEL, LINEAR, SHARED, STUCK, Counts, balls_of, laws_of
+from damper.equations import couples, structures_by, systems_of
+from damper.model import Floats, Harmonic, Records, half_gap, number, spin_mass, stuck_decay, stuck_frequency
+from damper.state import FLYING, RUN, Counts, balls_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from damper.equations import Systems
     from damper.model import Integers, Parameters, ParticleDamper
-    from damper.setup import Systems
 
 
-CLOSED_FORM, APART, COUPLED = 0, 1, 2
-"""How a damper flies: as in the paper, in closed form; as linear flights of x and of y; of both together."""
+APART, COUPLED = 0, 1
+"""How a damper flies: along x and along y, each for itself, or along both together."""
 
 
 @dataclass(frozen=True)
 class Flights:
-    """Runs of n ring-downs alike, dtype `damper.state.LINEAR`, and the systems that they share.
+    """Runs of n ring-downs alike, dtype `damper.state.FLYING`, and the systems that they share.
 
     The constants of a run name the terms of its flights, among `systems.flows`.
     """
@@ -60,20 +59,15 @@ class Flights:
 
     def give_back(self, prepared: Prepared) -> None:
         """Put where the runs are into what they were prepared from."""
-        for name, *_ in SHARED:
+        for name in RUN.names or ():
             prepared.runs[name] = self.runs[name]
 
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
     """How each of the rows flies, shape (n,)."""
-    if harmonic is None and damper.modes is None and level(rows).all():
-        return np.full(len(rows), CLOSED_FORM)
-    kind = np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
-    if harmonic is None and damper.modes is None:
-        kind[level(rows)] = CLOSED_FORM
-    elif rows["printed"].any():
+    if rows["printed"].any() and not (harmonic is None and damper.modes is None):
         raise ValueError("the printed equations know one free mode only; use the consistent formulation")
-    return kind
+    return np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
 
 
 def flights(
@@ -94,8 +88,8 @@ def flights(
         systems = _free(damper)
     else:
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
-    runs, axes = np.zeros(len(rows), LINEAR), prepared.axes
-    for name, *_ in SHARED:
+    runs, axes = np.zeros(len(rows), FLYING), prepared.axes
+    for name in RUN.names or ():
         runs[name] = prepared.runs[name]
     runs["system"] = systems.constants[which]
     structures = structures_by(damper, rows)
@@ -193,7 +187,7 @@ class RingDown(Counts[int]):
             None without a normal load. Rolling is tenable where the static friction exceeds it.
         rows: the event table (dtype `damper.state.EVENT`), None unless asked for.
         harmonic: what drove it.
-        states: coordinates and their velocities at each event where flights are linear, shape (n, 2, N), else None.
+        states: coordinates and their velocities at each event, shape (n, 2, N), None unless asked for.
         modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
             shape (k,) [J]; None without modes.
     """
@@ -249,15 +243,9 @@ _LARGEST = 1e150
 
 @dataclass(frozen=True)
 class Prepared:
-    """Runs of n ring-downs, dtype `damper.state.LEVEL`, and the energy that they begin with; views of the former."""
+    """Runs of n ring-downs, dtype `damper.state.RUN`, and views of them."""
 
     runs: Records
-    initial: Floats
-
-    @property
-    def laws(self) -> Records:
-        """Shape (n, 2 axes, 3 regimes)."""
-        return self._views("laws")
 
     @property
     def axes(self) -> Records:
@@ -290,11 +278,7 @@ class Prepared:
 
     def some(self, which: Integers) -> Prepared:
         """Copies of some of the ring-downs."""
-        return Prepared(self.runs[which], self.initial[which])
-
-    def take(self, which: Integers, part: Prepared) -> None:
-        """Put what `some` gave back in its place."""
-        self.runs[which], self.initial[which] = part.runs, part.initial
+        return Prepared(self.runs[which])
 
 
 def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:
@@ -311,7 +295,7 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     if not np.isfinite(start).all():
         raise ValueError(f"the release must be finite, got {start[~np.isfinite(start)][0]}")
     _check_size(rows, start)
-    runs = np.zeros(len(rows), LEVEL)
+    runs = np.zeros(len(rows), RUN)
     axes, clocks, windows = runs["axes"], runs["clock"], runs["cycle"]
     axes["half_gap"] = half = half_gap(rows)
     for i, name in enumerate(("u", "v", "s", "w", "spin")):
@@ -322,28 +306,27 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
         raise ValueError(f"ball_position {place[outside][0]:g} m lies outside the cavity")
     axes["s"] = np.clip(place, -half, half)
 
-    runs["laws"] = laws = laws_of(rows)
     omega = stuck_frequency(rows)
     period = 2 * np.pi / omega
     size = np.abs(start).max(axis=2)
     reach = np.maximum(size[:, 0], np.maximum(size[:, 1], size[:, 3]) / omega)
     clocks["end"] = period * (max_cycles if cycles is None else cycles)
     clocks["rest"], clocks["last_motion"] = np.inf, -np.inf
-    windows["period"], windows["wait"], windows["closes"] = period, _waits(laws[:, 0, STUCK], period), 0.5 * period
+    windows["period"], windows["wait"], windows["closes"] = period, _waits(rows, period), 0.5 * period
     clocks["tail"] = np.maximum(_CYCLES_AFTER_REST * period, windows["wait"] + period) if cycles is None else np.inf
     windows["waiting_since"] = -np.inf
     for name in ("speed", "square", "last_speed", "moving_speed", "waiting_speed"):
         windows[name] = -1.0
     runs["ball"] = balls_of(rows, reach)
-    return Prepared(runs, energy(rows, axes))
+    return Prepared(runs)
 
 
-def _waits(laws: Records, period: Floats) -> Floats:
+def _waits(rows: Parameters, period: Floats) -> Floats:
     """Times [s], shape (n,), from a velocity maximum of free vibration to the zero before the one a period later.
 
     At most until nothing is left of the vibration; 3/4 of the period where damping is light.
     """
-    decay, frequency = laws["decay"], laws["frequency"]
+    decay, frequency = stuck_decay(rows)
     zero = (2 * np.pi - np.arctan2(frequency, decay)) / frequency
     light = decay <= _LIGHT * frequency
     return np.where(light, 0.75 * period, np.minimum(zero, _NOTHING / np.where(light, 1.0, decay)))

@@ -1,127 +1,24 @@
-"""One ring-down: structure and ball released and followed until the ball rests.
-
-`Course` is what a ring-down needs of the event loop, in closed form or in linear flights.
-"""
+"""One ring-down: structure and ball released and followed until the ball rests, and the motion at any time."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.model import energy, number, pair, whole
-from damper.motion import (
-    APART,
-    CLOSED_FORM,
-    COUPLED,
-    EnergyBooks,
-    Outcome,
-    RingDown,
-    flights,
-    kinds,
-    outcome_of,
-    prepare,
-)
+from damper.model import number, pair, whole
+from damper.motion import COUPLED, EnergyBooks, Outcome, RingDown, flights, kinds, outcome_of, prepare
 from damper.state import BOOKS, COUNTED, EVENT, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from damper.model import Floats, Harmonic, ParticleDamper, Record, Records
+    from damper.model import Floats, Harmonic, Integers, ParticleDamper, Records
     from damper.motion import Flights, Prepared
-
-
-class Course(Protocol):
-    """What `ringdown` asks of either engine."""
-
-    runs: Records
-    run: Record
-    initial: float
-    kind: int
-
-    def states(self, size: int) -> Floats:
-        """A table of states for as many events."""
-
-    def release(self, tables: Tables) -> None:
-        """Let go."""
-
-    def go_on(self, tables: Tables, budget: int) -> bool:
-        """Until the end (True), a full table or the end of the budget."""
-
-    def energy(self) -> float:
-        """Of structure and ball, now [J]."""
-
-    def modal_energies(self) -> Floats | None:
-        """Of each of the damper's modes, now [J]; None without modes."""
-
-
-def course_of(
-    damper: ParticleDamper,
-    one: Prepared,
-    harmonic: Harmonic | None = None,
-    amplitudes: tuple[float, ...] | None = None,
-) -> Course:
-    """The course of the one ring-down that is prepared."""
-    if kinds(damper, damper.parameters, harmonic)[0] == CLOSED_FORM:
-        return _Closed(damper, one)
-    return _Linear(damper, flights(damper, damper.parameters, one, harmonic, amplitudes))
-
-
-class _Closed:
-    def __init__(self, damper: ParticleDamper, one: Prepared) -> None:
-        self.rows, self.one = damper.parameters, one
-        self.runs, self.run, self.initial, self.kind = one.runs, one.runs[0], float(one.initial[0]), CLOSED_FORM
-
-    def states(self, size: int) -> Floats:
-        return np.zeros((0, 2, 0))
-
-    def release(self, tables: Tables) -> None:
-        from damper import engine
-
-        engine.level_release(self.run, tables)
-
-    def go_on(self, tables: Tables, budget: int) -> bool:
-        from damper import engine
-        from damper.engine import DONE
-
-        return engine.level_run(self.run, tables, budget) == DONE
-
-    def energy(self) -> float:
-        return float(energy(self.rows, self.one.axes)[0])
-
-    def modal_energies(self) -> Floats | None:
-        return None
-
-
-class _Linear:
-    def __init__(self, damper: ParticleDamper, flights: Flights) -> None:
-        self.damper, self.rows, self.flights = damper, damper.parameters, flights
-        self.runs, self.run, self.flow = flights.runs, flights.runs[0], flights.systems.flows[0]
-        self.initial, self.kind = self.energy(), (COUPLED, APART)[int(self.run["system"]["groups"]) - 1]
-
-    def states(self, size: int) -> Floats:
-        return np.zeros((size, 2, len(self.run["motion"]["z"])))
-
-    def release(self, tables: Tables) -> None:
-        from damper import engine
-
-        engine.release(self.run, self.flow, tables)
-
-    def go_on(self, tables: Tables, budget: int) -> bool:
-        from damper import engine
-        from damper.engine import DONE
-
-        return engine.run(self.run, self.flow, tables, budget) == DONE
-
-    def energy(self) -> float:
-        return float(self.flights.energy(self.rows)[0])
-
-    def modal_energies(self) -> Floats | None:
-        return None if self.damper.modes is None else self.flights.modal_energies(self.damper, self.rows)[0]
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -159,7 +56,7 @@ def ringdown(
         harmonic: a force that drives structure and ball; `cycles` must then be given.
         amplitudes: of the damper's modes at time 0, in place of `release`; without them, modes that `release` leaves
             open are displaced as by a force at the cavity, and set going by `velocity` as by a blow there.
-        keep_events: keep the event table, from which `damper.history` makes time histories.
+        keep_events: keep the event table, from which `damper.sample` makes time histories.
         max_cycles: cap where `cycles` is None.
         max_events: cap on events; the run ends there with `Outcome.EVENT_CAP`.
         progress: called now and then with the simulated time [s].
@@ -173,13 +70,15 @@ def ringdown(
     start = _Start(release, velocity, ball_position, ball_velocity, ball_velocity if ball_spin is None else ball_spin)
     limits = _Limits(cycles, max_cycles, whole("max_events", max_events))
     one = _prepared(damper, start, limits, harmonic)
-    course = course_of(damper, one, harmonic, amplitudes)
-    done, tables = _followed(course, limits.max_events, keep_events, progress)
-    outcome = outcome_of(done, cycles is not None, course.run["clock"])
-    result = replace(_gathered(damper, course, outcome, tables), harmonic=harmonic)
+    kind = kinds(damper, damper.parameters, harmonic)
+    flying = flights(damper, damper.parameters, one, harmonic, amplitudes)
+    initial = float(flying.energy(damper.parameters)[0])
+    done, tables = _followed(flying, limits.max_events, keep_events, progress)
+    outcome = outcome_of(done, cycles is not None, flying.runs["clock"][0])
+    result = replace(_gathered(damper, flying, outcome, tables, initial), harmonic=harmonic)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
-    _check(result, course, start, longest)
-    self_check.once("level" if course.kind == CLOSED_FORM else "linear", ringdown)
+    _check(result, flying.runs, kind, start, longest)
+    self_check.once("ring-downs", ringdown)
     return result
 
 
@@ -209,14 +108,17 @@ def _prepared(damper: ParticleDamper, start: _Start, limits: _Limits, harmonic: 
 
 
 def _followed(
-    course: Course, most: int, keep_events: bool, progress: Callable[[float], None] | None
+    flying: Flights, most: int, keep_events: bool, progress: Callable[[float], None] | None
 ) -> tuple[bool, Tables]:
     """Run to the end, or to so many events at most; whether it was done, and what was recorded."""
-    clock, size = course.run["clock"], 1024 if keep_events else 0
-    tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), course.states(size))
-    course.release(tables)
+    from damper import engine
+
+    run, flow = flying.runs[0], flying.systems.flows[0]
+    clock, size = run["clock"], 1024 if keep_events else 0
+    tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, run["system"]["coordinates"])))
+    engine.release(run, flow, tables)
     while True:
-        done = course.go_on(tables, min(_BUDGET, most - int(clock["events"])))
+        done = engine.run(run, flow, tables, min(_BUDGET, most - int(clock["events"]))) == engine.DONE
         if done or clock["events"] >= most:
             break
         peaks, used = _roomier(tables.peaks, int(clock["peaks"])), int(clock["rows"]) + 2
@@ -227,8 +129,8 @@ def _followed(
     return done, Tables(tables.peaks[: clock["peaks"]].copy(), tables.rows[:count].copy(), tables.states[:count].copy())
 
 
-def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: Tables) -> RingDown:
-    clock, books, axes = (course.run[name] for name in ("clock", "books", "axes"))
+def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables: Tables, initial: float) -> RingDown:
+    clock, books, axes = (flying.runs[name][0] for name in ("clock", "books", "axes"))
     load = damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
     counted: dict[str, Any] = {name: int(clock[name]) for name in COUNTED}
@@ -242,31 +144,31 @@ def _gathered(damper: ParticleDamper, course: Course, outcome: Outcome, tables: 
         last_motion=float(clock["last_motion"]) if moved else None,
         rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
         energy=EnergyBooks(
-            initial=course.initial,
-            final=course.energy(),
+            initial=initial,
+            final=float(flying.energy(damper.parameters)[0]),
             **{name: float(books[name]) for name in BOOKS.names or ()},
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=tables.rows if len(tables.rows) else None,
         states=tables.states if tables.states.size else None,
-        modal_energies=course.modal_energies(),
+        modal_energies=None if damper.modes is None else flying.modal_energies(damper, damper.parameters)[0],
     )
 
 
-def _check(result: RingDown, course: Course, start: _Start, longest: float) -> None:
+def _check(result: RingDown, runs: Records, kind: Integers, start: _Start, longest: float) -> None:
     """Check a ring-down against its laws; `longest`: it lasts so long at most [s]."""
     damper, (velocity, spin) = result.damper, (np.square(start.ball_velocity).sum(), np.square(start.ball_spin).sum())
     extremes = laws.Extremes(
-        kind=np.array([course.kind]),
-        excursion=course.run["axes"]["excursion"][None],
+        kind=kind,
+        excursion=runs["axes"]["excursion"],
         velocity=np.array([result.peak_velocities.max(initial=0.0)]),
         ball_energy=0.5 * float(damper.ball_mass * velocity + damper.spin_mass * spin),
         driven=result.harmonic is not None,
     )
     laws.check_ringdowns(damper, damper.parameters, result, extremes)
     laws.check_times(result, longest)
-    laws.check_rest(course.runs)
-    if result.rows is not None and course.kind != COUPLED:
+    laws.check_rest(runs)
+    if result.rows is not None and kind[0] != COUPLED:
         laws.check_hits(result, result.rows)
 
 
@@ -286,3 +188,54 @@ def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     bigger = np.zeros((2 * len(table), *table.shape[1:]), table.dtype)
     bigger[: len(table)] = table
     return bigger
+
+
+@dataclass(frozen=True)
+class History:
+    """Motion at given times; the columns of the (n, 2) arrays are the axes x and y.
+
+    Attributes:
+        time: shape (n,) [s].
+        displacement: of the structure, shape (n, 2) [m].
+        velocity: of the structure, shape (n, 2) [m/s].
+        relative_position: of the ball's centre from the cavity's centre, shape (n, 2) [m].
+        relative_velocity: of the ball in the cavity, shape (n, 2) [m/s].
+        spin: of the ball, as the speed of its surface about its centre, shape (n, 2) [m/s]; rolling, it is the
+            relative velocity.
+        regime: 0 stuck to the structure, 1 rolling, 2 slipping on the floor, shape (n, 2).
+    """
+
+    time: Floats
+    displacement: Floats
+    velocity: Floats
+    relative_position: Floats
+    relative_velocity: Floats
+    spin: Floats
+    regime: npt.NDArray[np.int64]
+
+
+def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
+    """The motion at `times` [s], shape (n,), exact to rounding; at an event, the state just after it.
+
+    Raises:
+        ValueError: the ring-down kept no events, or a time lies outside it.
+    """
+    if ringdown.rows is None or ringdown.states is None:
+        raise ValueError("the ring-down kept no events: call ringdown(..., keep_events=True)")
+    time = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if time.ndim != 1:
+        raise ValueError(f"times must have shape (n,), got {time.shape}")
+    if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
+        raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
+    from damper.engine import sample_flights
+
+    damper = ringdown.damper
+    one = prepare(damper.parameters, np.zeros((1, 5, 2)), 1.0, 1.0)
+    of = flights(damper, damper.parameters, one, ringdown.harmonic)
+    order = np.argsort(time, kind="stable")
+    out, regime = np.empty((5, time.size, 2)), np.empty((time.size, 2), np.int64)
+    tables = Tables(np.zeros((0, 2)), ringdown.rows, ringdown.states)
+    sample_flights(of.runs[0], of.systems.flows[0], tables, time[order], out, regime)
+    back = np.argsort(order)
+    out = out[:, back]
+    return History(time, out[0], out[1], out[2], out[3], out[4], regime[back])

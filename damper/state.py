@@ -1,8 +1,8 @@
 """The records that the compiled kernels work on, and the physical constants in them.
 
-Regimes and kinds of event; oscillators (`LAW`, `laws_of`), ball (`BALL`, `balls_of`), axes, energy books, cycles and
-clock of a run; runs in closed form (`LEVEL`), in linear flights (`LINEAR`) and under a harmonic force (`DRIVEN`); the
-tables that a run may fill.
+Regimes and kinds of event; ball (`BALL`, `balls_of`), axes, energy books, cycles and clock of a run (`RUN`); with the
+constants of its flights and what moves (`FLYING`), and under a harmonic force (`DRIVEN`); the tables that a run may
+fill.
 """
 
 from __future__ import annotations
@@ -24,20 +24,17 @@ def record(*fields: tuple[Any, ...]) -> np.dtype[np.record]:
 
 
 STUCK, ROLLING, SLIPPING = 0, 1, 2
-"""Regimes of an axis, and rows of the law table."""
+"""Regimes of an axis."""
 
 NOTHING, RELEASE, START, REVERSAL, HIT, RUB, GRIP = -1, 0, 1, 2, 3, 4, 5
 """Kinds of event: none; the release at time 0; the end of sticking; a zero of the relative velocity; a wall; the
 tangential side of a wall hit; the end of slip."""
 
-PIECES = 32
-"""Half periods of a flight that are looked through at a time: nearly every flight is shorter."""
+MARGIN = 1.0 + 1e-12
+"""By which a threshold has to be exceeded: less is rounding, and a ball set off by it would turn back at once."""
 
-LAW = record(
-    ("mass", "f8"), ("stiffness", "f8"), ("square", "f8"), ("damping", "f8"), ("decay", "f8"), ("frequency", "f8")
-)
-"""A damped oscillator: mass [kg], stiffness [N/m], their ratio [1/s^2], damping [N s/m], decay rate [1/s], damped
-frequency [rad/s], which is next to nothing where the damping is nearly critical."""
+SPIN_UP = 2.5
+"""A force on the rim of a solid sphere changes its surface speed 5/2 times as fast as its velocity."""
 
 BALL = record(
     ("host_mass", "f8"),  # M2
@@ -45,18 +42,17 @@ BALL = record(
     ("spin_mass", "f8"),  # 2/5 m_p where spin counts
     ("inertia_ratio", "f8"),  # beta
     ("threshold", "f8"),  # a_r
-    ("push", "f8"),  # force of rolling on the structure, along the relative motion
-    ("relative_push", "f8"),  # beta a_r: relative deceleration by rolling resistance
     ("grip", "f8"),  # deceleration by sliding on the floor; 0: the spin follows the rolling velocity at once
     ("restitution", "f8"),
     ("restitution_by_speed", "f8", (PAIRS, 2)),
     ("friction", "f8"),
+    ("wall_spin", "f8"),  # 5/2: what an impulse at the rim gives the surface by spin over what it gives; 0 as printed
     ("sticking_ratio", "f8"),
     ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
 )
 
 AXIS = record(
-    ("start", "f8"),  # time at which this flight began
+    ("start", "f8"),  # time of its last event, in time histories
     ("u", "f8"),  # structure: displacement and velocity then
     ("v", "f8"),
     ("s", "f8"),  # ball relative to the structure: position and velocity then
@@ -64,18 +60,8 @@ AXIS = record(
     ("spin", "f8"),  # surface speed of the ball, equal to w while it rolls
     ("regime", "i8"),
     ("direction", "i8"),  # of the relative motion, or of the sliding of the contact: -1, 0 (stuck), 1
-    ("beta", "f8"),  # s = s0 + w0 t - beta (u - u0 - v0 t) + f t**2 / 2
-    ("f", "f8"),
-    ("offset", "f8"),  # u = offset + exp(-decay t) (a cos + b sin / frequency)
-    ("a", "f8"),
-    ("b", "f8"),
-    ("crest", "f8"),  # flight time at which the structure's acceleration is extreme first
-    ("looked", "f8"),  # flight time up to which no event was found yet, and the end of the piece after it
-    ("ahead", "f8"),
+    ("f", "f8"),  # acceleration by sliding on the floor
     ("half_gap", "f8"),
-    ("next", "f8"),  # when the next event of this axis happens, inf if never; of kind NOTHING: when to look again
-    ("due", "f8"),  # the flight time until then, free of the rounding of the clock
-    ("kind", "i8"),  # and what it is
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
     ("excursion", "f8"),  # largest distance of the ball from the cavity's middle at an event so far
@@ -138,11 +124,10 @@ CLOCK = record(
 )
 """Where a run is, and how much it has put into its tables."""
 
-SHARED = (("clock", CLOCK), ("axes", AXIS, 2), ("ball", BALL), ("books", BOOKS), ("cycle", CYCLE))
-"""What every run has."""
+_SHARED = (("clock", CLOCK), ("axes", AXIS, 2), ("ball", BALL), ("books", BOOKS), ("cycle", CYCLE))
 
-LEVEL = record(*SHARED, ("laws", LAW, (2, 3)))
-"""A run in closed form: on a level floor under one mode along x and one along y; laws by axis and regime."""
+RUN = record(*_SHARED)
+"""What a run begins with and leaves."""
 
 EVENT = record(
     ("time", "f8"),
@@ -160,39 +145,46 @@ EVENT = record(
 """A row is an event and the state of its axis just after it."""
 
 
-def laws_of(rows: Parameters) -> Records:
-    """Oscillators that govern the structures, shape (n, 2 axes, 3 regimes)."""
-    m2, ball, printed = rows["modal_mass"], rows["ball_mass"], rows["printed"]
-    mass = np.empty((len(rows), 1, 3))
-    mass[:, 0, STUCK] = m2 + ball
-    mass[:, 0, ROLLING] = np.where(printed, m2, m2 + (1 - inertia_ratio(rows)) * ball)
-    mass[:, 0, SLIPPING] = m2
-    sprung = np.repeat(m2[:, None, None], 3, axis=2)  # the mass that zeta refers to
-    sprung[printed, :, STUCK] += ball[printed, None]
-    stiffness = rows["stiffness"][:, :, None]
-    laws = np.empty((len(rows), 2, 3), LAW)
-    zeta = rows["damping_ratio"][:, None, None]
-    laws["mass"], laws["stiffness"], laws["square"] = mass, stiffness, stiffness / mass
-    laws["damping"] = damping = 2 * zeta * np.sqrt(stiffness * sprung)
-    laws["decay"] = damping / (2 * mass)
-    # 1 - zeta^2 sprung / mass, which must not cancel where zeta nears 1
-    laws["frequency"] = np.sqrt(laws["square"] * ((1 - zeta) * (1 + zeta) + zeta**2 * (mass - sprung) / mass))
-    return laws
-
-
 def balls_of(rows: Parameters, reach: Floats) -> Records:
     """Constants of the balls, shape (n,); `reach` [m], shape (n,), the largest release, sets the sticking floor."""
     beta, threshold = inertia_ratio(rows), rolling_threshold(rows)
     balls = np.zeros(len(rows), BALL)
     balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
     balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
-    balls["push"] = np.where(rows["printed"], 1.0, beta) * rows["ball_mass"] * threshold
-    balls["relative_push"] = beta * threshold
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
     for name in ("restitution", "restitution_by_speed", "friction", "sticking_ratio"):
         balls[name] = rows[name]
+    balls["wall_spin"] = np.where(rows["printed"], 0.0, 5 / 2)
     balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
     return balls
+
+
+class Equations(NamedTuple):
+    """Of the flights of n dampers in every pair of regimes of x and y, in the N coordinates (q, s).
+
+    Attributes:
+        stiffness, damping: shape (n, 9, N, N).
+        resistance: what a unit of resisting acceleration does along each axis, shape (n, 9, 2, N).
+        force: what a harmonic does at its height, shape (n, 9, N).
+        shape: u = shape z, shape (n, 2, N).
+        pull: the load accelerates the ball in its cavity by -pull z, shape (n, 2, N).
+        sway: the harmonic accelerates a stuck ball against its cavity, shape (n, 2).
+        excess: see `SYSTEM`, shape (n, 2).
+        power: that it puts in per velocity, shape (n, N).
+        frequency, phase: of the harmonic, 0 where there is none, shape (n,).
+    """
+
+    stiffness: Floats
+    damping: Floats
+    resistance: Floats
+    force: Floats
+    shape: Floats
+    pull: Floats
+    sway: Floats
+    excess: Floats
+    power: Floats
+    frequency: Floats
+    phase: Floats
 
 
 TERMS = 24
@@ -217,7 +209,8 @@ SYSTEM = record(
     # velocities that a unit impulse on the cavity along each axis gives the coordinates [1/kg]; those s of the ball
     # it gives by the cavity's motion alone
     ("yielding", "f8", (2, _N)),
-    ("dashpot", "f8", _N),  # coefficients of the modes [N s/m]
+    ("dashpot", "f8", (2, _N)),  # coefficients of the modes while the ball is stuck, and else [N s/m]
+    ("excess", "f8", 2),  # of the former over the latter, per mass [1/s]
     ("mass", "f8", (_N, _N)),  # E = z' mass z'/2 + z spring z/2, and the spin's
     ("spring", "f8", (_N, _N)),
     # amplitudes of the modes with the ball stuck, as speeds: the roots of (deflection z)^2 + (swing z')^2
@@ -246,7 +239,7 @@ SYSTEM = record(
 MOTION = record(
     ("z", "f8", _N),
     ("rate", "f8", _N),
-    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.setup` says in which order
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
     ("start", "f8", 2),  # of each group's flight
     ("at", "f8", 2),  # when its next event happens, in steps from there
     ("next", "f8", 2),  # the time then
@@ -260,12 +253,12 @@ MOTION = record(
 )
 """What moves: z and its rate at each group's start, their series, and when each group's next event is."""
 
-LINEAR = record(*SHARED, ("system", SYSTEM), ("motion", MOTION))
-"""A run in linear flights."""
+FLYING = record(*_SHARED, ("system", SYSTEM), ("motion", MOTION))
+"""A run on its way."""
 
 
 class Tables(NamedTuple):
-    """Times and speeds of velocity maxima (n, 2); events (m,); in linear flights z and its rate there (m, 2, N)."""
+    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N)."""
 
     peaks: Floats
     rows: Records
@@ -320,5 +313,5 @@ TRACE = record(
 )
 """A driven motion on its way to its steady state."""
 
-DRIVEN = record(("run", LINEAR), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
+DRIVEN = record(("run", FLYING), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
 """A run under a harmonic force: tallies of the window, and of its last batch."""

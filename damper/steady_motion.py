@@ -20,12 +20,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel
-from damper.engine import arrive, fly, happen, restart
+from damper.engine import advance, arrive, earliest, restart
 from damper.events import largest_drive
 from damper.flight import increment
 from damper.impacts import let_go
-from damper.slip import MARGIN
-from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
+from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, MARGIN, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
 
 if TYPE_CHECKING:
     from damper.model import Floats, Record, Records
@@ -260,7 +259,7 @@ def cycle(it: Record, flow: Floats, tables: Tables) -> bool:
     for g in range(it.run.system.groups):
         restart(g, 0.0, it.run, flow)
     while True:
-        g = 0 if it.run.system.groups == 1 or motion.next[0] <= motion.next[1] else 1
+        g = earliest(it.run)
         time = min(motion.next[g], trace.period)
         follow(it, begin, time)
         begin = time
@@ -268,14 +267,9 @@ def cycle(it: Record, flow: Floats, tables: Tables) -> bool:
             arrive(it.run, time)
             trace.cycles += 1
             return True
-        if motion.kind[g] == NOTHING:
-            fly(g, 1.0, it.run)
-            restart(g, time, it.run, flow)
-            continue
-        if clock.events >= stop:
+        if motion.kind[g] != NOTHING and clock.events >= stop:
             return False
-        clock.time = time
-        happen(g, it.run, flow, tables)
+        advance(g, time, it.run, flow, tables)
 
 
 @kernel

@@ -16,10 +16,9 @@ import numpy.typing as npt
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.linear_response import Complex
+from damper.equations import at_once
 from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
-from damper.setup import at_once
-from damper.starts import Motions, Start, motions_of, together
+from damper.starts import Complex, Motions, Start, motions_of, together
 from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, nothing_kept
 
 if TYPE_CHECKING:

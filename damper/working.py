@@ -20,7 +20,7 @@ from damper import laws, self_check
 from damper.batch import in_blocks
 from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, spread
 from damper.model import in_plane, inertia_ratio, whole
-from damper.motion import CLOSED_FORM, flights, kinds, prepare
+from damper.motion import flights, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ def _found(
 ) -> tuple[Working, Floats]:
     """Figures of sweeps down at a pace, and their samples."""
     samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-    self_check.once("level curves" if kinds(damper, damper.parameters)[0] == CLOSED_FORM else "linear curves", falling)
+    self_check.once("curves", falling)
     whole = figures(samples, cutoff)
     if whole is None:
         return nothing(cutoff), samples
@@ -318,20 +318,14 @@ def _ramped(
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
     ramp = amplitude_sweep.Ramp(_EVENTS * cycles, factor, float(below), energy)
-    closed = kinds(damper, damper.parameters)[0] == CLOSED_FORM
-    f = None if closed else flights(damper, many, p, amplitudes=_in_one_mode(damper, amplitude))
+    f = flights(damper, many, p, amplitudes=_in_one_mode(damper, amplitude))
 
     def work(block: tuple[int, int]) -> None:
-        if f is None:
-            amplitude_sweep.run_level(block, p.runs, tables, ramp)
-        else:
-            amplitude_sweep.run_linear(block, f.runs, f.systems.flows, tables, ramp)
+        amplitude_sweep.run_ramps(block, f.runs, f.systems.flows, tables, ramp)
 
     in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
-    if f is not None:
-        f.give_back(p)
-    laws.check_sweeps(damper, energy, p.axes["excursion"])
-    self_check.once("level sweeps" if closed else "linear sweeps", samples_of)
+    laws.check_sweeps(damper, energy, f.runs["axes"]["excursion"])
+    self_check.once("sweeps", samples_of)
     return energy
 
 

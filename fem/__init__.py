@@ -17,14 +17,12 @@ if TYPE_CHECKING:
     from fem.accuracy.error_estimates import estimate_error
     from fem.accuracy.mesh_selection import Choice, choose_mesh
     from fem.accuracy.theory_selection import choose_theory
+    from fem.assembly import Operators, assemble, with_cavity, with_coriolis, with_point_mass
     from fem.linalg import NotConverged, SingularMatrix
     from fem.meshes.mesh_sequence import Given, Rectangle
     from fem.meshes.planform import MeshError, PlaceError, rectangle
     from fem.meshes.read import read_mesh
-    from fem.modes.gyroscopic import critical_speed
-    from fem.modes.real import Divergence, Modes, families
-    from fem.modes.solve import solve_modes
-    from fem.operators.assembly import Operators, assemble, with_cavity, with_coriolis, with_point_mass
+    from fem.modes import Divergence, Modes, critical_speed, families, solve_modes
     from fem.output import displacement
     from fem.plate import ElasticRoot, Material, Plate
     from fem.reduction.modal import ModesAtPlace, modes_at
@@ -34,50 +32,28 @@ if TYPE_CHECKING:
     from fem.sweep.campbell import Campbell, Veering, campbell
     from fem.sweep.laws import LawViolation
 
-_HOMES = {
-    "Campbell": "fem.sweep.campbell",
-    "Choice": "fem.accuracy.mesh_selection",
-    "Divergence": "fem.modes.real",
-    "Effects": "fem.rotor",
-    "ElasticRoot": "fem.plate",
-    "Given": "fem.meshes.mesh_sequence",
-    "LawViolation": "fem.sweep.laws",
-    "Material": "fem.plate",
-    "MeshError": "fem.meshes.planform",
-    "Modes": "fem.modes.real",
-    "ModesAtPlace": "fem.reduction.modal",
-    "NoEquilibrium": "fem.statics",
-    "NoFlapMode": "fem.reduction.single_mode",
-    "NotConverged": "fem.linalg",
-    "Operators": "fem.operators.assembly",
-    "PlaceError": "fem.meshes.planform",
-    "Plate": "fem.plate",
-    "Rectangle": "fem.meshes.mesh_sequence",
-    "Reduced": "fem.reduction.single_mode",
-    "Reduction": "fem.reduction.single_mode",
-    "Rotor": "fem.rotor",
-    "SingularMatrix": "fem.linalg",
-    "Unresolved": "fem.statics",
-    "Veering": "fem.sweep.campbell",
-    "assemble": "fem.operators.assembly",
-    "campbell": "fem.sweep.campbell",
-    "choose_mesh": "fem.accuracy.mesh_selection",
-    "choose_theory": "fem.accuracy.theory_selection",
-    "critical_speed": "fem.modes.gyroscopic",
-    "displacement": "fem.output",
-    "equilibrium": "fem.statics",
-    "estimate_error": "fem.accuracy.error_estimates",
-    "families": "fem.modes.real",
-    "modes_at": "fem.reduction.modal",
-    "read_mesh": "fem.meshes.read",
-    "rectangle": "fem.meshes.planform",
-    "reduce_at": "fem.reduction.single_mode",
-    "reduce_over": "fem.reduction.single_mode",
-    "solve_modes": "fem.modes.solve",
-    "with_cavity": "fem.operators.assembly",
-    "with_coriolis": "fem.operators.assembly",
-    "with_point_mass": "fem.operators.assembly",
+_NAMES = {
+    "fem.accuracy.error_estimates": "estimate_error",
+    "fem.accuracy.mesh_selection": "Choice choose_mesh",
+    "fem.accuracy.theory_selection": "choose_theory",
+    "fem.assembly": "Operators assemble with_cavity with_coriolis with_point_mass",
+    "fem.linalg": "NotConverged SingularMatrix",
+    "fem.meshes.mesh_sequence": "Given Rectangle",
+    "fem.meshes.planform": "MeshError PlaceError rectangle",
+    "fem.meshes.read": "read_mesh",
+    "fem.modes": "Divergence Modes critical_speed families solve_modes",
+    "fem.output": "displacement",
+    "fem.plate": "ElasticRoot Material Plate",
+    "fem.reduction.modal": "ModesAtPlace modes_at",
+    "fem.reduction.single_mode": "NoFlapMode Reduced Reduction reduce_at reduce_over",
+    "fem.rotor": "Effects Rotor",
+    "fem.statics": "NoEquilibrium Unresolved equilibrium",
+    "fem.sweep.campbell": "Campbell Veering campbell",
+    "fem.sweep.laws": "LawViolation",
 }
+"""What is offered, by the modules that have it."""
+
+_HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
     "Campbell",

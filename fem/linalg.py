@@ -14,13 +14,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    Array = NDArray[np.float64]
-
+Array = NDArray[np.float64]
 
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""
@@ -94,12 +93,10 @@ class Solver(Protocol):
 
     def solve(self, right: Array) -> Array:
         """Solution for one (n,) or several (n, k) right-hand sides."""
-        ...
 
     @property
     def negative(self) -> int:
         """How many negative eigenvalues the matrix is known to have, once it has solved."""
-        ...
 
 
 INNER = 30

@@ -7,6 +7,7 @@ import io
 import json
 import re
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -58,7 +59,7 @@ def read(path: Path) -> Raw:
     if path.name.lower().endswith(".gz"):
         try:
             data = gzip.decompress(data)
-        except (OSError, EOFError) as error:
+        except (OSError, EOFError, zlib.error) as error:
             raise ModesFileError(f"not a whole .gz file: {error}") from error
     if not data.strip():
         raise ModesFileError("the file is empty")
@@ -75,7 +76,7 @@ def read(path: Path) -> Raw:
         raise ModesFileError(f"cannot be read: {error}") from error
     problem = "expected a file of modes whose name ends in .frd, .npz or .json"
     if name.endswith((".rst", ".op2", ".unv", ".csv")):
-        problem += ": the guide 'Modes from elsewhere' shows how to write .npz from this one"
+        problem += ": the guide 'My modes from ANSYS, CalculiX, a test' shows how to write .npz from others"
     raise ModesFileError(problem)
 
 
@@ -102,13 +103,33 @@ def _checked(raw: Raw) -> Raw:
                 f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a structure that is held"
                 " and does not diverge"
             )
+        if frequencies.max() > _HIGHEST:
+            raise ModesFileError(f"a mode has {frequencies.max():g} Hz: expected frequencies in Hz")
+        if frequencies.min() < _LOOSE * frequencies.max():
+            number = int(frequencies.argmin()) + 1
+            raise ModesFileError(
+                f"mode {number} has {frequencies.min():g} Hz beside {frequencies.max():g} Hz: it is a rigid body's;"
+                " expected the modes of a structure that is held"
+            )
         for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
             if values is not None and not np.isfinite(values).all():
                 raise ModesFileError(f"{what} hold values that are not numbers")
+        if modes.static is not None and np.abs(modes.static).max() > np.ptp(model.points, axis=0).max():
+            raise ModesFileError(
+                f"a static displacement of {np.abs(modes.static).max():g} is larger than the structure,"
+                f" {np.ptp(model.points, axis=0).max():g}: expected both in one unit"
+            )
         still = np.abs(modes.shapes).max(axis=(1, 2)) == 0.0
         if still.any():
             raise ModesFileError(f"nothing moves in mode {int(still.argmax()) + 1}")
     return replace(raw, model=replace(model, speeds=tuple(_ascending(modes) for modes in model.speeds)))
+
+
+_HIGHEST = 1e9
+"""Frequency [Hz] beyond which no structure vibrates."""
+
+_LOOSE = 1e-4
+"""Part of the highest frequency below which a mode is a rigid body's, which rounding holds."""
 
 
 def _ascending(modes: ModesAtSpeed) -> ModesAtSpeed:
@@ -188,7 +209,8 @@ def _table(data: bytes, begin: int, count: int, what: str) -> tuple[Ints, Array]
         labels = np.ascontiguousarray(letters[:, 3:13]).view("S10")[:, 0].astype(np.int64)
         values = np.ascontiguousarray(letters[:, 13:]).view("S12").astype(np.float64)
     except ValueError as error:
-        raise ModesFileError(f"{what} holds what is not a number: {error}") from error
+        word = re.sub(r".*b'(.*)'.*", r"'\1'", str(error))
+        raise ModesFileError(f"{what} holds what is not a number, {word}: expected such as '1.23450E-03'") from error
     return labels, values
 
 
@@ -250,9 +272,10 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
         before, begin = data[begin : head.start()], head.end()
         line, name = head[0].split(b"\n")[0], head[1]
         kind = int(line[57:58] or b"0") if line[57:58].isdigit() else -1
-        if name == b"DISPI" and kind == _FREQUENCY:
+        if name == b"DISPI":
             raise ModesFileError(
-                "complex modes (a block DISPI): a damper takes real modes, of *FREQUENCY without CORIOLIS or friction"
+                "complex modes (a block DISPI, by Coriolis forces, friction or cyclic symmetry): a damper takes real"
+                " modes, of *FREQUENCY, of one blade or the whole disc"
             )
         if name != b"DISP":
             continue
@@ -282,8 +305,8 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
         raise ModesFileError(
             f"modes of {len(steps)} steps: expected one *FREQUENCY step in a file; a file for each speed"
         )
-    if lost := [one for one, other in pairwise(numbers) if other != one + 1]:
-        raise ModesFileError(f"mode {lost[0] + 1} is missing: expected its displacements after those of mode {lost[0]}")
+    if lost := [one for one, other in pairwise((0, *numbers)) if other != one + 1]:
+        raise ModesFileError(f"mode {lost[0] + 1} is missing: expected the displacements of all modes from 1 on")
     return ModesAtSpeed(np.nan, np.array(frequencies), np.array(shapes), static)
 
 
@@ -296,7 +319,7 @@ def _norm(before: bytes, frequency: float, number: int) -> float:
     if not (np.isfinite([m, k]).all() and m > 0.0):
         raise ModesFileError(f"mode {number} has a modal mass of {m:g}: expected more than 0")
     square = (2.0 * np.pi * frequency) ** 2
-    if frequency > 0.0 and abs(k / m - square) > _AGREE * square:
+    if frequency > 0.0 and not abs(k / m / square - 1.0) <= _AGREE:
         raise ModesFileError(
             f"mode {number}: modal stiffness over mass, {k / m:g}, is not the square of {frequency:g} Hz, {square:g}"
         )
@@ -322,10 +345,12 @@ _OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ra
 
 
 def _npz(data: bytes) -> dict[str, Any]:
+    if not data.startswith(b"PK"):
+        raise ModesFileError("not an .npz file: expected one that numpy.savez has written")
     try:
         with np.load(io.BytesIO(data)) as file:
             return {name: file[name] for name in file.files}
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError, RuntimeError, zlib.error) as error:
         raise ModesFileError(f"not a whole .npz file of plain arrays: {error}") from error
 
 
@@ -355,11 +380,14 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
     missing = [name for name in _REQUIRED if name not in data]
     if missing:
         raise ModesFileError(f"key '{missing[0]}' is missing" + _about(missing[0]))
+    for name in ("unit", "mass_unit"):
+        if not str(data[name]).strip():
+            raise ModesFileError(f"key '{name}' is empty" + _about(name))
     points = _array(data, "nodes", (None, 3))
     speeds = _array(data, "speeds_rpm", (None,))
     frequencies = _array(data, "frequencies_hz", (speeds.size, None))
     count, nodes = frequencies.shape[1], len(points)
-    if np.unique(speeds).size < speeds.size or speeds.size == 0 or not (speeds >= 0.0).all():
+    if np.unique(speeds).size < speeds.size or speeds.size == 0 or not (np.isfinite(speeds) & (speeds >= 0.0)).all():
         raise ModesFileError("key 'speeds_rpm': expected different speeds, 0 or above")
     masses = _array(data, "modal_masses", (speeds.size, count))
     if not (np.isfinite(masses).all() and masses.min(initial=1.0) > 0.0):
@@ -378,12 +406,18 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
         ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{n: v[k] for n, v in whole.items() if v is not None})
         for k in order
     )
+    for name, below in (("damping_ratios", 1.0), ("frequency_errors", np.inf)):
+        values = _array(data, name, (speeds.size, count))
+        if values is not None and not ((values >= 0.0) & (values < below)).all():
+            raise ModesFileError(f"key '{name}': expected numbers of 0 or above{', and below 1' * (below == 1.0)}")
     axis, origin = _array(data, "axis", (3,)), _array(data, "origin", (3,))
     if (axis is None) != (origin is None):
         raise ModesFileError("keys 'axis' and 'origin': expected both or neither")
     if axis is not None and not np.linalg.norm(axis) > 0.0:
         raise ModesFileError("key 'axis': expected a direction")
     labels = _numbers(data, "node_labels", nodes) if "node_labels" in data else None
+    if labels is not None and np.unique(labels).size < nodes:
+        raise ModesFileError("key 'node_labels': two nodes have the same number")
     model = ModalModel(
         points,
         known,
@@ -446,9 +480,14 @@ def _plain(data: Mapping[str, Any], name: str) -> Any:
 def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int | None = None) -> Ints:
     """Whole numbers of the file."""
     found = _plain(data, name)
-    if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer) or (count is not None and found.size != count):
+    if (
+        found.ndim != 1
+        or found.size == 0
+        or not np.issubdtype(found.dtype, np.integer)
+        or (count is not None and found.size != count)
+    ):
         raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
-    if below is not None and found.size and not (found.min() >= 0 and found.max() < below):
+    if below is not None and not (found.min() >= 0 and found.max() < below):
         raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
     return np.asarray(found, dtype=np.int64)
 
@@ -494,6 +533,8 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
 def joined(models: Sequence[ModalModel]) -> ModalModel:
     """One structure of several files, each with the modes of one speed, which is known; ascending.
 
+    No load displaces it at rest: where files of other speeds have a static displacement, that is 0 there.
+
     Raises:
         ModesFileError: their nodes are not the same, or two are of one speed.
     """
@@ -508,6 +549,9 @@ def joined(models: Sequence[ModalModel]) -> ModalModel:
     for one, other_modes in pairwise(speeds):
         if other_modes.omega - one.omega <= SAME_SPEED * max(other_modes.omega, 1.0):
             raise ModesFileError(f"two files are of one speed, {in_rpm(one.omega):g} rpm")
+    if any(modes.static is not None for modes in speeds):
+        zero = np.zeros_like(first.points)
+        speeds = [replace(m, static=zero) if m.static is None and m.omega == 0.0 else m for m in speeds]
     return replace(first, speeds=tuple(speeds))
 
 

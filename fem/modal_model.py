@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
-from typing import TYPE_CHECKING
+from itertools import pairwise, product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 class OffTheStructure(ValueError):
     """A place that is not on the structure, or that its nodes do not determine; the message says which."""
+
+
+class InsideOut(ValueError):
+    """A cell whose nodes are not in the order of its kind; the message says which."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,26 +98,41 @@ class ModalModel:
         return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
 
     @cached_property
-    def _followed(self) -> tuple[tuple[ModesAtSpeed, ...], Array]:
-        """The speeds with modes in the order of the first, signs alike; and the least likeness (MAC) of each."""
+    def _turns(self) -> Array:
+        """Rotations (s, k, k) of each speed's modes among themselves to be as like those of the middle one as they can.
+
+        Through modes turned so, and their small stiffness, polynomials go past crossings and veerings. Source: Amsallem
+        and Farhat, SIAM J. Sci. Comput. 33 (2011) 2169; the nodes' displacements stand for the mass.
+        """
+        from scipy.linalg import polar
+
         count = min(modes.frequencies_hz.size for modes in self.speeds)
-        followed = [chosen(self.speeds[0], np.arange(count), np.ones(count))]
-        least = np.ones(count)
-        for modes in self.speeds[1:]:
-            order, signs, alike = _matched(followed[-1], modes)
-            followed.append(chosen(modes, order, signs))
-            least = np.minimum(least, alike)
-        return tuple(followed), least
+        flat = [modes.shapes[:count].reshape(count, -1) for modes in self.speeds]
+        return np.array([polar(flat[len(flat) // 2] @ each.T)[0] for each in flat])
 
-    @property
+    @cached_property
     def likeness(self) -> Array:
-        """Of each mode the least modal assurance criterion with its continuation at the next speed, (k,)."""
-        return self._followed[1]
+        """Of each mode the least modal assurance criterion with what it becomes at the next speed or before, (k,)."""
+        turns = self._turns
+        flat = [
+            modes.shapes[: len(turn)].reshape(len(turn), -1) for modes, turn in zip(self.speeds, turns, strict=True)
+        ]
+        least = np.ones(turns.shape[1])
+        for one, other in (*pairwise(range(len(flat))), *pairwise(range(len(flat) - 1, -1, -1))):
+            become = turns[one].T @ turns[other] @ flat[other]
+            product = (flat[one] * become).sum(axis=1) ** 2
+            least = np.minimum(least, product / ((flat[one] ** 2).sum(axis=1) * (become**2).sum(axis=1)))
+        return least
 
-    def at(self, omega: float) -> ModesAtSpeed:
-        """The modes at a speed [rad/s]: those known there, or polynomials in its square through the speeds around.
+    def at(self, omega: float, *, fewer: bool = False) -> ModesAtSpeed:
+        """The modes at a speed [rad/s]: those known there, or by polynomials in its square through the speeds around.
 
-        The error of interpolation is what leaving out the nearest speed changes; of two speeds alone it is not known.
+        The error of interpolation is the most that leaving out the nearest speed changes a frequency, as modes exchange
+        their errors where they cross; of two speeds alone it is not known.
+
+        Args:
+            omega: the speed.
+            fewer: without the nearest of the speeds around.
 
         Raises:
             ValueError: beyond the speeds known.
@@ -122,14 +141,98 @@ class ModalModel:
         exact = np.flatnonzero(np.abs(known - omega) <= SAME_SPEED * max(known.max(), abs(omega)))
         if not known.min() <= omega <= known.max() and not exact.size:
             raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
-        followed, _ = self._followed
+        near = self._near(omega, fewer=fewer and not exact.size)
+        _, vectors = self._reduced(omega, near)
+        tracks = self._tracks(omega, vectors)
         if exact.size:
-            found = followed[int(exact[0])]
-            found = replace(found, interpolation=np.zeros(found.frequencies_hz.size))
-        else:
-            found = _between(followed, omega)
-        order = np.argsort(found.frequencies_hz, kind="stable")
-        return replace(chosen(found, order, np.ones(order.size)), omega=omega, tracks=np.asarray(order))
+            count = len(vectors)
+            found = chosen(self.speeds[int(exact[0])], np.arange(count), np.ones(count))
+            return replace(found, omega=omega, interpolation=np.zeros(count), tracks=tracks)
+        found = self._between(omega, near)
+        if not fewer and near.size > 2:
+            changes = self.at(omega, fewer=True).frequencies_hz / found.frequencies_hz - 1.0
+            found = replace(found, interpolation=np.full(changes.size, np.abs(changes).max()))
+        return replace(found, tracks=tracks)
+
+    def _near(self, omega: float, *, fewer: bool = False) -> Ints:
+        """Numbers of the speeds that a polynomial goes through, ascending."""
+        squares = np.array([modes.omega**2 for modes in self.speeds])
+        near = np.argsort(np.abs(squares - omega**2), kind="stable")[:_NEIGHBOURS]
+        return np.asarray(np.sort(near[1:] if fewer else near))
+
+    def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array]:
+        """Squared circular frequencies (k,) at a speed, and the modes (k, k) as sums of the turned ones, by columns."""
+        weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
+        stiffness = sum(
+            weight * (self._turns[k] * self.speeds[k].squares[: len(self._turns[k])]) @ self._turns[k].T
+            for weight, k in zip(weights, near, strict=True)
+        )
+        values, vectors = np.linalg.eigh(stiffness)
+        if values[0] <= 0.0:
+            raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
+        return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)])
+
+    def _between(self, omega: float, near: Ints) -> ModesAtSpeed:
+        """Modes at a speed between those known, through some of them."""
+        values, vectors = self._reduced(omega, near)
+        weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
+        turns, speeds = self._turns[near], [self.speeds[k] for k in near]
+        own = [vectors.T @ turn for turn in turns]
+
+        def turned(parts: Sequence[Array]) -> Array:
+            return np.asarray(
+                sum(w * np.tensordot(o, part[: len(o)], 1) for w, o, part in zip(weights, own, parts, strict=True))
+            )
+
+        def mean(parts: Sequence[Array]) -> Array:
+            return np.asarray(sum(w * (o**2 @ part[: len(o)]) for w, o, part in zip(weights, own, parts, strict=True)))
+
+        def largest(parts: Sequence[Array]) -> Array:
+            return np.asarray(np.max([o**2 @ part[: len(o)] for o, part in zip(own, parts, strict=True)], axis=0))
+
+        def at_nodes(parts: Sequence[Array]) -> Array:
+            return np.asarray(np.tensordot(weights, np.array(parts), 1))
+
+        optional: dict[str, Any] = {}
+        every = {"static": at_nodes, "rotations": turned, "drawn": turned, "damping_ratios": mean, "errors": largest}
+        for name, how in every.items():
+            parts = [part for modes in speeds if (part := getattr(modes, name)) is not None]
+            if len(parts) == len(speeds):
+                optional[name] = how(parts)
+        shapes = turned([modes.shapes for modes in speeds])
+        return ModesAtSpeed(omega, np.sqrt(values) / (2.0 * np.pi), shapes, **optional)
+
+    @cached_property
+    def _steps(self) -> tuple[Array, Ints, Array]:
+        """Speeds (m,) in fine steps; tracks (m, k) and modes (m, k, k) there."""
+        omegas = np.linspace(self.speeds[0].omega, self.speeds[-1].omega, TRACKED)
+        vectors = [self._reduced(float(omega), self._near(float(omega)))[1] for omega in omegas]
+        tracks: list[Ints] = [np.arange(len(vectors[0]))]
+        for before, after in pairwise(vectors):
+            tracks.append(continued(before, after, tracks[-1]))
+        return omegas, np.array(tracks), np.array(vectors)
+
+    def _tracks(self, omega: float, vectors: Array) -> Ints:
+        """Which mode of the lowest speed each of those at a speed continues, (k,)."""
+        if len(self.speeds) == 1:
+            return np.arange(len(vectors))
+        omegas, tracks, steps = self._steps
+        near = int(np.abs(omegas - omega).argmin())
+        return continued(steps[near], vectors, tracks[near])
+
+
+TRACKED = 201
+"""Speeds by which modes are followed through crossings."""
+
+
+def continued(before: Array, after: Array, tracks: Ints) -> Ints:
+    """Tracks of modes (q, count) that are most alike to others of which they are known."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, order = linear_sum_assignment(-np.abs(before.T @ after))
+    found = np.empty_like(tracks)
+    found[order] = tracks[rows]
+    return found
 
 
 SAME_SPEED = 1e-9
@@ -152,57 +255,6 @@ def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
         interpolation=None if modes.interpolation is None else modes.interpolation[order],
         drawn=None if modes.drawn is None else modes.drawn[order] * signs[:, None],
         tracks=None if modes.tracks is None else modes.tracks[order],
-    )
-
-
-def _matched(before: ModesAtSpeed, modes: ModesAtSpeed) -> tuple[Ints, Array, Array]:
-    """Which modes continue those before, with which signs, and how alike each pair is."""
-    from scipy.optimize import linear_sum_assignment
-
-    one, other = (each.shapes.reshape(each.frequencies_hz.size, -1) for each in (before, modes))
-    product = one @ other.T
-    alike = product**2 / np.outer((one**2).sum(axis=1), (other**2).sum(axis=1))
-    rows, order = linear_sum_assignment(-alike)
-    return np.asarray(order), np.where(product[rows, order] < 0.0, -1.0, 1.0), alike[rows, order]
-
-
-def _between(followed: Sequence[ModesAtSpeed], omega: float) -> ModesAtSpeed:
-    """Modes at a speed between those known, in the order of the first."""
-    near = sorted(sorted(followed, key=lambda modes: abs(modes.omega**2 - omega**2))[:_NEIGHBOURS], key=_omega)
-    squares = np.array([modes.omega**2 for modes in near])
-    weights = lagrange(squares, omega**2)
-    found = _mixed(near, weights, omega)
-    if len(near) < 3:
-        return found
-    away = int(np.argmin([abs(modes.omega**2 - omega**2) for modes in near]))
-    fewer = [modes for k, modes in enumerate(near) if k != away]
-    rough = _mixed(fewer, lagrange(np.delete(squares, away), omega**2), omega)
-    return replace(found, interpolation=np.abs(rough.frequencies_hz / found.frequencies_hz - 1.0))
-
-
-def _omega(modes: ModesAtSpeed) -> float:
-    return modes.omega
-
-
-def _mixed(near: Sequence[ModesAtSpeed], weights: Array, omega: float) -> ModesAtSpeed:
-    """A sum of modes at several speeds, squared frequencies for frequencies."""
-
-    def mixed(parts: Sequence[Array | None]) -> Array | None:
-        known = [part for part in parts if part is not None]
-        return np.asarray(np.einsum("p,p...->...", weights, np.array(known))) if len(known) == len(parts) else None
-
-    squares, shapes = mixed([modes.squares for modes in near]), mixed([modes.shapes for modes in near])
-    if squares is None or shapes is None or squares.min() <= 0.0:
-        raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
-    return ModesAtSpeed(
-        omega=omega,
-        frequencies_hz=np.sqrt(squares) / (2.0 * np.pi),
-        shapes=shapes,
-        static=mixed([modes.static for modes in near]),
-        rotations=mixed([modes.rotations for modes in near]),
-        damping_ratios=mixed([modes.damping_ratios for modes in near]),
-        errors=mixed([modes.errors for modes in near]),
-        drawn=mixed([modes.drawn for modes in near]),
     )
 
 
@@ -563,7 +615,11 @@ def volume(model: ModalModel) -> float:
 
 
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
-    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume."""
+    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
+
+    Raises:
+        InsideOut: a cell's nodes are not in order.
+    """
     count = modes.frequencies_hz.size
     squares, means, whole = np.zeros(count), np.zeros((count, 3)), 0.0
     covered = np.zeros(len(model.points), dtype=bool)
@@ -575,7 +631,16 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
         points, weights = kind.rule
         shape = kind.shape(points)
         for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-            sizes = np.abs(kind.gradients(model.points[chunk], points)[1]) * weights
+            sizes = kind.sizes(model.points[chunk], points)
+            if turned := np.flatnonzero(
+                sizes.min(axis=1) * sizes.max(axis=1) < -_FOLDED * sizes.max(axis=1) ** 2
+            ).tolist():
+                nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
+                raise InsideOut(
+                    f"a cell {name} is partly inside out, with the nodes {', '.join(map(str, nodes.tolist()))}:"
+                    " expected them in the order of meshio"
+                )
+            sizes = np.abs(sizes) * weights
             moved = np.einsum("pn,kcni->kcpi", shape, modes.shapes[:, chunk])
             squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
             means += np.einsum("kcpi,cp->ki", moved, sizes)
@@ -583,6 +648,9 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
     loose = np.abs(modes.shapes[:, ~covered]).max(initial=0.0) > 0.0
     return (None, None, whole) if loose or whole == 0.0 or squares.min() <= 0.0 else (squares, means, whole)
 
+
+_FOLDED = 0.05
+"""Part of a cell's largest mapping, of the other sign, from which on its nodes are not in order."""
 
 _CHUNK = 2000
 """Cells whose integrals are taken at once."""
@@ -637,6 +705,37 @@ def faces(model: ModalModel) -> Ints:
     return np.concatenate(triangles) if triangles else np.zeros((0, 3), dtype=np.int64)
 
 
+def thickness(model: ModalModel, point: Array, direction: Array) -> float | None:
+    """How thick the structure is [m] along a line through a point, (3,) each, where the line comes nearest to it.
+
+    None where no cells have a volume, or the line meets none of them.
+    """
+    solid = replace(model, cells=tuple((name, nodes) for name, nodes in model.cells if cell(name).dimension == 3))
+    triangles = faces(solid)
+    if not triangles.size:
+        return None
+    corners = model.points[triangles] - point
+    one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(direction, other)
+    size = (across * one).sum(axis=1)
+    crossed = np.abs(size) > _GRAZES * np.linalg.norm(np.cross(one, other), axis=1)
+    corner, one, other, across, size = (each[crossed] for each in (corners[:, 0], one, other, across, size))
+    along = np.cross(-corner, one)
+    u, v = (across * -corner).sum(axis=1) / size, along @ direction / size
+    met = (u >= -_GRAZES) & (v >= -_GRAZES) & (u + v <= 1.0 + _GRAZES)
+    places = np.sort((along * other).sum(axis=1)[met] / size[met])
+    apart = np.diff(places) > _GRAZES * model.size
+    begins, ends = places[:-1][apart][::2], places[1:][apart][::2]
+    if not begins.size:
+        return None
+    nearest = np.maximum(np.maximum(begins, -ends), 0.0).argmin()
+    return float(ends[nearest] - begins[nearest])
+
+
+_GRAZES = 1e-9
+"""Sine of an angle, and share of a triangle or of the structure, that count as rounding."""
+
+
 def _triangles(ring: int) -> list[tuple[int, int, int]]:
     """A face of so many nodes around as triangles: its corners are cut off, and a fan fills the rest."""
     if ring <= 4:
@@ -674,7 +773,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
 
     In each of the sections along the longest extent the nodes' mean motion through the thickness is flap, along the
     chord lag, along the span axial; the turn about the span is twist, and what is left bends chords. All nodes count
-    alike.
+    alike. The chord of nodes along a line is in the plane of rotation.
     """
     middle = model.points - model.points.mean(axis=0)
     span = np.linalg.svd(middle, full_matrices=False)[2][0]
@@ -685,7 +784,8 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
         here = section == number
         around = middle[here] - middle[here].mean(axis=0)
         flat = around - np.outer(around @ span, span)
-        chord = np.linalg.svd(flat, full_matrices=False)[2][0] if len(flat) > 1 else _across(span)
+        wide = np.linalg.norm(flat, axis=1).max() > _THIN * model.size
+        chord = np.linalg.svd(flat, full_matrices=False)[2][0] if wide else _across(span, model.axis)
         moved = modes.shapes[:, here]
         mean = moved.mean(axis=1)
         weight = float(len(flat))
@@ -702,7 +802,9 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
     return [FAMILIES[k] for k in energy.argmax(axis=0)]
 
 
-def _across(direction: Array) -> Array:
-    """A unit vector across a direction."""
-    other = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
+def _across(direction: Array, axis: Array) -> Array:
+    """A unit vector across a direction and the spin axis."""
+    other = np.cross(axis, direction)
+    if np.linalg.norm(other) < _THIN:
+        other = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
     return np.asarray(other / np.linalg.norm(other))

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.assembly import Operators, point_rows
+from fem.linalg import Array
 from fem.modal_model import ModalModel, ModesAtSpeed
-from fem.operators.assembly import point_rows
 from fem.reduction.modal import drawn_rows
+from fem.sweep.campbell import Campbell
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-    from fem.sweep.campbell import Campbell
-
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Static equilibrium of the spinning plate, and the stiffness about it.
 
-The strains are the theory's own (`fem.theory.strains`, `fem.theory.finite_rotation`). The centrifugal load is that of
+The strains are the theory's own (`fem.theory.sections`, `fem.theory.finite_rotation`). The centrifugal load is that of
 the displaced mass when softening is counted. Newton's method starts from the stretched plate or from the state at a
 neighbouring speed, and takes the load in parts when that is too far. A thin plate that bends is stretched by far too
 much in a step that is linear, and the stiffness under that stress leads astray: each step's stiffness is therefore
@@ -15,20 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg import SingularMatrix, lanczos, rounding
-from fem.operators.assembly import Operators, assemble
+from fem.assembly import Body, Operators, StressedBody, assemble
+from fem.linalg import Array, SingularMatrix, Solver, lanczos, rounding
+from fem.plate import ElasticRoot
 from fem.rotor import in_rpm
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
-
-    from fem.linalg import Solver
-    from fem.operators.assembly import Body, StressedBody
-    from fem.plate import ElasticRoot
-
-    Array = NDArray[np.float64]
-
 
 LOST = 0.1
 """What rounding may leave uncertain of the lowest frequency at rest, by an estimate that is some twenty times what is

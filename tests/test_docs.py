@@ -55,6 +55,29 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "campbell.png").is_file()
 
 
+def test_the_table_of_mistakes(tmp_path, monkeypatch, capsys):
+    """Each example gives the message beside it, and nothing else."""
+    (scene,) = re.findall(r"```toml\n(.*?)```", (DOCS / "tour.md").read_text(encoding="utf-8"), flags=re.S)
+    rows = re.findall(r"^\| .* \| `(.*)` \| (.*) \|$", (DOCS / "guide" / "troubles.md").read_text("utf-8"), flags=re.M)
+    assert len(rows) >= 20
+    monkeypatch.chdir(tmp_path)
+    for name in ("blade.bdf", "blade.step"):
+        (tmp_path / name).touch()
+    for example, message in rows:
+        text, command = scene, example
+        if example.startswith("["):
+            table, line = example.split(" ", 1)
+            command, key = "spindamp check mine.toml", line.split(" = ")[0]
+            head, _, rest = text.partition(f"{table}\n")
+            body, gap, others = rest.partition("\n\n")
+            kept = [other for other in body.splitlines() if not other.startswith(f"{key} = ")]
+            text = head + "\n".join([table, line, *kept]) + gap + others
+        (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+        assert main(shlex.split(command)[1:]) == 2, example
+        printed = capsys.readouterr()
+        assert (printed.out, printed.err) == ("", f"spindamp: {message}\n")
+
+
 def test_the_page_on_known_modes_works_word_for_word(tmp_path, monkeypatch, capsys):
     """The measured blade, whose writer needs NumPy alone; M2 is 1 over the square of the shape at its place."""
     text = (DOCS / "guide" / "modes.md").read_text(encoding="utf-8")
@@ -126,7 +149,7 @@ ANSWERS = {
     ],
     "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
     "Where is the law of impact?": [
-        ("damper/impacts.py", "def level_hit"),
+        ("damper/impacts.py", "def hit"),
         ("damper/laws.py", "def check_hits"),
         ("workflows/studies/work_precision/integration.py", "self.e"),
     ],
@@ -142,7 +165,7 @@ ANSWERS = {
         ("fem/meshes/mesh_sequence.py", "def graded"),
         ("workflows/scene/plate_mesh.py", "def planform"),
     ],
-    "Where is the tip mass put into the matrices?": [("fem/operators/assembly.py", "def with_point_mass")],
+    "Where is the tip mass put into the matrices?": [("fem/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
         ("workflows/solve/results.py", 'quantity("J", "lost to rolling'),
     ],

@@ -5,7 +5,7 @@ import pytest
 
 ROOMS = {
     "fem": (
-        *("solid", "accuracy", "reduction", "sweep", "modes", "statics", "operators", "theory", "plate"),
+        *("solid", "accuracy", "reduction", "sweep", "modes", "statics", "assembly", "theory", "plate"),
         *("modal_files", "rotor", "modal_model", "meshes"),
     ),
     "workflows": ("cli", "studies", "report", "io", "solve", "effects", "scene"),
@@ -37,7 +37,7 @@ def test_rooms_import_downwards(imports, package):
 
 def test_numbers_need_no_prose(imports):
     """Sentences are made at output: of studies by their reports, of a run by the command line and by Python's call."""
-    makers = {module for module in inside(imports, "workflows.studies") if module.endswith(".report")}
+    makers = {name for name in inside(imports, "workflows.studies") if name.endswith(("report", ".comparison"))}
     for module in ({"workflows.pipeline"} | inside(imports, "workflows.studies")) - makers:
         prose = {
             found

@@ -25,25 +25,19 @@ if TYPE_CHECKING:
     from workflows.scene.scene import Scene
     from workflows.solve.results import Results
 
-_HOMES = {
-    "BadInput": "workflows.errors",
-    "ImpossibleResult": "workflows.errors",
-    "NoAnswer": "workflows.errors",
-    "NotAvailable": "workflows.errors",
-    "Results": "workflows.solve.results",
-    "Scene": "workflows.scene.scene",
-    "SceneFile": "workflows.scene.load",
-    "SpindampError": "workflows.errors",
-    "dataset": "workflows.io.files",
-    "document": "workflows.io.serialise",
-    "load": "workflows.scene.load",
-    "load_results": "workflows.report.page",
-    "parse": "workflows.scene.load",
-    "run": "workflows.report.text",
-    "save": "workflows.report.page",
-    "save_report": "workflows.report.page",
-    "shipped": "workflows.scene.load",
+_NAMES = {
+    "workflows.errors": "BadInput ImpossibleResult NoAnswer NotAvailable SpindampError",
+    "workflows.io.files": "dataset",
+    "workflows.io.serialise": "document",
+    "workflows.report.page": "load_results save save_report",
+    "workflows.report.text": "run",
+    "workflows.scene.load": "SceneFile load parse shipped",
+    "workflows.scene.scene": "Scene",
+    "workflows.solve.results": "Results",
 }
+"""What is offered, by the modules that have it."""
+
+_HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
     "BadInput",

@@ -11,22 +11,17 @@ it grows with the logarithm of the distance that the mesh resolves (Timoshenko a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.assembly import Operators, point_rows
+from fem.linalg import Array
 from fem.meshes.planform import locate
-from fem.operators.assembly import point_rows
+from fem.plate import Plate
 from fem.theory.mindlin import SHEAR_CORRECTION
 from fem.theory.registry import Kind, kind
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-    from fem.plate import Plate
-
-    Array = NDArray[np.float64]
 
 SPOT = 0.1
 """Thicknesses that a point mass is taken to be wide at least."""

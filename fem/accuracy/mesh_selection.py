@@ -7,27 +7,17 @@ little to the mesh it ends with.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.accuracy.error_estimates import Estimates
+from fem.accuracy.error_estimates import Estimates, Tried
 from fem.accuracy.tolerances import EXACT, FIRST, SURE
-from fem.accuracy.trial_meshes import Tried
-from fem.meshes.mesh_sequence import begun_with
+from fem.assembly import Operators
+from fem.linalg import Array
+from fem.meshes.mesh_sequence import Planform, begun_with
 from fem.theory.registry import Kind, kind, theory_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from fem.meshes.mesh_sequence import Planform
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
-
 
 MARGIN = 1.25
 """Factor on the error by which the next mesh is chosen, so that one step is mostly enough."""

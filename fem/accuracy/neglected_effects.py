@@ -17,33 +17,20 @@ than the norm of what it does to all of them together (Weyl), whatever their mix
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import csc_array
 
-from fem.linalg import orthonormal
+from fem.assembly import Operators, assemble, energy_densities, footprint, with_masses
+from fem.linalg import Array, orthonormal
 from fem.meshes.planform import locate
-from fem.modes.real import Divergence, solve_real
-from fem.modes.solve import solve_modes
-from fem.operators.assembly import assemble, footprint, with_masses
+from fem.modes import Divergence, Modes, solve_modes, solve_real
+from fem.plate import Plate
+from fem.rotor import Effects, Rotor
 from fem.statics import NoEquilibrium, linearise, settle, tangent
-from fem.theory.forms import energy_densities
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-    from scipy.sparse import csc_array
-
-    from fem.modes.real import Modes
-    from fem.operators.assembly import Operators
-    from fem.plate import Plate
-    from fem.rotor import Effects, Rotor
-    from fem.sweep.campbell import Campbell
-
-    Array = NDArray[np.float64]
-
+from fem.sweep.campbell import Campbell
 
 BEYOND = 4
 """Modes beyond those asked for that are found as well."""

@@ -8,31 +8,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.accuracy.tolerances import Budget
+from fem.assembly import Operators, assemble
+from fem.linalg import Array
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import SLOPE, of, slope
-from fem.modes.real import Divergence, solve_real
-from fem.operators.assembly import assemble
+from fem.modes import Divergence, solve_real
+from fem.plate import Plate
 from fem.rotor import Effects, Rotor
-from fem.theory.clamp import at_root, seeming
+from fem.sweep.campbell import Campbell
+from fem.theory.discretisation import Discretisation
 from fem.theory.kirchhoff import is_rectangles
-from fem.theory.mindlin import SHEAR_CORRECTION
+from fem.theory.mindlin import SHEAR_CORRECTION, at_root, seeming
 from fem.theory.registry import Kind, clamp_lacks, kind
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-    from fem.plate import Plate
-    from fem.theory.discretisation import Discretisation
-
-    Array = NDArray[np.float64]
-    from fem.sweep.campbell import Campbell
-
 
 LAYER = 10.0**-0.5
 """Width of the layer along free edges in thicknesses."""

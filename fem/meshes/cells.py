@@ -100,13 +100,20 @@ class Cell:
             Gradients (c, p, k, 3), of a flat cell those within its surface; volume or area per unit of the reference
             cell (c, p), negative where a cell with a volume is turned inside out.
         """
-        slopes = self.slopes(at)
-        mapping = np.einsum("cki,pkd->cpid", corners, slopes)
+        slopes, mapping = self.slopes(at), self._mapping(corners, at)
+        return np.einsum("pkd,cpdi->cpki", slopes, np.linalg.pinv(mapping)), self._size(mapping)
+
+    def sizes(self, corners: Array, at: Array) -> Array:
+        """The size of the mapping alone (c, p), as `gradients` gives it."""
+        return self._size(self._mapping(corners, at))
+
+    def _mapping(self, corners: Array, at: Array) -> Array:
+        return np.asarray(np.einsum("cki,pkd->cpid", corners, self.slopes(at)))
+
+    def _size(self, mapping: Array) -> Array:
         if self.dimension == 3:
-            size = np.linalg.det(mapping)
-        else:
-            size = np.sqrt(np.linalg.det(np.swapaxes(mapping, 2, 3) @ mapping))
-        return np.einsum("pkd,cpdi->cpki", slopes, np.linalg.pinv(mapping)), np.asarray(size)
+            return np.asarray(np.linalg.det(mapping))
+        return np.asarray(np.sqrt(np.linalg.det(np.swapaxes(mapping, 2, 3) @ mapping)))
 
 
 _STEPS = 40

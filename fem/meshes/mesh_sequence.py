@@ -46,30 +46,24 @@ class Planform(Protocol):
     @property
     def sides(self) -> tuple[float, float]:
         """Length and width in m."""
-        ...
 
     @property
     def sizes(self) -> tuple[int, ...]:
         """The ladder, ascending."""
-        ...
 
     @property
     def orders(self) -> tuple[float, float]:
         """Least and greatest power of the cell size with which errors in frequency fall."""
-        ...
 
     @property
     def corner(self) -> float:
         """Power of the cell size with which errors fall for its worst corner; infinite without."""
-        ...
 
     def mesh(self, size: int) -> Any:
         """The mesh of one size of the ladder."""
-        ...
 
     def edge(self, size: int) -> float:
         """How wide the cells along its edges are, in m."""
-        ...
 
 
 def enough_cells(planform: Planform, size: int, count: int) -> bool:

@@ -38,11 +38,9 @@ class Profile(Protocol):
 
     def at(self, points: Array) -> Array:
         """The thickness (ncell, npoint) in m at points (2, ncell, npoint) in m, cell by cell of the plate's mesh."""
-        ...
 
     def near(self, place: tuple[float, float]) -> float:
         """The thickness in m at one place (x, y) in m."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -101,10 +101,14 @@ class VolumeMesh:
             outer.append((every[first], times))
         return outer
 
-    def boundary_normals(self) -> tuple[Array, Array]:
-        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners."""
+    def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
+        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners.
+
+        own: which nodes (n,) all of a face's have to be; None: any.
+        """
         middles, normals = [], []
         for faces in self.boundary():
+            faces = faces if own is None else faces[own[faces].all(axis=1)]
             at = self.points[faces if self.first_order else faces[:, ::2]]
             middles.append(at.mean(axis=1))
             normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
@@ -230,6 +234,8 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
 
 def _meshed(path: Path, scale: float, size: float | None) -> Any:
     """What a reader gives of geometry that Gmsh has meshed, in m."""
+    import meshlane
+
     if size is None:
         raise MeshError("this is geometry without a mesh: give the size of its cells, or a mesh of its volume")
     if scale != 1.0:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.modes.real import Divergence
+from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import Reduced, check_mass
 from fem.sweep.laws import check_reduced

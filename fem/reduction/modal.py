@@ -11,29 +11,19 @@ at the place adds, against the plate's mass. What lies beyond that span changes 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import csc_array, vstack
 
+from fem.assembly import Operators, point_rows, uniform_load, with_point_mass
+from fem.linalg import Array
 from fem.meshes import thickness
-from fem.modes.real import Divergence
-from fem.operators.assembly import point_rows, with_point_mass
+from fem.modes import Divergence
 from fem.statics import linearise
-from fem.sweep.campbell import campbell
-from fem.theory.forms import uniform_load
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-    from scipy.sparse import csc_array
-
-    from fem.operators.assembly import Operators
-    from fem.sweep.campbell import Campbell
-    from fem.sweep.greedy_basis import Swept
-
-    Array = NDArray[np.float64]
+from fem.sweep.campbell import Campbell, campbell
+from fem.sweep.reduced_basis import Swept
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +63,6 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
         known = tuple((omega, state) for omega, state in pairs if state is not None)
         diagram = campbell(operators, diagram.omega, count, states=known)
-    from scipy.sparse import csc_array, vstack
-
     rows = vstack([floor_rows(operators, at), csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection
@@ -98,8 +86,6 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
 
 def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
     """Rows (4, n): displacement of a place along the floor's axes, w and v, and the floor's slopes, w_x and -u_y."""
-    from scipy.sparse import vstack
-
     moved, along, across = (point_rows(operators.model, at, derivative) for derivative in ((), (0,), (1,)))
     return vstack([moved[[2, 1]], along[[2]], -across[[0]]]).tocsc()
 

@@ -11,22 +11,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from fem.assembly import assemble
+from fem.linalg import Array
 from fem.meshes.planform import rectangle
-from fem.operators.assembly import assemble
 from fem.plate import Material, Plate
 from fem.reduction.single_mode import reduce_over
 from fem.rotor import Effects, Rotor
 from fem.sweep.campbell import campbell
 from fem.sweep.laws import LawViolation
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 BEAM = {0.0: (3.5160, 22.0345), 2.0: (4.1373, 22.6149), 10.0: (11.2023, 33.6404)}
 """Flap frequencies by gamma = Omega sqrt(rho A L⁴ / E I), both in the unit sqrt(E I / rho A L⁴); at rest the roots of

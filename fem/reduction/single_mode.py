@@ -10,28 +10,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.sparse import csc_array
 
-from fem.linalg import SingularMatrix, factorise, lanczos, most_alike, refine, rounding
+from fem.assembly import Operators, point_rows, with_point_mass
+from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, refine, rounding
 from fem.meshes.planform import PlaceError
-from fem.modes.real import Divergence, Modes, families, lowest, solve_real
-from fem.operators.assembly import point_rows, with_point_mass
+from fem.modes import Divergence, Modes, families, lowest, solve_real
 from fem.statics import linearise
-from fem.sweep.campbell import campbell
+from fem.sweep.campbell import Campbell, campbell
 from fem.sweep.laws import EXACT, check_reduced, require
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-    from scipy.sparse import csc_array
-
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
-    from fem.sweep.campbell import Campbell
-
 
 SEARCHED = 4
 """Modes looked through for the fundamental flap mode when none are given."""

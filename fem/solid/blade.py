@@ -62,6 +62,15 @@ class Blade:
         return np.asarray(np.eye(3) - np.outer(self.axis, self.axis))
 
     @property
+    def section(self) -> Array:
+        """Area (3,) [m²] of the section at which the root holds the blade, along its normal.
+
+        By Gauss' theorem that of the faces whose nodes are all held, however deep the root's nodes reach into it.
+        """
+        own = np.isin(np.arange(len(self.mesh.points)), self.root)
+        return np.asarray(self.mesh.boundary_normals(own)[1].sum(axis=0))
+
+    @property
     def spin(self) -> Array:
         """The matrix (3, 3) of v -> n x v."""
         x, y, z = self.axis

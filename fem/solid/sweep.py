@@ -26,8 +26,8 @@ import numpy as np
 from scipy.linalg import polar
 
 from fem.linalg import lowest_modes, orthonormal
-from fem.modal_model import ModalModel, ModesAtSpeed, lagrange
-from fem.modes.real import solve_real
+from fem.modal_model import TRACKED, ModalModel, ModesAtSpeed, continued, lagrange
+from fem.modes import solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, tangent, unbalanced
 
@@ -159,14 +159,14 @@ class BladeSweep:
         vectors = [self.reduced(float(square**0.5))[1] for square in squares]
         tracks = [np.arange(self.count)]
         for before, after in pairwise(vectors):
-            tracks.append(_continued(before, after, tracks[-1]))
+            tracks.append(continued(before, after, tracks[-1]))
         return squares, np.array(tracks), np.array(vectors)
 
     def tracks(self, omega: float) -> NDArray[np.int64]:
         """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
         squares, tracks, vectors = self._tracks
         near = int(np.abs(squares - omega**2).argmin())
-        return _continued(vectors[near], self.reduced(omega)[1], tracks[near])
+        return continued(vectors[near], self.reduced(omega)[1], tracks[near])
 
     def weights(self, omega: float) -> Array:
         """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
@@ -174,20 +174,6 @@ class BladeSweep:
         if not low - SAME * high <= omega**2 <= (1.0 + SAME) * high:
             raise ValueError(f"the blade is solved from {low**0.5:g} to {high**0.5:g} rad/s, not at {omega:g}")
         return _weights(self.squares, omega**2, self.bend)
-
-
-def _continued(before: Array, after: Array, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Tracks of modes (q, count) that are most alike to others of which they are known."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, order = linear_sum_assignment(-np.abs(before.T @ after))
-    found = np.empty_like(tracks)
-    found[order] = tracks[rows]
-    return found
-
-
-TRACKED = 201
-"""Speeds by which modes are followed through crossings."""
 
 
 def _weights(squares: Array, square: float, bend: float) -> Array:

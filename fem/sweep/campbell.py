@@ -1,6 +1,6 @@
 """The Campbell diagram: frequencies over speed, and modes followed through crossings.
 
-With a linear prestress every speed is answered by a reduced basis (`fem.sweep.greedy_basis`) with a bound on the error
+With a linear prestress every speed is answered by a reduced basis (`fem.sweep.reduced_basis`) with a bound on the error
 of every frequency. With large deflection the modes are solved speed by speed, each from the state before; so they are
 for many modes at few speeds. `follow` pairs the modes of neighbouring speeds by their likeness, through crossings and
 veerings.
@@ -8,28 +8,29 @@ veerings.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from fem.linalg import CONVERGED, rounding
-from fem.modes.gyroscopic import critical_speed
-from fem.modes.real import FAMILIES, Divergence, Modes, check_count, check_damping, energy_shares
-from fem.modes.solve import solve_modes
+from fem.assembly import Operators
+from fem.linalg import CONVERGED, Array, rounding
+from fem.modes import (
+    FAMILIES,
+    Divergence,
+    Modes,
+    check_count,
+    check_damping,
+    critical_speed,
+    energy_shares,
+    solve_modes,
+)
 from fem.statics import NoEquilibrium, tangent
-from fem.sweep.greedy_basis import Swept, answer
 from fem.sweep.laws import check_diagram
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
-
+from fem.sweep.reduced_basis import Swept, answer
 
 CLEAR = 0.7
 """Likeness from which a pair counts as the same mode; no second one can then exceed 0.3."""
@@ -86,8 +87,6 @@ def follow(
 
 def _pair(alike: NDArray[np.float64], wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The partner of each mode at the next speed, and the wanted modes whose partner is not clear."""
-    from scipy.optimize import linear_sum_assignment
-
     _, pair = linear_sum_assignment(-alike)
     sure = alike[np.arange(len(pair)), pair] >= CLEAR
     return pair.astype(np.int64), np.flatnonzero(~sure[:wanted])
@@ -115,7 +114,7 @@ class Campbell:
         bounds: (k, count), on their relative error against the full model.
         damping_ratios: (k, count).
         branches: (k, count), which mode of the first speed each one continues.
-        shares: (k, 5, count), see `fem.modes.real`.
+        shares: (k, 5, count), see `fem.modes`.
         veerings: where this is ambiguous.
         diverged: the speeds asked for that lie at or beyond the critical one.
         sizes: vectors in each reduced basis used.

@@ -10,19 +10,15 @@ what remains are the quotients of each mode, w² x'Mx = x'Kx + w x'(i Omega G)x.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.assembly import Operators
+from fem.linalg import Array
 from fem.rotor import in_rpm
 from fem.statics import linearise
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
 
 EXACT = 1e-6
 """Relative error of an eigenvalue beyond its own bound, and of the quotients that it is compared with."""

@@ -4,29 +4,28 @@ The matrices are affine: K(Omega) = K_r + (Omega² - Omega_r²) K_1, with one fa
 basis V, orthonormal in K_r, starts with the modes there; in the axes of K_1 the small stiffness is diagonal at every
 speed, so that the lowest frequencies keep their digits however stiff the highest. Everything a residual can be
 made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors in K_r, dual
-norms of residuals cost r³ at any speed (`fem.sweep.error_bounds`). New vectors are the dominant parts of the
+norms of residuals cost r³ at any speed. New vectors are the dominant parts of the
 residuals' own representers.
+
+It grows until it answers every speed of a range within a tolerance. Trained at a few speeds, it takes in the
+representers of the residuals there until the bounds meet the tolerance, and is then tried at all speeds. Where no gap
+is found above the wanted modes, more modes are known at the reference speed; where the basis would grow too large, the
+range is halved.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import polar
+from scipy.sparse import csc_array
 
-from fem.linalg import orthonormal, rounding
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-    from scipy.sparse import csc_array
-
-    from fem.modes.real import Modes
-    from fem.operators.assembly import Operators
-
-    Array = NDArray[np.float64]
-
+from fem.assembly import Operators
+from fem.linalg import Array, orthonormal, rounding
+from fem.modes import FAMILIES, Modes, share_matrices, solve_real
 
 SAFETY = 2.0
 """Factor on the largest stiffening outside the basis, which is an estimate from within."""
@@ -206,3 +205,322 @@ def _softness(basis: ReducedBasis, omega: Array) -> Array:
 
 def _inverse(values: Array) -> Array:
     return np.asarray(1.0 / np.maximum(values, np.finfo(float).tiny))
+
+
+ALONE = 1.5
+"""The factor c of a mode that stands alone."""
+
+PRECISION = float(np.finfo(float).eps)
+"""Relative rounding of a product."""
+
+ROUNDED = 4.0
+"""A bound of so many times what rounding leaves uncertain is as good as any."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedModes:
+    """Reduced modes at several speeds.
+
+    Attributes:
+        omega: (k,) speeds in rad/s.
+        rates: (k, q) circular frequencies in rad/s, ascending.
+        vectors: (k, r, q), mass-normalised, complex with Coriolis; the wanted ones come first.
+        residuals: (k, q), rho.
+        bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
+        rounding: (k, wanted), what double precision leaves uncertain, which the bounds contain.
+        floor: (k,), least ratio of the stiffness to that at the reference speed; not positive where the plate diverges.
+    """
+
+    omega: Array
+    rates: Array
+    vectors: NDArray[Any]
+    residuals: Array
+    bounds: Array
+    rounding: Array
+    floor: Array
+
+    def within(self, tolerance: float) -> NDArray[np.bool_]:
+        """Which speeds (k,) have every frequency to a tolerance, or as well as rounding allows."""
+        return np.asarray((self.bounds <= np.maximum(tolerance, ROUNDED * self.rounding)).all(axis=1))
+
+
+def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
+    """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
+    q = min(basis.known.size, basis.size) - 1
+    if basis.coriolis is None:
+        rates, vectors = still(basis, omega, q + 1)
+    else:
+        rates, vectors = turning(basis, basis.coriolis, omega, q + 1)
+    above = np.minimum(rates[:, wanted:], np.sqrt(basis.known[wanted : q + 1]))
+    last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
+    gap = _gap(basis, omega, rates, last)
+    rates, vectors = rates[:, :q], vectors[:, :, :q]
+    floor = basis.held(omega).min(axis=1)
+    rounding = (np.abs(vectors).transpose(0, 2, 1) @ np.sqrt(basis.rounding) / rates) ** 2
+    residuals = _residuals(basis, omega, rates, vectors)
+    inside = np.arange(q) < last[:, None]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        spread = np.where(inside, residuals**2 / (rates * (1.0 - rates / gap[:, None])), 0.0)
+        top = 1.0 / gap + spread.sum(axis=1)
+        good = inside & (rates < gap[:, None]) & (top[:, None] * rates < 1.0)
+        amount = np.where(good, residuals**2 / (1.0 - top[:, None] * rates), np.inf)
+        error = _errors(rates, amount, last, inside)
+    bounds = np.where(good, error + rounding, np.inf)[:, :wanted]
+    return ReducedModes(omega, rates, vectors, residuals, bounds, rounding[:, :wanted], floor)
+
+
+def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+    """Bounds (k, q) on relative errors from each mode's amount rho² / (1 - u w).
+
+    All modes lifted by p times their amounts: the i-th largest 1/w, whichever mode has become it. Or mode i by ALONE
+    times its own, where the higher modes, lifted by what is left for them, do not reach it.
+    """
+    lifted = -np.sort(-np.where(inside, (1.0 + last[:, None] * amount) / rates, 0.0), axis=1)
+    others = 1.0 + ALONE / (ALONE - 1.0) * (last[:, None] - 1) * amount
+    lowered = np.where(inside, rates / others, np.inf)
+    above = np.minimum.accumulate(lowered[:, ::-1], axis=1)[:, ::-1]
+    clear = np.hstack([above[:, 1:], np.full((len(rates), 1), np.inf)]) > rates
+    return np.asarray(np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf)))
+
+
+def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:
+    """Frequencies (k,) below which the full model has no more than `last` (k,) ones; 0 where none is found."""
+    k = np.arange(omega.size)
+    below = rates[k, last - 1]
+    above = np.minimum(rates[k, last], np.sqrt(basis.known[last]))
+    raised = basis.held(omega).min(axis=1) * basis.known[last]
+    drag = omega if basis.coriolis is not None else np.zeros_like(omega)
+    coarse = np.sqrt(drag**2 + np.maximum(raised, 0.0)) - drag
+    middle = np.sqrt(below * above)
+    unclear = coarse < middle
+    gap = np.minimum(coarse, above)
+    if unclear.any():
+        counted = _count_below(basis, omega[unclear], middle[unclear])
+        gap[unclear] = np.where(counted == last[unclear], middle[unclear], 0.0)
+    return np.where(gap > below, gap, 0.0)
+
+
+def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, tolerance: float) -> Array:
+    """Fewest vectors (n, m) that hold the residuals' representers K_r^-1 r of the wanted modes.
+
+    The squares of what they leave out add up to at most the tolerance, relative to the modes.
+    """
+    coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :wanted]
+    size = np.sqrt(2.0) * modes.rates[:, :wanted, None]
+    flat = (coefficients / size).reshape(-1, coefficients.shape[2]).T
+    flat = np.hstack([flat.real, flat.imag]) if np.iscomplexobj(flat) else flat
+    weights, directions = np.linalg.eigh(flat.T @ basis.gram @ flat)
+    keep = np.cumsum(np.maximum(weights, 0.0)) > tolerance
+    span = np.hstack([basis.vectors, *basis.representers])
+    return np.asarray(span @ (flat @ directions[:, keep]))
+
+
+def _coefficients(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> NDArray[Any]:
+    """Coordinates (k, q, b r) of the residuals' representers in [V, K_r^-1 K_1 V, K_r^-1 M V, ...]."""
+    rows = vectors.transpose(0, 2, 1)
+    parts = [rows, basis.shift(omega)[:, None, None] * rows, -(rates[:, :, None] ** 2) * rows]
+    if basis.coriolis is not None:
+        parts.append(1j * omega[:, None, None] * rates[:, :, None] * rows)
+    return np.concatenate(parts, axis=2)
+
+
+def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> Array:
+    """Relative residuals rho (k, q), with what rounding leaves uncertain of them."""
+    c = _coefficients(basis, omega, rates, vectors)
+    moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
+    squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
+    lost = PRECISION * (np.abs(c) @ np.sqrt(np.maximum(np.diagonal(basis.gram), 0.0))) ** 2
+    held = basis.held(omega)
+    energy = rates**2
+    if basis.coriolis is not None:
+        energy = 0.5 * (energy + (held[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
+    floor = held.min(axis=1)[:, None]
+    squared = (np.maximum(squared, 0.0) + lost) / (2.0 * energy * np.maximum(floor, LEAST))
+    return np.where(floor > 0.0, np.sqrt(squared), np.inf)
+
+
+def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:
+    """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
+    r = basis.size
+    shift = basis.shift(omega)
+    weights: list[NDArray[Any]] = [shift, -(rates**2)]
+    form = np.eye(r) + shift[:, None, None] * basis.gram[:r, r : 2 * r] - (rates**2)[:, None, None] * basis.mass
+    drag = rates**2
+    if basis.coriolis is not None:
+        weights.append(1j * omega * rates)
+        form = form + (1j * omega * rates)[:, None, None] * basis.coriolis
+        drag = drag + 2.0 * rates * omega
+    margin = 1.0 - np.abs(shift) * basis.stretch_outside - drag / basis.known[-1]
+    safe = np.where(margin > 0.0, margin, 1.0)
+    blocks = basis.outside.reshape(len(weights), r, len(weights), r)
+    for a, left in enumerate(weights):
+        for b, right in enumerate(weights):
+            form = form - (left.conj() * right / safe)[:, None, None] * blocks[a, :, b]
+    negative = (np.linalg.eigvalsh(form) < 0.0).sum(axis=1)
+    return np.where(margin > 0.0, negative, -1)
+
+
+LARGEST = 60
+"""Vectors at which a basis counts as too large for its range of speeds."""
+
+TRAINING = 7
+"""Speeds at which a basis is trained before all are tried."""
+
+ROUNDS = 6
+"""Times a basis is enriched before its range is halved."""
+
+REFERENCE = 0.65
+"""Where in a range of speeds its reference lies: midway for Omega², nearly."""
+
+ROUGH = 1e-4
+"""Residual of the modes a basis begins with; the bounds see what they lack."""
+
+AIM = 0.6
+"""Part of the tolerance that is aimed at in training, so that the other speeds meet it too."""
+
+SPARES = (1, 4, 16)
+"""Modes beyond the wanted ones among which a gap is sought, in turn."""
+
+NEAR = 0.3
+"""Least ratio of stiffness to that at the reference for which more modes, not a nearer reference, are tried."""
+
+HALVINGS = 6
+"""How often a range of speeds is halved at most."""
+
+FEW = 16
+"""Speeds up to which what one basis leaves open is dearer to answer by others than speed by speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Swept:
+    """Modes at k speeds.
+
+    Attributes:
+        omega: the speeds (k,) in rad/s.
+        rates: circular frequencies (k, count) in rad/s.
+        bounds: on their relative error.
+        damping: ratios (k, count).
+        shares: (k, 5, count), see `fem.modes`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
+        reduced: whether from a reduced basis.
+        met: speeds (k,) whose bounds are within the tolerance, or as good as rounding allows.
+        state: the displacement (n,) vibrated about, where the deflection is large.
+    """
+
+    omega: Array
+    rates: Array
+    bounds: Array
+    damping: Array
+    shares: Array
+    vectors: NDArray[Any]
+    basis: Array
+    reduced: bool
+    met: NDArray[np.bool_]
+    state: Array | None = None
+
+    def only(self, rows: NDArray[np.int64]) -> Swept:
+        """The same at some of the speeds."""
+        names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+
+def answer(
+    operators: Operators,
+    omega: Array,
+    count: int,
+    tolerance: float,
+    damping_ratio: float,
+    halvings: int = HALVINGS,
+) -> list[Swept]:
+    """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
+
+    FEW speeds have one basis alone.
+
+    Raises:
+        Divergence: when a speed is found to be beyond the critical one.
+    """
+    if omega.size > FEW:
+        return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
+    basis, found, _ = grow(operators, omega, count, tolerance, SPARES[0])
+    return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+
+
+def _by_halves(
+    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
+) -> list[Swept]:
+    for spare in SPARES:
+        basis, found, gapless = grow(operators, omega, count, tolerance, spare)
+        if found.within(tolerance).all() or omega.size == 1:
+            return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+        if not gapless:
+            break
+    if halvings == 0:
+        return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+    half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
+    return [
+        part
+        for piece in (omega[:half], omega[half:])
+        for part in _by_halves(operators, piece, count, tolerance, damping_ratio, halvings - 1)
+    ]
+
+
+def grow(
+    operators: Operators, omega: Array, count: int, tolerance: float, spare: int
+) -> tuple[ReducedBasis, ReducedModes, bool]:
+    """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""
+    reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
+    known = count + spare + 1
+    stiffness = operators.at(reference)
+    modes = solve_real(operators, reference, stiffness, known, tolerance=ROUGH)
+    basis = begin(operators, stiffness, modes)
+    training = np.linspace(omega[0], omega[-1], TRAINING)
+    for _ in range(ROUNDS):
+        trial = solve(basis, training, count)
+        if trial.within(AIM * tolerance).all():
+            found = solve(basis, omega, count)
+            if found.within(tolerance).all():
+                return basis, found, False
+            training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
+            trial = solve(basis, training, count)
+        if (trial.floor <= 0.0).any():
+            worst = float(training[trial.floor <= 0.0][0])
+            solve_real(operators, worst, operators.at(worst), count)
+        finest = AIM * tolerance / (2 * count)
+        more = representatives(basis, trial, count, finest)
+        if more.shape[1] == 0:  # the mode above the wanted ones may stand in the way of their bounds
+            more = representatives(basis, trial, count + 1, finest)
+        if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
+            break
+        basis = enrich(operators, stiffness, modes, basis, more)
+    gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
+    return basis, solve(basis, omega, count), bool(gapless.any())
+
+
+def _collect(
+    operators: Operators,
+    basis: ReducedBasis,
+    found: ReducedModes,
+    count: int,
+    tolerance: float,
+    damping_ratio: float,
+) -> Swept:
+    rates, vectors = found.rates[:, :count], found.vectors[:, :, :count]
+    rows = vectors.transpose(0, 2, 1).reshape(-1, basis.size)
+    moved = rows @ share_matrices(operators, basis.vectors)
+    shares = np.einsum("nr,fnr->fn", rows.conj(), moved).real.reshape(len(FAMILIES), -1, count).swapaxes(0, 1)
+    damping = np.full(rates.shape, damping_ratio)
+    if basis.coriolis is not None and damping_ratio > 0.0:
+        damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
+    parts = shares / shares.sum(axis=1, keepdims=True)
+    met = found.within(tolerance)
+    return Swept(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True, met)
+
+
+def _shared_damping(
+    basis: ReducedBasis, coriolis: Array, omega: Array, rates: Array, vectors: NDArray[Any], ratio: float
+) -> Array:
+    """Damping ratios (k, count) to first order: x' C x / (2 w x' M x - i Omega x' G x) for C = 2 ratio K^(1/2)."""
+    own, shapes = still(basis, omega, basis.size)
+    along = np.abs(shapes.transpose(0, 2, 1) @ basis.mass @ vectors) ** 2
+    lost = 2.0 * ratio * np.einsum("kr,krc->kc", own, along)
+    turning = np.einsum("krc,rs,ksc->kc", vectors.conj(), coriolis, vectors, optimize=True)
+    return np.asarray(lost / (2.0 * rates + (omega[:, None] * turning).imag))

@@ -8,21 +8,16 @@ inertia, softening, Coriolis and prestress are then the same few integrals for e
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.linalg import Array
 from fem.meshes.planform import root_facets
+from fem.plate import Plate
 from fem.theory.fields import CLAMPED, Block, Fields
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.plate import Plate
-    from fem.theory.sections import Layer
-    from fem.theory.strains import Energy
-
-    Array = NDArray[np.float64]
+from fem.theory.sections import Energy, Layer
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,15 +6,14 @@ unknowns: the physics is in the small matrix c, the discretisation in the tables
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
 CLAMPED = -1

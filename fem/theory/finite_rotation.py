@@ -13,23 +13,15 @@ the transverse shear.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.linalg import Array
+from fem.plate import Material
 from fem.theory.fields import Block, Fields
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from fem.plate import Material
-    from fem.theory.strains import Terms
-
-    Array = NDArray[np.float64]
-
+from fem.theory.sections import Terms
 
 TURNS = (6, 9)
 """Where theta_x and theta_y stand among a section's fields; their derivatives follow each."""

@@ -13,22 +13,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import of
+from fem.plate import Plate
 from fem.theory.discretisation import Discretisation, Space, blocks, clamped, number
 from fem.theory.fields import Fields
-from fem.theory.sections import layers, stretched, weighed
+from fem.theory.sections import layers, of_layers, stretched, weighed
 from fem.theory.springs import energies, springs
-from fem.theory.strains import of_layers
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.plate import Plate
 
 ELEMENTS = ("bfs", "argyris", "morley")
 """Names of the elements for w."""

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
-from fem.theory import clamp, kirchhoff, mindlin, solid
-
-if TYPE_CHECKING:
-    from fem.plate import Plate
-    from fem.theory.discretisation import Discretisation
+from fem.plate import Plate
+from fem.theory import kirchhoff, mindlin, solid
+from fem.theory.discretisation import Discretisation
 
 
 class Kind(StrEnum):
@@ -59,7 +56,7 @@ def _thin(plate: Plate, rotary_inertia: bool, element: str) -> Discretisation:
 
 
 def _sheared(plate: Plate, rotary_inertia: bool, element: str) -> Discretisation:
-    make = clamp.discretise if element == "held" else mindlin.discretise
+    make = mindlin.held if element == "held" else mindlin.discretise
     return make(plate, rotary_inertia)
 
 
@@ -72,7 +69,7 @@ def _of_bricks(element: str, _: bool) -> tuple[int, int, int]:
     return column, column, column
 
 
-_FREE = (1.2, 1.2 * clamp.STRETCHED)
+_FREE = (1.2, 1.2 * mindlin.STRETCHED)
 """What plates lack that are clamped at their root."""
 
 THEORIES = {
@@ -113,7 +110,7 @@ THEORIES = {
     ),
 }
 """The theories by name, the default first; "kirchhoff/morley" and "solid/4" name an element or layers too, and
-"mindlin/held" is clamped as a solid is (`fem.theory.clamp`).
+"mindlin/held" is clamped as a solid is (`fem.theory.mindlin`).
 
 The solid is the reference on rectangles; on distorted cells and triangles a thin one locks, and Mindlin's theory does
 not.

@@ -16,25 +16,19 @@ moved by up to a quarter of a cell, the first three by at most 0.07 % at h/L = 0
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.linalg import Array
 from fem.meshes.mesh_sequence import crowded
-from fem.meshes.thickness import of
+from fem.meshes.thickness import Profile, of
+from fem.plate import Plate
 from fem.theory.discretisation import Discretisation, Space, blocks, number
 from fem.theory.fields import CLAMPED, Fields
-from fem.theory.sections import Layer
+from fem.theory.sections import Layer, of_layers
 from fem.theory.springs import energies, face_springs
-from fem.theory.strains import of_layers
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.meshes.thickness import Profile
-    from fem.plate import Plate
-
-    Array = NDArray[np.float64]
 
 CORNERS = ((1, 1, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
 """Reference coordinates of a brick's vertices in the order of `skfem.ElementHex1`."""

@@ -10,22 +10,19 @@ then lacks to c, which may be negative, on the mean rotation (12 / h³) integral
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.linalg import Array
 from fem.meshes.planform import root_facets
+from fem.plate import ElasticRoot
+from fem.theory.discretisation import Space
 from fem.theory.fields import Block, Fields
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.plate import ElasticRoot
-    from fem.theory.discretisation import Space
-
-    Array = NDArray[np.float64]
-    Terms = tuple[tuple[Fields, Array], ...]
-    Sampled = tuple[Space, tuple[int, ...]]
+Terms = tuple[tuple[Fields, Array], ...]
+Sampled = tuple[Space, tuple[int, ...]]
 
 GAUSS = 5
 """Points on each edge and through each brick: exact for products of quintics."""

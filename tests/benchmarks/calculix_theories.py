@@ -1,6 +1,6 @@
 """Plates at rest in CalculiX, thick and thin, of all shapes and Poisson's ratios, to hold plate theories against.
 
-`python tests/benchmarks/calculix_theories.py` writes tests/fem/data/calculix_theories.csv anew (ten minutes): each on
+`python -m tests.benchmarks.calculix_theories` writes tests/fem/data/calculix_theories.csv anew (ten minutes): each on
 two meshes of C3D20R that shrink towards edges and corners, extrapolated at the third order, and what that changes.
 """
 
@@ -96,7 +96,7 @@ def stored():
 
 def write():
     """Write the table."""
-    import calculix
+    from tests.benchmarks import calculix
 
     with DATA.open("w") as file:
         file.write(

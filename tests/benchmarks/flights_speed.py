@@ -29,7 +29,6 @@ def with_modes(count: int) -> ParticleDamper:
 
 CASES = {
     "level": (LEVEL, None),
-    "level in series": (replace(LEVEL, floor_tilt=(1e-9, 1e-9)), None),
     "tilt": (replace(LEVEL, floor_tilt=(6.9, 6.9)), None),
     "hollow": (replace(LEVEL, floor_radius=(16e-3, 16e-3)), None),
     "tilt and hollow": (replace(LEVEL, floor_tilt=(6.9, 6.9), floor_radius=(16e-3, 16e-3)), None),

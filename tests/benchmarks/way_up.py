@@ -3,7 +3,8 @@
 Random dampers with two steady motions over a range, ramps of 0.1 % a cycle up from the cut-off with the ball at rest in
 the middle, and down again; how far a ball that rolls about the middle swings where it is to meet the walls; and by how
 much the published curve exceeds the ramp up anywhere. The reference is that of the tests; some 20 s a damper.
-`--count N`, `--first SEED`.
+`--count N`, `--first SEED`. `--designs`: two spaces of `design`, each damper of them held at five amplitudes from three
+starts by the same reference: whether the best is the best, and what it was promised.
 """
 
 from __future__ import annotations
@@ -12,13 +13,16 @@ import argparse
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+import spindamp
 from damper import ParticleDamper, Working, working
 from tests.damper.digits import ramp
+from workflows.scene.materials import KNOWN
 
 GROWTH = 1.001
 SAMPLES = 128
@@ -106,12 +110,72 @@ def compare(seed: int) -> str:
     )
 
 
+SPACES = (  # restitution, frequency [Hz], mass [kg], speed [rpm], diameters, clearances and amplitudes [mm]
+    (0.8, 500.0, 0.1, 6000.0, (5.0,), (1.0, 2.75, 6.0), (0.5, 1.0)),
+    (0.5, 200.0, 0.3, 3000.0, (3.0, 4.0, 5.0), (0.4, 0.8, 1.6), (0.7, 1.4)),
+)
+
+
+def least(damper: ParticleDamper, amplitudes: Iterable[float]) -> float:
+    """Damping ratio that a ball adds at least, held at amplitudes, from the middle, aside and rolling about it."""
+    found = []
+    for amplitude in amplitudes:
+        for place in (0.0, 0.5, -min(5 / 7 * amplitude / damper.half_gap[0], 1.0)):
+            cycles = itertools.islice(ramp(damper, amplitude, place, 1.0, SAMPLES), 40, 160)
+            found.append(float(np.mean([lost for _, lost in cycles])) / (2 * math.pi))
+    return min(found)
+
+
+def designs() -> None:
+    """Print a line for each damper of the spaces, what `design` chooses, and what it promises."""
+    for restitution, frequency, mass, rpm, diameters, clearances, ends in SPACES:
+        scene: dict[str, Any] = {
+            "structure": {"frequency": frequency, "mass": mass},
+            "rotor": {"speeds": [f"{rpm} rpm"], "radius": 0.2},
+            "damper": {
+                "ball_material": "steel",
+                "radius": 5e-4 * diameters[0],
+                "cavity": [1e-3 * (diameters[0] + clearances[0])] * 2,
+                "restitution": restitution,
+                "friction": 0.3,
+                "rolling_friction": 2e-5,
+            },
+            "effects": {"ball_slip": False, "indentation": False},
+            "design": {
+                "ball_diameter": [1e-3 * each for each in diameters if len(diameters) > 1] or None,
+                "clearance": [1e-3 * each for each in clearances],
+                "amplitude": [1e-3 * end for end in ends],
+            },
+        }
+        scene["design"] = {key: value for key, value in scene["design"].items() if value}
+        found = spindamp.design(scene)
+        best, shown = found.scene.scene.damper, {}
+        for diameter, clearance in itertools.product(diameters, clearances):
+            ball = KNOWN["steel"].density * math.pi / 6 * (1e-3 * diameter) ** 3
+            load, side = (rpm * math.pi / 30) ** 2 * 0.2, 1e-3 * (diameter + clearance)
+            m2, radius = mass, 5e-4 * diameter
+            stiffness = (m2 + ball) * (2 * math.pi * frequency) ** 2
+            damper = ParticleDamper(m2, (stiffness,) * 2, ball, radius, (side,) * 2, load, restitution, 0.3, 2e-5)
+            shown[diameter, clearance] = least(damper, 1e-3 * np.geomspace(*ends, 5))
+            print(f"  {diameter} mm in {clearance} mm: {100 * shown[diameter, clearance]:.4f} %", flush=True)
+        chosen = round(2e3 * best.radius, 6), round(1e3 * (best.cavity[0] - 2 * best.radius), 6)
+        print(
+            f"e {restitution}: chosen {chosen}, promised {100 * found.found.scored.value:.4f} %, shown"
+            f" {100 * shown[chosen]:.4f} %; best by brute force {max(shown, key=lambda each: shown[each])}",
+            flush=True,
+        )
+
+
 def main() -> None:
     """Print a line for each damper."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--designs", action="store_true")
     given = parser.parse_args()
+    if given.designs:
+        designs()
+        return
     for seed in range(given.first, given.first + given.count):
         print(compare(seed), flush=True)
 

@@ -221,7 +221,7 @@ class Reference:
         end = self.cycles * period
         while self.time < end and len(self.events) < self.most:
             guards, a = self.guards(), self.matrix()
-            now = [g for g in guards if g.kind in ("start", "away") and g.happened(self.x)]
+            now = [g for g in guards if (g.kind in ("start", "away") and g.happened(self.x)) or self.pushed(g)]
             lag, guard, x = (0.0, now[0], self.x) if now else self.next(a, guards, end - self.time)
             if guard is None or lag >= end - self.time:
                 self.book(a, end - self.time, expm(a * (end - self.time)) @ self.x)
@@ -231,6 +231,11 @@ class Reference:
             self.time += lag
             self.events.append((self.time / period, guard.axis, guard.kind))
             self.happen(guard)
+
+    def pushed(self, guard: Guard) -> bool:
+        """Whether a hit of the other wall has just pushed the ball into the wall that it was on."""
+        at, rate = guard.heading * self.x[self.s[guard.axis]], guard.heading * self.x[self.w[guard.axis]]
+        return bool(guard.kind == "hit" and at >= guard.threshold and rate > 0)
 
     def next(self, a: np.ndarray, guards: list[Guard], left: float) -> tuple[float, Guard | None, np.ndarray]:
         """When the first guard's event happens, which, and the state then."""
@@ -309,6 +314,9 @@ class Reference:
         size = (w - self.x[self.w[i]]) / jump[self.k + i]
         self.x[n : 2 * n] += size * jump
         self.x[self.w[i]] = w
+        j = 1 - i
+        if self.regime[j] == "stuck" and abs(self.x[self.w[j]]) <= 1e-7 * self.floor:
+            self.x[self.w[j]] = 0.0  # two walls that push the ball to each other in turn: the limit of the series
         return float(size)
 
     def hit(self, i: int) -> None:
@@ -322,15 +330,18 @@ class Reference:
             self.after(j)
         if self.regime[j] != "stuck" and d.friction > 0:
             slides = x[self.w[j]]
-            change = d.friction * normal * np.linalg.inv(self.mass)[k + j, k + j]
-            self.impulse(j, 0.0 if change >= abs(slides) else slides - math.copysign(change, slides))
+            give = np.linalg.inv(self.mass)[k + j, k + j]
+            spun = 0.0 if self.printed else 2.5 / self.m  # of the surface, as the ball turns about the vertical
+            change = give * min(d.friction * normal, abs(slides) / (give + spun))
+            left = slides - math.copysign(change, slides)
+            self.impulse(j, 0.0 if abs(left) < 1e-15 * abs(slides) else left)
             if self.grip > 0 and x[self.w[j]] != x[self.spin[j]]:
                 self.slide(j)
                 if x[self.w[j]] == 0 and abs(x[self.s[j]]) >= self.gap[j]:
                     self.roll(j, 0)
             else:
                 x[self.spin[j]] = x[self.w[j]]
-                if change >= abs(slides):
+                if x[self.w[j]] == 0:
                     self.settle(j)
         structure = self.shape[i] @ x[k + 2 : 2 * k + 2]
         if abs(x[self.w[i]]) <= max(d.sticking_ratio * abs(structure), self.floor):

@@ -33,6 +33,12 @@ def paper_like(formulation: Formulation) -> ParticleDamper:
     return paper(formulation=formulation)
 
 
+def simple(**changes: Any) -> ParticleDamper:
+    """A ball that nothing presses, in 1 m of room to either side, on a structure of 1 kg and 1 rad/s."""
+    base = ParticleDamper(1.0, (1.0, 1.0), 0.05, 1.0, (4.0, 4.0), 0.0, 0.6)
+    return replace(base, **changes)
+
+
 def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:
     """A damper and a release, in SI with everything about unit size but for what is drawn."""
     rng = np.random.default_rng(seed)

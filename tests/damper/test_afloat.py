@@ -10,10 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from damper import Mode, ParticleDamper, ringdown
+from damper import Mode, ringdown
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler
 from tests.damper import afloat
+from tests.damper.scenes import simple
 
 STILL = (1e-9, 1e-16, 1e-20, 1e-40, 0.0)
 """Speeds to set off at; rounding leaves one like them to a ball that a structure draws off its wall."""
@@ -29,16 +30,7 @@ def test_a_short_hop_off_the_wall(speed: float, excess: float) -> None:
     """Nothing presses the ball, the two modes swing freely under it: u = A cos t + B cos 5t."""
     a, b, half = -(1.0 - excess), 0.04, 1.0
     modes = (Mode(1.0, 1.0, (1.0, 0.0)), Mode(1.0, 25.0, (1.0, 0.0)))
-    damper = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(1.0, 1.0),
-        ball_mass=0.05,
-        ball_radius=1.0,
-        cavity=(2.0 + 2.0 * half,) * 2,
-        centrifugal_acceleration=0.0,
-        restitution=0.6,
-        modes=modes,
-    )
+    damper = simple(modes=modes)
     start = {"amplitudes": (a, b), "ball_position": (-half, 0.0), "ball_velocity": (speed, 0.0)}
     run = ringdown(damper, (0.0, 0.0), 1.0, **start, keep_events=True)
 
@@ -68,14 +60,9 @@ def test_a_short_roll_under_load(speed: float, excess: float) -> None:
     s'' = -(5/7) (u'' + G kappa u + a_r),  (M2 + m) u'' + m s'' + K1 u + m G kappa s = 0.
     """
     mass, load, resistance, pull = 0.05, 100.0, 0.5, 0.2
-    damper = ParticleDamper(
-        modal_mass=1.0,
+    damper = simple(
         stiffness=(1.0 + mass,) * 2,
-        ball_mass=mass,
-        ball_radius=1.0,
-        cavity=(4.0, 4.0),
         centrifugal_acceleration=load,
-        restitution=0.6,
         rolling_friction=resistance / load,
         floor_tilt=(pull / load, 0.0),
     )

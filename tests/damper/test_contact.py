@@ -120,6 +120,23 @@ def test_restitution_falls_with_the_speed() -> None:
     assert restitution(1e4 * onset, onset) == pytest.approx(1.18 * 0.1, rel=0.01)
 
 
+def test_a_published_restitution_lies_between_two_laws() -> None:
+    """Steel of 400 HBW returns a carbide ball of 3 mm on a body of 5.45 g at 2.05 m/s with e = 0.600.
+
+    That is Leeb's hardness, 600 HLD (device D: DIN 50156, ISO 16859-1). Thornton's pressure stays at that of first
+    yield, 1.07 Y in the mean, and gives too little; Johnson's 3 Y of full plasticity, section 11.5, too
+    much: 3.8 (Y/E*)^½ (½ m v² / Y r³)^(-1/8).
+    """
+    carbide, steel = Solid(600e9, 0.22), Solid(210e9, 0.3, 400 * 9.80665e6 / 2.8)
+    mass, radius, speed, measured = 5.45e-3, 1.5e-3, 2.05, 0.600
+    low = restitution(speed, yield_speed(mass, radius, carbide, steel))
+    strength, stiff = steel.yield_strength, modulus(carbide, steel)
+    high = 3.8 * math.sqrt(strength / stiff) * (0.5 * mass * speed**2 / (strength * radius**3)) ** (-1 / 8)
+    assert low < measured < high
+    assert low == pytest.approx(0.62 * measured, rel=0.03)  # what docs/physics.md says of it
+    assert high == pytest.approx(1.22 * measured, rel=0.03)
+
+
 def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match="poissons_ratio"):
         Solid(1e9, 0.5)

@@ -70,8 +70,6 @@ def test_one_mode_alone() -> None:
 def test_towards_a_level_floor(way: str) -> None:
     one = ringdown(PAPER, (20e-3, 5e-3), 20, keep_events=True)
     other = ringdown(replace(PAPER, **LEVELLING[way]), (20e-3, 5e-3), 20, keep_events=True)
-    assert one.states is None
-    assert other.states is not None
     same(one, other)
     assert other.energy.final / other.energy.initial == pytest.approx(0.99138562833, abs=1e-11)
     assert other.energy.rolling / other.energy.initial == pytest.approx(0.00506813179, abs=1e-11)

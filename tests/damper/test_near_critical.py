@@ -9,11 +9,8 @@ from decimal import Decimal, localcontext
 import numpy as np
 import pytest
 
-from damper import Formulation, ParticleDamper, capacity, ringdown
-from damper.flight import begin, first_extremum, structure, viscous_loss
-from damper.motion import prepare
-from damper.slip import drive, first_exceed
-from damper.state import ROLLING
+from damper import Formulation, ParticleDamper, capacity, ringdown, sample
+from damper.state import ROLLING, START
 from tests.damper.reference import Reference, agreed, events
 from tests.damper.scenes import paper_like
 
@@ -24,15 +21,6 @@ def afloat(zeta: float, ball: float = 1e-4, **changes: object) -> ParticleDamper
     """A ball that nothing presses onto the floor: ζ is then that of the structure in flight, with nothing added."""
     base = dataclasses.replace(paper_like(Formulation.CONSISTENT), centrifugal_acceleration=0.0, damping_ratio=zeta)
     return dataclasses.replace(base, ball_mass=ball, **changes)
-
-
-def flight(zeta: float, u: float, v: float):
-    """An axis that rolls afloat, and its law."""
-    one = prepare(afloat(zeta).parameters, np.zeros((1, 5, 2)), 1.0, 1.0)
-    axis, laws, ball = one.axes[0, 0], one.laws[0, 0], one.balls[0]
-    axis["u"], axis["v"], axis["regime"], axis["direction"] = u, v, ROLLING, 1
-    begin(axis, laws, ball, 0.0)
-    return axis, laws[ROLLING]
 
 
 def exactly(zeta: float, rate: float, u: float, v: float, tau: float) -> tuple[Decimal, Decimal]:
@@ -54,42 +42,39 @@ def exactly(zeta: float, rate: float, u: float, v: float, tau: float) -> tuple[D
 
 @pytest.mark.parametrize("zeta", ZETAS)
 @pytest.mark.parametrize("state", [(3e-3, -7.0), (3e-3, 0.0), (-1e-3, -2.0)])
-@pytest.mark.parametrize("angle", [0.05, 0.2, 1.0, 4.0, 15.0])
-def test_flight_and_loss_to_the_last_digits(zeta: float, state: tuple[float, float], angle: float) -> None:
-    """Against a series in 60 digits; the dashpot's work is what the oscillator lost."""
-    (u, v), (axis, law) = state, flight(zeta, *state)
-    rate = math.sqrt(law.square)
-    x, y = exactly(zeta, rate, u, v, angle / rate)
-    there = structure(axis, law, angle / rate)
-    size = abs(u) + abs(v) / rate
-    assert abs(there[0] - float(x)) <= 2e-15 * size
-    assert abs(there[1] - float(y)) <= 2e-15 * size * rate
-    before, after = (
-        Decimal(law.stiffness) * a**2 + Decimal(law.mass) * b**2 for a, b in ((Decimal(u), Decimal(v)), (x, y))
-    )
-    assert viscous_loss(axis, law, angle / rate) == pytest.approx(float((before - after) / 2), rel=2e-13)
+def test_flight_and_loss_to_the_last_digits(zeta: float, state: tuple[float, float]) -> None:
+    """Against a series in 60 digits, the ball flying; the dashpot's work is what the oscillator lost."""
+    (u, v), damper = state, afloat(zeta, cavity=(1e3, 1e3))
+    rate = math.sqrt(damper.stiffness[0] / damper.modal_mass)
+    for angle in (0.05, 0.2, 1.0, 4.0, 15.0):
+        cycles = angle / rate * damper.stuck_frequency / (2 * math.pi)
+        run = ringdown(damper, (u, 0.0), cycles, velocity=(v, 0.0), ball_velocity=(90.0, 90.0), keep_events=True)
+        x, y = exactly(zeta, rate, u, v, run.duration)
+        there = sample(run, [run.duration])
+        size = abs(u) + abs(v) / rate
+        assert run.events == 0  # the ball outruns the structure
+        assert abs(there.displacement[0, 0] - float(x)) <= 1e-14 * size
+        assert abs(there.velocity[0, 0] - float(y)) <= 1e-14 * size * rate
+        before, after = (
+            Decimal(damper.stiffness[0]) * a**2 + Decimal(damper.modal_mass) * b**2
+            for a, b in ((Decimal(u), Decimal(v)), (x, y))
+        )
+        assert run.energy.structure == pytest.approx(float((before - after) / 2), rel=2e-12)
 
 
 @pytest.mark.parametrize("zeta", ZETAS)
-@pytest.mark.parametrize("state", [(3e-3, 0.0), (3e-3, -7.0), (1e-3, 4.0)])
-def test_extrema_and_thresholds(zeta: float, state: tuple[float, float]) -> None:
-    """Where the velocity turns, and where the drive first exceeds a threshold, in digits of the exact motion."""
-    axis, law = flight(zeta, *state)
-    rate = math.sqrt(law.square)
-    turn = first_extremum(axis, law, 1)
-    if rate * turn < 50.0:
-        x, y = exactly(zeta, rate, *state, turn)
-        assert abs(float(x) * rate + 2 * zeta * float(y)) <= 1e-13 * (abs(state[0]) * rate + abs(state[1]))
-    for d in (-1, 1):
-        p, q = drive(axis, law, law.damping, d)
-        times = np.linspace(0.0, 12.0 / rate, 6001)
-        drives = np.array([-d * structure(axis, law, t)[2] for t in times])
-        threshold = 0.5 * drives.max()
-        found = first_exceed(p, q, law, threshold)
-        if threshold <= 0.0:
-            continue
-        assert found == pytest.approx(times[(drives > threshold).argmax()], abs=1.1 * times[1])
-        assert found == 0.0 or -d * structure(axis, law, found)[2] == pytest.approx(threshold, rel=1e-12)
+@pytest.mark.parametrize("formulation", list(Formulation))
+def test_a_ball_sets_off_at_its_threshold(zeta: float, formulation: Formulation) -> None:
+    """It is let go without a drive; the lesser of two printed dashpots decides on the way out."""
+    damper = dataclasses.replace(paper_like(formulation), damping_ratio=zeta, rolling_friction=1e-5)
+    dashpot = 2 * zeta * math.sqrt(damper.stiffness[0] * damper.modal_mass)
+    v = 20.0 * damper.rolling_threshold / damper.stuck_frequency
+    run = ringdown(damper, (-dashpot * v / damper.stiffness[0], 0.0), 1, velocity=(v, 0.0), keep_events=True)
+    assert run.rows is not None
+    start = run.rows[run.rows["kind"] == START][0]
+    drive = (damper.stiffness[0] * start["u"] + dashpot * start["v"]) / damper.stuck_mass
+    assert drive == pytest.approx(damper.rolling_threshold, rel=1e-11)
+    assert start["direction"] == 1
 
 
 @pytest.mark.hard(

@@ -16,12 +16,9 @@ from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits
 
 RUNS: dict[str, Callable[..., Any]] = {
-    "level": ringdown,
-    "linear": ringdown,
-    "level sweeps": samples_of,
-    "linear sweeps": samples_of,
-    "level curves": falling,
-    "linear curves": falling,
+    "ring-downs": ringdown,
+    "sweeps": samples_of,
+    "curves": falling,
     "forced": forced,
 }
 
@@ -62,18 +59,18 @@ def test_it_runs_once_for_a_machine(
     nothing_checked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before the first result of a family, in this process and, by its stamp, in others; again for other versions."""
-    motion = self_check.LEVEL["level floor"]
+    motion = self_check.RINGDOWNS["level floor"]
     for _ in range(2):
         ringdown(motion.damper, motion.release, 1)
-    assert nothing_checked == list(self_check.LEVEL)
-    assert [path.name.split(".")[0] for path in tmp_path.iterdir()] == ["kernels-level"]
+    assert nothing_checked == list(self_check.RINGDOWNS)
+    assert [path.name.split(".")[0] for path in tmp_path.iterdir()] == ["kernels-ring-downs"]
     monkeypatch.setattr(self_check, "checked", set())
     ringdown(motion.damper, motion.release, 1)
-    assert nothing_checked == list(self_check.LEVEL)
+    assert nothing_checked == list(self_check.RINGDOWNS)
     monkeypatch.setattr(self_check, "checked", set())
     monkeypatch.setattr(compiled, "versions", lambda: ("a new one",))
     ringdown(motion.damper, motion.release, 1)
-    assert nothing_checked == 2 * list(self_check.LEVEL)
+    assert nothing_checked == 2 * list(self_check.RINGDOWNS)
     assert len(list(tmp_path.iterdir())) == 1
 
 
@@ -81,7 +78,7 @@ def test_it_runs_once_for_a_machine(
 def test_nothing_leaves_kernels_that_fail(
     nothing_checked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    motion = self_check.LEVEL["level floor"]
+    motion = self_check.RINGDOWNS["level floor"]
     monkeypatch.setitem(motion.figures, "energy left", motion.figures["energy left"] + 1e-8)
     for _ in range(2):
         with pytest.raises(
@@ -115,7 +112,7 @@ def test_stamps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "COMPILES", False)
-    self_check.once("level", ringdown)
+    self_check.once("ring-downs", ringdown)
     assert not nothing_checked
     assert COMPILED or not compiled.CACHED
 

@@ -151,14 +151,14 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
 
 def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     """Its errors are not known until two meshes have modes there; until then the choice is not met."""
-    import fem.accuracy.trial_meshes
+    import fem.accuracy.error_estimates
 
-    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.trial_meshes.probe
+    planform, probe = Rectangle(0.2, 0.08), fem.accuracy.error_estimates.probe
 
     def gone(operators, *given):
         return probe(operators, *given)[: 1 if operators.mass.shape[0] < 1000 else 2]
 
-    monkeypatch.setattr("fem.accuracy.trial_meshes.probe", gone)
+    monkeypatch.setattr("fem.accuracy.error_estimates.probe", gone)
     speeds = 0.0, rpm(9000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met

@@ -17,7 +17,7 @@ from fem import (
     solve_modes,
     with_coriolis,
 )
-from fem.operators.assembly import point_rows
+from fem.assembly import point_rows
 
 CORIOLIS = Effects(coriolis=True)
 
@@ -117,7 +117,7 @@ def test_divergence_is_reported():
 
 def test_a_mode_that_does_not_oscillate_is_not_left_out(monkeypatch):
     """A ratio that spinning modes reach but the check lets pass is refused where the modes are found."""
-    monkeypatch.setattr("fem.modes.solve.check_damping", lambda ratio: None)
+    monkeypatch.setattr("fem.modes.check_damping", lambda ratio: None)
     operators = assemble(paper_plate(4, 2), Rotor(), CORIOLIS)
     with pytest.raises(ValueError, match="does not oscillate"):
         solve_modes(operators, 100.0, 3, damping_ratio=2.0)

@@ -7,9 +7,9 @@ import pytest
 from fem_cases import STEEL, distorted
 
 from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
+from fem.assembly import elastic_stiffness
 from fem.theory import mindlin
 from fem.theory import registry as theories
-from fem.theory.forms import elastic_stiffness
 
 MESHES = {
     "quads": lambda n: rectangle(1.0, 1.0, n, n),

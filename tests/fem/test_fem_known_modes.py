@@ -148,40 +148,61 @@ def test_the_pull_of_a_load_at_a_tip_that_bends_as_a_parabola(axis: tuple[float,
     assert found[0, 0] == pytest.approx(0.35 * 4 / 3 / 0.25 - softened, rel=2e-3)
 
 
-def test_modes_are_followed_through_a_crossing_and_interpolated_in_the_square_of_the_speed() -> None:
-    """Squared frequencies and shapes that are quadratic in it; two modes change their order on the way."""
-    points = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 3))
-    one, other, bent = np.random.default_rng(2).standard_normal((3, 30, 3))
+@pytest.mark.parametrize("coupling", [0.0, 0.003, 0.1])
+def test_modes_between_speeds_are_those_of_the_structure(coupling: float) -> None:
+    """Of a stiffness linear in the squared speed, whose lowest modes cross, or veer sharply or slowly; signs at random.
 
-    def at(omega: float) -> ModesAtSpeed:
-        t = (omega / 100.0) ** 2
-        squares = np.array([1e4 + 3e4 * t, 2e4 + 1e3 * t + 2e2 * t**2])
-        shapes = np.stack([one + 0.05 * t * bent, -other])
-        order = np.argsort(squares)
-        signs = 1.0 if omega % 50 else -1.0
-        return modes(signs * shapes[order], tuple(np.sqrt(squares[order]) / 2 / np.pi), omega)
+    Frequencies are within their errors, effective masses and shapes are right where two modes are a mixture of both.
+    """
+    random, nodes, count = np.random.default_rng(3), 20, 6
+    size = 3 * nodes
+    mass = np.repeat(random.uniform(0.5, 2.0, nodes), 3)
+    basis = np.linalg.qr(random.standard_normal((size, size)))[0]
+    lowest = [1e6, 1.5e6, 5e6, 7e6, 1.2e7]
+    rest = basis @ np.diag([*lowest, *np.linspace(2e7, 9e7, size - 5)]) @ basis.T
+    mixed = random.standard_normal((size, size))
+    growth = np.diag([4e6, 2e5, *random.uniform(3e5, 3e6, size - 2)]) + coupling * 5e5 * (mixed + mixed.T)
+    growth = basis @ growth @ basis.T
 
-    model = ModalModel(points, tuple(map(at, (0.0, 40.0, 70.0, 100.0))), Z, ORIGIN)
-    assert model.likeness.min() > 0.98
-    found, exact = model.at(90.0), at(90.0)
-    assert found.frequencies_hz == pytest.approx(exact.frequencies_hz, rel=1e-12)
-    assert found.tracks is not None
-    assert found.tracks.tolist() == [1, 0]
-    assert np.abs(np.abs(found.shapes) - np.abs(exact.shapes)).max() < 1e-12
-    assert found.interpolation is not None
-    assert found.interpolation.max() < 1e-3
-    two = ModalModel(points, tuple(map(at, (0.0, 100.0))), Z, ORIGIN).at(90.0)
-    assert two.interpolation is None
-    three = ModalModel(points, tuple(map(at, (0.0, 40.0, 100.0))), Z, ORIGIN)
-    cubic = replace(
-        three, speeds=tuple(replace(m, frequencies_hz=m.frequencies_hz * np.exp(m.omega / 200)) for m in three.speeds)
-    )
-    rough = cubic.at(70.0)
-    true = at(70.0).frequencies_hz * np.exp(0.35)
-    assert rough.interpolation is not None
-    assert (np.abs(rough.frequencies_hz / true - 1.0) <= rough.interpolation).all()
-    with pytest.raises(ValueError, match="known from 0 to 100 rad/s"):
-        model.at(101.0)
+    def at(omega: float, count: int = count) -> ModesAtSpeed:
+        stiffness = (rest + (omega / 1000.0) ** 2 * growth) / np.sqrt(np.outer(mass, mass))
+        squares, vectors = np.linalg.eigh(stiffness)
+        shapes = (vectors / np.sqrt(mass)[:, None] * random.choice([-1.0, 1.0], size)).T[:count]
+        hz = np.sqrt(squares[:count]) / (2.0 * np.pi)
+        return ModesAtSpeed(omega, hz, shapes.reshape(count, nodes, 3), damping_ratios=1e-3 * hz)
+
+    def model(*omegas: float, count: int = count) -> ModalModel:
+        points = np.arange(size, dtype=float).reshape(nodes, 3)
+        return ModalModel(points, tuple(at(omega, count) for omega in omegas), Z, ORIGIN)
+
+    known = model(0.0, 300.0, 600.0, 1000.0)
+    assert known.likeness.min() > 0.98
+    for omega in (250.0, 370.0, 450.0, 800.0):
+        found, exact = known.at(omega), at(omega)
+        assert found.interpolation is not None
+        error = np.abs(found.frequencies_hz / exact.frequencies_hz - 1.0)
+        assert (error <= found.interpolation).all(), omega
+        assert found.interpolation.max() < 2e-2
+        one, other = (np.abs(each.shapes[:4]) for each in (found, exact))
+        assert np.abs(one - other).max() < 2e-3 * other.max(), omega
+        assert found.damping_ratios == pytest.approx(1e-3 * exact.frequencies_hz, rel=0.02)
+    tracks = known.at(1000.0).tracks
+    assert tracks is not None
+    assert tracks[:2].tolist() == ([1, 0] if coupling < 0.1 else [0, 1])
+    two = model(0.0, 1000.0)
+    assert two.at(900.0).interpolation is None
+    assert two.at(1000.0).frequencies_hz.tolist() == two.speeds[1].frequencies_hz[:count].tolist()
+    assert model(0.0, 1000.0, count=1).likeness[0] < 0.1, "the lowest mode becomes one that is not in the files"
+    with pytest.raises(ValueError, match="known from 0 to 1000 rad/s"):
+        two.at(1001.0)
+
+
+def test_a_static_displacement_is_nought_at_rest(plate: ModalModel) -> None:
+    """And grows with the square of the speed from there, as between two files of which only one can have it."""
+    assert plate.speeds[1].static is not None
+    half = plate.at(from_rpm(5000)).static
+    assert half is not None
+    assert half == pytest.approx(plate.speeds[1].static / 4.0, abs=1e-12)
 
 
 DRAWN = {0: (-0.8749314, 0.8799380), 10000: (-0.8814362, 0.8803016)}
@@ -197,7 +218,6 @@ def test_a_plate_of_calculix(plate: ModalModel, rpm: int, mass: float, hz: float
     assert densities(plate, known) == pytest.approx(7850.0, rel=1e-4)
     assert volume(plate) == pytest.approx(0.2 * 0.08 * 0.01)
     drawn = drawn_by(plate, known)
-    assert drawn is not None
     assert np.abs([drawn[0, 2], drawn[3, 1]]) == pytest.approx(np.abs(DRAWN[rpm]), rel=1e-4)
     at = place(plate, np.array([0.2, 0.0, 0.0]))
     seen = floor(plate, at, known, np.array([0.3, 0.0, 1.0]))

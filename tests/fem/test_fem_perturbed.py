@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fem import linalg
+from tests.perturbed.__main__ import trial
 from tests.perturbed.cases import CASES
-from tests.perturbed.trial import trial
 
 
 @pytest.mark.hard(
@@ -26,7 +26,7 @@ def test_an_answer_that_hangs_on_the_start_is_noticed(monkeypatch, wrong):
         values, vectors = plain(*given)
         return (values if linalg.SEED == 0 else values * (1.0 + wrong)), vectors
 
-    monkeypatch.setattr("fem.modes.real.lanczos", lanczos)
+    monkeypatch.setattr("fem.modes.lanczos", lanczos)
     assert len(trial(CASES["double modes"], times=2).faults) == 2
 
 
@@ -38,6 +38,6 @@ def test_a_failure_on_another_start_is_noticed(monkeypatch):
             raise linalg.NotConverged
         return plain(*given)
 
-    monkeypatch.setattr("fem.modes.real.lanczos", lanczos)
+    monkeypatch.setattr("fem.modes.lanczos", lanczos)
     (fault,) = trial(CASES["double modes"], times=1).faults
     assert "ends with NotConverged, not with one" in fault

@@ -17,9 +17,9 @@ from fem import (
     solve_modes,
     with_point_mass,
 )
+from fem.assembly import point_rows
 from fem.linalg import factorise, lanczos
 from fem.meshes.thickness import Polynomial
-from fem.operators.assembly import point_rows
 from fem.theory.fields import gram
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)

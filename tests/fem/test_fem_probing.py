@@ -12,14 +12,14 @@ from fem import (
     Rectangle,
     Rotor,
     assemble,
+    assembly,
     choose_mesh,
     rectangle,
     solve_modes,
     statics,
 )
-from fem.accuracy.trial_meshes import alone, complete, probe
-from fem.operators import assembly
-from fem.operators.assembly import transfer
+from fem.accuracy.error_estimates import alone, complete, probe
+from fem.assembly import transfer
 
 COUNT, EXACT = 6, 1e-7
 

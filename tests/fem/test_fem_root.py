@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 
 from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
+from fem.assembly import point_rows
 from fem.linalg import factorise
 from fem.meshes.thickness import Polynomial
-from fem.operators.assembly import point_rows
 from fem.theory.fields import gram
 from fem.theory.registry import LAYERED
 

@@ -13,7 +13,7 @@ from fem import Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import root_strains
-from fem.modes.real import solve_real
+from fem.modes import solve_real
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, named_root, root_at
 from fem.solid.mesh_error import mesh_errors
@@ -196,7 +196,7 @@ def test_speeds_between_are_as_good_as_is_said(name):
 
 def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     """Conjugate gradients lead to the states and modes that factors lead to; one that diverges is noticed."""
-    from fem.modes.real import Divergence
+    from fem.modes import Divergence
 
     exact = sweep_blade(blade("P1_fan", (8, 4, 1)), rpm(np.array([0.0, 3000.0, 6000.0, 9000.0])), 4)
     monkeypatch.setattr(linalg, "LARGE", 0)

@@ -14,6 +14,7 @@ from fem import (
     Plate,
     Rotor,
     assemble,
+    assembly,
     campbell,
     displacement,
     equilibrium,
@@ -21,7 +22,6 @@ from fem import (
     solve_modes,
     statics,
 )
-from fem.operators import assembly
 from fem.statics import tangent
 from fem.statics import unbalanced as unbalanced_under
 

@@ -165,8 +165,8 @@ def test_families_and_branches_through_a_crossing():
 )
 @pytest.mark.parametrize("halvings", [0, 6])
 def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
-    monkeypatch.setattr("fem.sweep.greedy_basis.answer.__defaults__", (halvings,))
-    monkeypatch.setattr("fem.sweep.greedy_basis.LARGEST", 2)
+    monkeypatch.setattr("fem.sweep.reduced_basis.answer.__defaults__", (halvings,))
+    monkeypatch.setattr("fem.sweep.reduced_basis.LARGEST", 2)
     mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
     plate = Plate(rectangle(0.2, 0.08, 6, 4).to_meshtri(), 0.004, STEEL, mass, (0.2, 0.0))
     operators = assemble(plate, Rotor(0.1, 0.5), Effects(), "kirchhoff/argyris")

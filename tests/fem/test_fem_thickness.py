@@ -1,8 +1,6 @@
 """Thickness that varies over the planform: exact tapers, the theories among each other, CalculiX."""
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,16 +21,14 @@ from fem import (
     rectangle,
     solve_modes,
 )
+from fem.assembly import point_rows, transfer
 from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
-from fem.operators.assembly import point_rows, transfer
 from fem.theory.fields import gram
 from fem.theory.finite_rotation import Section
 from fem.theory.registry import discretise
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-import calculix_blades
+from tests.benchmarks.calculix_turning import BLADES, COUNT, stored
 
 THEORIES = ("kirchhoff/bfs", "kirchhoff/argyris", "kirchhoff/morley", "mindlin", "solid")
 STRIP = Material(2e11, 0.0, 7850.0)
@@ -250,7 +246,7 @@ def test_blades_as_in_calculix(name):
     compare(name, "mindlin", 4e-3, 5)
 
 
-@pytest.mark.parametrize("name", [name for name in calculix_blades.CASES if "precone" in name])
+@pytest.mark.parametrize("name", [name for name in BLADES if "precone" in name])
 def test_cones_as_in_calculix(name):
     """Six modes of plates that leave the hub at an angle, some staggered or tapered, about the state they bend to."""
     compare(name, "mindlin", 4e-3, 5)
@@ -262,13 +258,13 @@ def test_a_thick_solid_blade_as_in_calculix():
 
 
 def compare(name, theory, rtol, size):
-    case = calculix_blades.CASES[name]
-    frequencies, differences = calculix_blades.stored()[name]
+    case = BLADES[name]
+    frequencies, differences = stored("blades")[name]
     plate = Plate(Rectangle(0.2, 0.08).mesh(size), case.thickness, Material(*case.material))
     rotor = Rotor(case.hub, np.radians(case.stagger), np.radians(case.precone))
     operators = assemble(plate, rotor, BENT, theory)
     for omega, expected, difference in zip((0.0, case.omega), frequencies, differences, strict=True):
-        found = solve_modes(operators, omega, calculix_blades.COUNT).frequencies_hz
+        found = solve_modes(operators, omega, COUNT).frequencies_hz
         np.testing.assert_array_less(np.abs(found / expected - 1.0), rtol + difference.max())
 
 

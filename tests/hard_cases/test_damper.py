@@ -225,15 +225,17 @@ def test_release_by_rounding_above_the_threshold(formulation: Formulation) -> No
 
 @pytest.mark.hard(keeps="nothing left of it to 1e-12")
 def test_sliding_ends_exactly_at_the_cap() -> None:
-    """mu at its cap of eq. (11): what is left of the tangential speed is nothing, not rounding with a sign."""
+    """mu at its cap: sliding along the wall has ended, by impulse and spin, where friction would do so exactly."""
     base = ParticleDamper(3.0, (1e-12, 1e-12), 1.0, 1e-3, (0.022, 0.202), 0.0, 0.5)
     wx, wy = 1.0, 0.3
-    cap = wy / (wx * 1.5)
+    give = 4 / 3  # 1/M2 + 1/m
+    cap = wy / (give + 5 / 2) / (wx * 1.5 / give)
     for mu in (cap * (1 - 1e-15), cap, cap * (1 + 1e-15)):
         period = 2 * math.pi / base.stuck_frequency
         damper = dataclasses.replace(base, friction=mu)
         result = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(wx, wy), keep_events=True)
-        assert abs(sample(result, result.duration).relative_velocity[0, 1]) < 1e-12
+        left = sample(result, result.duration).relative_velocity[0, 1]
+        assert abs(left - 5 / 2 * (wy - left) / give) < 1e-12
 
 
 @pytest.mark.hard(keeps="finite; energy books closed, energy never rising, ball inside")

@@ -24,7 +24,7 @@ from fem import (
     reduce_over,
     solve_modes,
 )
-from fem.accuracy.trial_meshes import probe
+from fem.accuracy.error_estimates import probe
 from fem.linalg import rounding
 from fem.statics import linearise
 from tests.perturbed.changes import Problem, Units

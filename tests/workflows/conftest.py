@@ -144,7 +144,7 @@ def changed(scene: Scene, **changes: Any) -> Scene:
 def toml(value: Any) -> str:
     """A value as TOML."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {toml(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{json.dumps(key)} = {toml(item)}" for key, item in value.items()) + " }"
     if isinstance(value, float) and value != value:
         return "nan"
     if isinstance(value, list):

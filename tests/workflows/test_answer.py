@@ -20,9 +20,10 @@ from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report import text as summary
 from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, assumptions, beyond, stretch
-from workflows.report.verdict import answer
+from workflows.report.verdict import answer, of_orders
+from workflows.scene.scene import Excitation
 from workflows.solve import limits
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import ForceLevel, Grade, Reason, Results, SpeedPoint, Verdict, VibrationReduction
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
@@ -461,7 +462,8 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
 def test_a_run_without_pictures_knows_what_a_given_mesh_endures() -> None:
     """The shapes of the modes are drawn or not; the strength of the root is judged in either case."""
     quiet, source = Stages(visible=False), workflows.load(HOLED)
-    holed = source.changed(accuracy=source.scene.accuracy.model_copy(update={"frequency": 0.5}))
+    slow = source.scene.rotor.model_copy(update={"speeds": source.scene.rotor.speeds[:1], "modes": 2})
+    holed = source.changed(accuracy=source.scene.accuracy.model_copy(update={"frequency": 0.5}), rotor=slow)
     drawn, undrawn = (
         limits.endured(pipeline.structure(holed, quiet, shapes=shapes).results()) for shapes in (True, False)
     )
@@ -517,6 +519,30 @@ def test_a_middle_of_speeds_has_both_its_ends() -> None:
     )
 
 
+def test_a_verdict_ends_where_the_contact_yields() -> None:
+    """What is of little use at one speed is not so from it on, where nothing is said of those above."""
+    found = at(1000, 17500, 20000)
+    end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.INADMISSIBLE, Reason.CONTACT))
+    assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict.startswith(
+        "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); no verdict at 20000 rpm"
+    )
+
+
+def test_levels_beside_the_range_have_their_own_numbers() -> None:
+    """A level outside the range of the best may still reach more than half of it."""
+    rows = ((1.0, 0.57, True), (2.0, 0.3, True), (9.0, 0.9, True), (50.0, 1.0, False), (0.5, 1.0, True))
+    levels = tuple(ForceLevel(level, ratio, 1e-3, borne) for level, ratio, borne in rows)
+    found = VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, levels)
+    excitation = Excitation.model_validate({"orders": [4], "force": ["1 N"]})
+    run = at(1000)
+    run = replace(run, scene=run.scene.model_copy(update={"excitation": excitation}), reductions=(found,))
+    assert of_orders(run)[0] == (
+        "At engine order 4 (5000 rpm, flap mode): up to 68 % less vibration at 3 N, at least half of that between 1.7"
+        " and 7.7 N. Not useful at 50 N: such levels overstress the root. At 0.5 N the load holds the ball at rest; it"
+        " moves from 0.8 N on. At 9 N the reduction is less than half of 68 %. At 1 N the reduction is 43 %."
+    )
+
+
 def test_friction_beyond_the_given_names_every_speed() -> None:
     """Less than dry metals have, more than the scene's 0.3."""
     found = at(250, 300, 3500)
@@ -539,13 +565,11 @@ def test_below_a_load_of_1_g_the_weight_rules() -> None:
     found = at(40, 60, 3500)
     assert load(60) < 1
     verdict = answer(found).verdict
-    assert (
-        "; no verdict up to 60 rpm (0.805 g): there the ball's weight, which is left out, is more than the" in verdict
-    )
+    assert "; no verdict up to 60 rpm (0.805 g): there the ball's weight, which is neglected, exceeds the" in verdict
     assert "60 rpm" not in " ".join(answer(found).sentences)
-    assert answer(at(40, 60)).verdict == "No verdict: the ball's weight, which is left out, is more than the load"
+    assert answer(at(40, 60)).verdict == "No verdict: the ball's weight, which is neglected, exceeds the load"
     for rpm in (0, 1e-3):
-        assert answer(at(rpm)).verdict == "No verdict: the ball's weight, which is left out, is more than the load"
+        assert answer(at(rpm)).verdict == "No verdict: the ball's weight, which is neglected, exceeds the load"
 
 
 @pytest.mark.parametrize(("rpm", "share"), [(80, 0.699), (200, 0.112), (220, None)])

@@ -12,7 +12,8 @@ import workflows
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.neglected_effects import bent
 from tests.workflows.conftest import Scene, changed
-from workflows.effects import large_deflection, selection
+from workflows.effects import plate as of_plates
+from workflows.effects import selection
 from workflows.io import serialise
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile, load, parse
@@ -84,11 +85,11 @@ def test_the_strain_alone_tells_enough(paper: Scene, nu: float, width: float, th
             rotor__speeds=speeds,
         )
     )
-    strain = large_deflection.strain_of_a_flat_blade(given)
+    strain = of_plates.strain_of_a_flat_blade(given)
     assert strain == pytest.approx(2e-3)
     material = Material(2e11, nu, 7850.0)
     found = bent(Plate(Rectangle(0.2, width).mesh(1), thickness, material), Rotor(hub), Effects(), tuple(speeds), 6)
-    assert 0.25 < found.shift / large_deflection.moved_by_strain(given, 2e-3) < 1.0
+    assert 0.25 < found.shift / of_plates.moved_by_strain(given, 2e-3) < 1.0
 
 
 def staggered(**effects: bool) -> workflows.Results:

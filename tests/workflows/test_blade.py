@@ -11,6 +11,7 @@ from meshes import make
 from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.progress import Stages
+from workflows.report.verdict import answer
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import resources
 from workflows.solve.blade import blade_of, in_words
@@ -179,6 +180,7 @@ damping_ratio = 0.001
 
 [effects]
 structural_modes = true
+cavity_mass = false
 
 [accuracy]
 frequency = 0.005
@@ -203,10 +205,59 @@ def test_a_flat_plate_of_bricks_has_the_plates_numbers(tmp_path):
         assert off <= found.error_estimate + known.error_estimate
     for name in ("f1_hz", "f2_hz", "M2", "K2", "floor_tilt"):
         assert getattr(other.reduced, name) == pytest.approx(getattr(one.reduced, name), rel=4e-3), name
+    stress = 4430 * other.omega**2 * (0.25**2 - 0.05**2) / 2
+    assert other.root_stress == pytest.approx(stress, rel=1e-9)
     for known, found in zip(one.cavity_modes, other.cavity_modes, strict=True):
         for axis in range(2):
             assert abs(found.shape[axis]) == pytest.approx(abs(known.shape[axis]), rel=5e-3, abs=1e-6)
             assert abs(found.slope[axis]) == pytest.approx(abs(known.slope[axis]), rel=5e-3, abs=1e-4)
+
+
+@pytest.fixture(scope="module")
+def bricks(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bricks")
+    flat = make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05)
+    make.write_inp(folder / "flat.inp", make.solid(flat, (4, 2, 1), 3.0), "flat")
+    return folder
+
+
+def on_bricks(folder, old="", new=""):
+    text = f"[blade]\nmesh = 'flat.inp'\n{PLATE.format(place='origin = [0.0, 0.0, 0.0]', at='[0.25, 0.0, 0.0]')}"
+    assert old in text
+    (folder / "bricks.toml").write_text(text.replace(old, new), encoding="utf-8")
+    return load(folder / "bricks.toml")
+
+
+CAVITIES = {
+    "fits": ('["5 mm", "5 mm"]', []),
+    "thick": ('["12 mm", "5 mm"]', [(1, 12, 10)]),
+    "large": ('["12 mm", "90 mm"]', [(1, 12, 10), (2, 90, 80)]),
+}
+
+
+@pytest.mark.parametrize("case", CAVITIES)
+def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
+    """A plate of 10 mm times 80 mm."""
+    cavity, wrong = CAVITIES[case]
+    stages = Stages(visible=False)
+    said = pipeline.structure(on_bricks(bricks, '["5 mm", "5 mm"]', cavity), stages).results(stages=stages).notes
+    assert len(said) == len(wrong)
+    for text, (axis, side, thick) in zip(said, wrong, strict=True):
+        assert f"along axis {axis} it measures {side} mm, and the structure is {thick} mm thick there" in text
+
+
+def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(bricks):
+    """Its frequency at another is not known."""
+    source = on_bricks(bricks, 'rolling_friction = "0.02 mm"', 'rolling_friction = "1 mm"')
+    verdict, (first, *_) = (found := answer(pipeline.run(source))).verdict, found.sentences
+    assert verdict == "No: the ball never moves"
+    assert "it would move with a rolling friction below" in first
+    assert "rpm (" not in first
+
+
+def test_a_direction_along_the_load_is_refused_by_its_own_key(bricks):
+    with pytest.raises(BadInput, match=r"\[damper\] direction = \[1\.0, 0\.0, 0\.0\]: the direction is along the load"):
+        pipeline.run(on_bricks(bricks, "friction = 0.3", "friction = 0.3\ndirection = [1, 0, 0]"))
 
 
 def test_the_scene_of_the_guide_is_read():

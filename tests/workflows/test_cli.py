@@ -402,19 +402,11 @@ def _loaded(statement: str) -> set[str]:
     return set(done.stdout.splitlines()[-1].split())
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_a_package_alone_loads_nothing_heavy(package: str) -> None:
-    assert not _loaded(f"import {package}") & HEAVY
-
-
-def test_light_commands_load_nothing_heavy() -> None:
-    assert not _loaded("from workflows.cli.main import main\nmain(['--version'])\nmain(['--help'])") & HEAVY
-
-
-def test_check_loads_no_solver_and_draws_nothing() -> None:
-    """Said in words and as JSON; what solves and compiles takes longer to load than a check of a rectangle takes."""
-    check = "main(['check', 'paper'])\nmain(['check', 'paper', '--json'])"
-    assert not _loaded(f"from workflows.cli.main import main\n{check}") & (HEAVY | {"scipy", "pint"})
+def test_packages_and_light_commands_load_nothing_heavy() -> None:
+    """What solves, draws and compiles takes longer to load than a check of a rectangle takes, in words and as JSON."""
+    calls = [f"main({line.split()})" for line in ("--version", "--help", "check paper", "check paper --json")]
+    code = ["import damper, fem, workflows", "from workflows.cli.main import main", *calls]
+    assert not _loaded("\n".join(code)) & (HEAVY | {"scipy", "pint"})
 
 
 def test_a_damper_alone_loads_no_plate() -> None:

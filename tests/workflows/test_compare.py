@@ -12,7 +12,7 @@ import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED
-from workflows.studies.comparison import report
+from workflows.studies import comparison as report
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
 
 
 def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
-    with pytest.raises(BadInput, match="two runs at least"):
+    with pytest.raises(BadInput, match="at least two runs"):
         spindamp.compare(soft_and_stiff[0])
     with pytest.raises(BadInput, match="holds no run"):
         spindamp.compare(soft_and_stiff[0], tmp_path)

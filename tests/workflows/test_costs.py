@@ -21,9 +21,10 @@ from workflows.progress import Stages
 from workflows.scene import load
 from workflows.scene.scene import Accuracy
 from workflows.solve import damper as damper_stage
-from workflows.solve.results import Damping, Energy, Mode, SpeedPoint
+from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
-from workflows.studies.work_precision import effects_report, report, timing
+from workflows.studies.work_precision import effects as effects_report
+from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
 from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
 from workflows.studies.work_precision.integration import integrate
@@ -482,22 +483,6 @@ def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool)
     assert row.within_noise is noise
     assert ("within noise" in effects_report.text(Switches("", 1e-3, (row,)))) is noise
     assert ("within noise" in effects_report.draw(Switches("", 1e-3, (row,)))) is noise
-
-
-def test_from_nothing_to_something_is_no_number() -> None:
-    """Energy that the ball takes only with an effect: infinitely more, which is no number; to nothing is -100 %."""
-
-    def rung(ball: float) -> tuple[SpeedPoint, ...]:
-        energy = Energy(1.0, 0.5, 0.5 - ball, ball, 0.0, 0.0, 0.0)
-        none = dict.fromkeys(Damping.__dataclass_fields__, None)
-        damping: Any = Damping(**none | {"energy": energy, "impacts": 3})  # type: ignore[arg-type]
-        return (replace(point(1000), damper=damping),)
-
-    found = changes(rung(0.1), rung(0.0), own_has_it=True)
-    assert found.relative.pop("ball_damping_ratio") is None
-    assert found.relative == {"cutoff_g": None, "peak_sdc": None, "impacts": 0.0, "ball_share": None}
-    assert found.remarks == ("ball_share is there only with it, at 1000 rpm",)
-    assert changes(rung(0.1), rung(0.0), own_has_it=False).relative["ball_share"] == -1.0
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:

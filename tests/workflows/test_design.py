@@ -17,9 +17,9 @@ from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.solve.excitation import held_well
+from workflows.studies import response
 from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Found, Obstacle, Scored
-from workflows.studies.response import study as response
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
@@ -147,12 +147,12 @@ def test_the_plates_thickness_is_room():
     [
         ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the root by over 0.4 %"),
         ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
-        ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is left out, is more than"),
+        ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is neglected, exceeds"),
         (
             {"rotor__speeds": ["700 rpm"]},
             "at 700 rpm every ball would slide, since rolling requires a friction of 2.1 at",
         ),
-        ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is left out, is more than the load"),
+        ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is neglected, exceeds the load"),
     ],
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
@@ -181,7 +181,7 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
-    assert said.endswith("a blade, where the plate endures it: up to 9.1 mm")
+    assert said.endswith("a blade, where the structure endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():
@@ -264,7 +264,9 @@ def test_nothing_better_among_all_designs(slow, here):
     assert scene.damper.radius == found.space.values(found.found.shares)["damper.radius"]
     point = spindamp.run(scene).speeds[0]
     assert objectives.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
-    assert report.verdict(found.space, found.found).startswith("At least a damping ratio")
+    assert report.verdict(found.space, found.found).startswith(
+        "The best design adds an equivalent damping ratio of at least"
+    )
 
 
 def test_why_none_works(slow, here):

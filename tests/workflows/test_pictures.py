@@ -27,7 +27,8 @@ from workflows.report.page import Drawings, draw, render
 from workflows.scene.load import SceneLike
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
-from workflows.studies.work_precision import effects_report, report
+from workflows.studies.work_precision import effects as effects_report
+from workflows.studies.work_precision import report
 from workflows.studies.work_precision.effects import Switched, Switches
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 

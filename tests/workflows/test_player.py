@@ -14,7 +14,7 @@ import pytest
 import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
-from tests.workflows.browser import driven, needs_chromium, printed
+from tests.workflows.browser import driven, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.io import files
 from workflows.report import figures
@@ -239,20 +239,3 @@ def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
     assert found["cursor"] == pytest.approx(0.5, abs=1e-3)
     assert "cycle 4.0" in found["spoken"]
     assert found["spoken"].split(", ")[0] in found["said"]
-
-
-@needs_chromium
-def test_in_print_the_path_stands_without_its_player(finished: Path, tmp_path: Path) -> None:
-    script = (
-        START_JS
-        + "const seen = name => [...figure.querySelectorAll(name)].map(each => getComputedStyle(each).display);"
-    )
-    script += "const moving = ['form', '.ball', '.cursor', '.scripted'];"
-    script += "return { svg: seen('svg'), rest: moving.flatMap(seen) };"
-    page = tmp_path / "printed.html"
-    text = (finished / "report.html").read_text(encoding="utf-8")
-    page.write_text(text.replace("@media print {", "@media all {", 1), encoding="utf-8")
-    found = driven(page, script)
-    assert "block" in found["svg"]
-    assert set(found["rest"]) == {"none"}
-    assert printed(finished / "report.html").startswith(b"%PDF")

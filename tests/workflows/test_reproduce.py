@@ -12,9 +12,19 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import findings, needs_chromium
-from workflows.studies.reproduction import Claim, Reproduction, Verdict, report, reproduce
-from workflows.studies.reproduction.claims import of_figures, of_table_two
-from workflows.studies.reproduction.simulation import FORMULATIONS, RELEASE, SHOWN, Simulated
+from workflows.studies import reproduction_report as report
+from workflows.studies.reproduction import (
+    FORMULATIONS,
+    RELEASE,
+    SHOWN,
+    Claim,
+    Reproduction,
+    Simulated,
+    Verdict,
+    of_figures,
+    of_table_two,
+    reproduce,
+)
 
 VERDICTS = {
     "T2-loads": Verdict.REPRODUCED,

@@ -217,9 +217,8 @@ sys.exit(status)
     [
         ({"rotor__speeds": ["3500 rpm", "17500 rpm"]}, "drawn"),
         ({"rotor__speeds": ["5000 rpm"]} | BARE | {"effects": PLAIN | {"large_deflection": True}}, "undrawn"),
-        ({"damper__rolling_friction": 0, "release__cycles": 50_000, "rotor__speeds": ["5000 rpm"]} | BARE, "undrawn"),
     ],
-    ids=["paper", "deflected", "cycles"],
+    ids=["paper", "deflected"],
 )
 def test_the_memory_promised_is_what_a_run_takes(
     changes: dict[str, Any], figures: str, paper: Scene, spindamp: Command, tmp_path: Path
@@ -253,7 +252,7 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
     assert 0.3 < cycles / most < 3
 
 
-@pytest.mark.parametrize("changes", [{}, {"rotor__modes": 40}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
+@pytest.mark.parametrize("changes", [{}, {"rotor__modes": 20}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
 def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
     alone = changed(

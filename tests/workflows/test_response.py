@@ -22,9 +22,10 @@ from workflows.scene.load import SHIPPED, opened
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
+from workflows.studies import response as study
+from workflows.studies import response_report as report
 from workflows.studies.design import objectives
-from workflows.studies.response import report, study
-from workflows.studies.response.study import FEW_SPEEDS, respond
+from workflows.studies.response import FEW_SPEEDS, respond
 
 STRUCTURE = """
 title = "known"
@@ -344,13 +345,11 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     at_rest = 2 * math.pi * 200 * math.sqrt(1.01)  # rad/s without the ball, 200 Hz with it
     moves = 0.01 * (known.passed[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
     force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
-    said_force = re.search(r"At 2 N the load holds the ball at rest, which moves from ([0-9.]+) N on\.$", said)
+    said_force = re.search(r"At 2 N the load holds the ball at rest; it moves from ([0-9.]+) N on\.$", said)
     assert float(said_force[1]) == pytest.approx(force, rel=0.03)
-    assert added == (
-        f"Besides the levels asked for, {best.force:g} N is followed, near where the estimate has its maximum."
-    )
+    assert added == (f"{best.force:g} N is added to the levels asked for, near the maximum of the estimate.")
     assert remarks.BEYOND not in report.text(known)
-    monkeypatch.setattr(study, "endured", lambda *_: (strong.greatest + best.greatest) / 2)
+    monkeypatch.setattr(study.excitation, "endured", lambda *_: (strong.greatest + best.greatest) / 2)
     said = report.sentences(known)[0]
     assert f": up to {100 * (1 - strong.ratio):.2g} % less vibration at 20 N." in said
     marked = [line for line in report.text(known).splitlines() if remarks.BEYOND in line]
@@ -359,7 +358,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     written = report.render(known)
     assert written.count(remarks.BEYOND) == 2
     assert remarks.BEYOND_MEANS in written
-    monkeypatch.setattr(study, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
+    monkeypatch.setattr(study.excitation, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said = report.sentences(known)[0]
     assert said.startswith("At engine order 3 (4020 rpm, flap mode): not useful at the levels followed, 2, 20 and ")
 
@@ -404,9 +403,8 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps():
     assert study.is_beyond(found, strong)
     assert not study.is_beyond(found, best)
     first, nowhere, added = report.sentences(found)
-    assert first.startswith(
-        f"At engine order 3 (1751 rpm, flap mode): up to {100 * (1 - best.ratio):.2g} % less vibration"
-    )
+    rpm, less = found.passed[0].crossing.rpm, 100 * (1 - best.ratio)
+    assert first.startswith(f"At engine order 3 ({rpm:.0f} rpm, flap mode): up to {less:.2g} % less vibration")
     assert first.endswith("Not useful at 20 N: such levels overstress the root.")
     assert nowhere.startswith("Engine order 50 meets no mode between 1200 and 2600 rpm; it would meet the first near")
     assert f"{best.force:g} N is followed" in added

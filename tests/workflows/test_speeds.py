@@ -14,7 +14,7 @@ from tests.workflows.conftest import Scene, changed
 @pytest.fixture
 def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """How many speeds each reduced basis that is grown is for."""
-    from fem.sweep import greedy_basis as adaptive
+    from fem.sweep import reduced_basis as adaptive
 
     speeds: list[int] = []
     plain = adaptive.grow

@@ -19,7 +19,8 @@ from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.scene.load import SHIPPED, load
 from workflows.solve.results import Damping
-from workflows.studies.sweep import axes, evaluate, report, sensitivity, study
+from workflows.studies.sweep import evaluate, report, sensitivity, study
+from workflows.studies.sweep import plan as axes
 from workflows.studies.sweep.plan import base, grid, of_a_point, sample, with_values
 from workflows.studies.sweep.report import HEADLINE
 

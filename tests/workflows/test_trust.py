@@ -26,10 +26,10 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     """Thin-plate theory is off by 5 % in the paper's twist, whatever the mesh."""
     scene = _plate(paper, accuracy__frequency=accuracy)
     said = remarks.sentence(workflows.run(scene))
-    assert said.endswith(f'was asked for; [plate] theory = "{theory}" would do.')
+    assert said.endswith(f'was asked for; [plate] theory = "{theory}" would achieve it.')
     mended = workflows.run(changed(scene, plate__theory=theory))
     assert remarks.met(mended)
-    assert "would do" not in str(remarks.sentence(mended))
+    assert "would achieve it" not in str(remarks.sentence(mended))
 
 
 def test_the_effects_that_would_do_do(paper: Scene) -> None:
@@ -37,7 +37,9 @@ def test_the_effects_that_would_do_do(paper: Scene) -> None:
     scene = _plate(paper, accuracy__frequency=3e-3, plate__theory="mindlin", rotor__stagger="90 deg")
     scene = changed(scene, rotor__speeds=["17500 rpm"], effects={"coriolis": False})
     said = remarks.sentence(workflows.run(scene))
-    assert said.endswith("was asked for; [effects] coriolis = true and [effects] large_deflection = true would do.")
+    assert said.endswith(
+        "was asked for; [effects] coriolis = true and [effects] large_deflection = true would achieve it."
+    )
     assert remarks.met(workflows.run(changed(scene, effects={"coriolis": True, "large_deflection": True})))
 
 

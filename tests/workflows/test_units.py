@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workflows import formatting
 from workflows.scene import quantities
 from workflows.scene.quantities import Kind, UnitError, to_si
 
@@ -119,3 +120,25 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 @pytest.mark.parametrize(("unit", "si"), quantities._FACTORS)
 def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
     assert quantities._FACTORS[unit, si] == quantities._by_pint(unit, si)
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (0.0, "0.000"),
+        (-0.0, "0.000"),
+        (-1e-15, "0.000"),
+        (-3e-7, "−0.00003"),
+        (-2.34e-4, "−0.023"),
+        (3e-7, "0.000"),
+        (0.12136, "12.136"),
+    ],
+)
+def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> None:
+    """One below 0 that is more than what rounding leaves keeps its digits."""
+    assert formatting.percent(share, 3) == said
+
+
+@pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])
+def test_no_whole_number_is_minus_nothing(value: float, said: str) -> None:
+    assert formatting.fixed(value) == said

@@ -123,10 +123,10 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     The response is computed without and with the ball, under the forces of the table [excitation].
     Without --out, no files are written.
     """
-    from workflows.studies.response import report
-    from workflows.studies.response.study import respond
+    from workflows.studies import response_report
+    from workflows.studies.response import respond
 
-    _of_a_scene(_load(scene), respond, report, out, json)
+    _of_a_scene(_load(scene), respond, response_report, out, json)
 
 
 @_commands.command()
@@ -135,10 +135,9 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
     Without --out, no files are written.
     """
-    from workflows.studies import reproduction
-    from workflows.studies.reproduction import report
+    from workflows.studies import reproduction, reproduction_report
 
-    _study(reproduction.reproduce, report, out, json)
+    _study(reproduction.reproduce, reproduction_report, out, json)
 
 
 @_commands.command()
@@ -161,10 +160,9 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
 
     Without --out, no files are written.
     """
-    from workflows.studies.work_precision import effects_report
-    from workflows.studies.work_precision.effects import switching
+    from workflows.studies.work_precision import effects as study
 
-    _of_a_scene(_load(scene), switching, effects_report, out, json)
+    _of_a_scene(_load(scene), study.switching, study, out, json)
 
 
 @_commands.command()
@@ -254,9 +252,9 @@ def compare(
     The result shows where their scenes differ, their verdicts, the figures at each speed and one chart. Without --out,
     no files are written.
     """
-    from workflows.studies.comparison import report, study
+    from workflows.studies import comparison
 
-    _study(lambda stages: study.compare(runs, stages), report, out, json)
+    _study(lambda stages: comparison.compare(runs, stages), comparison, out, json)
 
 
 @_commands.command()

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import InstanceOf
 
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.scene.damper import Damper
-    from workflows.scene.scene import Scene
-
+from fem.meshes.mesh_sequence import Planform
+from workflows.scene.damper import Damper
+from workflows.scene.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
@@ -72,6 +70,12 @@ class Case:
     def spins(self) -> bool:
         """Whether anything spins."""
         return any(speed > 0 for speed in self.scene.rotor.speeds)
+
+    @property
+    def damper(self) -> Damper:
+        """The scene's; effects of a damper are asked where there is one."""
+        assert self.scene.damper is not None
+        return self.scene.damper
 
 
 class Refusal(NamedTuple):

@@ -2,60 +2,15 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, NamedTuple
-
-from workflows.effects.definition import Called, Case, Definition, Effect
+from fem.meshes.mesh_sequence import Planform
+from workflows.effects import ball, plate
+from workflows.effects.definition import NO_DAMPER, Called, Case, Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
 from workflows.scene.scene import Effects, Scene
 
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.scene.load import SceneFile
-
-
-SLOPE = 1.3765
-"""Of a uniform cantilever's first mode at the tip, over w/L."""
-
-_ROOT, SHARE = 1.8751, 0.25
-"""Of that mode: first root of cos x cosh x = -1, and effective mass at the tip over the whole."""
-
-STIFFENED = 1.19, 1.57
-"""Growth of a uniform cantilever's first squared frequency with Omega², and with that times hub radius over length
-(Southwell and Gough 1921)."""
-
-
-class Beam(NamedTuple):
-    """A uniform cantilever like the plate: length [m], mass [kg], squared first frequency at rest [1/s²]."""
-
-    length: float
-    mass: float
-    square: float
-
-
-def beam_like(scene: Scene, form: Planform | None) -> Beam:
-    """The cantilever of a scene's plate, with its point mass."""
-    plate, material = scene.plate, scene.material
-    if plate is None or material is None:
-        raise ValueError("the scene has no plate")
-    if form is None and plate.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
-    length, width = (plate.length, plate.width) if form is None else form.sides
-    thickness = plate_mesh.spread(plate, form)[1]
-    mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
-    square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)
-    return Beam(float(length or 0.0), mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
-
-
-def _defined(name: str) -> Definition:
-    found = import_module(f"workflows.effects.{name}").EFFECT
-    if not isinstance(found, Definition):
-        raise TypeError(f"workflows.effects.{name} has no EFFECT")
-    return found
-
-
-EFFECTS = {name: _defined(name) for name in Effects.model_fields}
+EFFECTS = {name: (plate.EFFECTS | ball.EFFECTS)[name] for name in Effects.model_fields}
 """In the order of the scene's keys: those of the plate, then those of the ball."""
 
 NAMES = tuple(EFFECTS)
@@ -78,7 +33,10 @@ def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...
     on: dict[str, bool] = {}
     for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
         case = Case(scene, form, on)
-        found[name] = EFFECTS[name].called_for(case) if scene.blade is None or name not in SOLID else SOLID[name]
+        if EFFECTS[name].of == "damper" and scene.damper is None:
+            found[name] = NO_DAMPER
+        else:
+            found[name] = EFFECTS[name].called_for(case) if scene.blade is None or name not in SOLID else SOLID[name]
         asked = getattr(scene.effects, name)
         on[name] = found[name].called if asked == "auto" else asked is True
     return {name: found[name] for name in names}
@@ -86,8 +44,6 @@ def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...
 
 def of(source: SceneFile) -> dict[str, Effect]:
     """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
-    from workflows.scene import plate_mesh
-
     return resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
 
 

@@ -64,15 +64,15 @@ def campbell(results: Results) -> list[Curve]:
 
 
 def velocity(point: SpeedPoint) -> list[Curve]:
-    """The structure's velocity over time along x, and along y if it moves that way (the paper's Fig. 2)."""
+    """The structure's velocity over time along axis 1, and along axis 2 if it moves that way (the paper's Fig. 2)."""
     damping = point.damper
     if damping is None or damping.history is None:
         return []
     tag, found = speed_tag(point), []
-    for axis, along in zip("xy", damping.history.velocity.T, strict=True):
+    for number, (axis, along) in enumerate(zip("xy", damping.history.velocity.T, strict=True), 1):
         if along.any():
             name = f"velocity_{axis}_{tag}"
-            found.append(Curve(name, f"along {axis}", "time_s", "velocity_m_s", damping.history.t, along))
+            found.append(Curve(name, f"axis {number}", "time_s", "velocity_m_s", damping.history.t, along))
     return found
 
 

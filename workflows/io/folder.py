@@ -14,6 +14,7 @@ import hashlib
 import os
 import platform
 import re
+import secrets
 import shutil
 import signal
 import stat
@@ -142,6 +143,9 @@ ALWAYS_OURS = {"results.json", "results.nc", "modes.vtu", "report.html", MANIFES
 ASIDE = ".old"
 """How the name of a folder ends that was set aside where two cannot be exchanged in one step."""
 
+PARTIAL = ".partial-"
+"""How the names of files begin that are not whole yet."""
+
 _CARRIED_AT_MOST = 1000
 _NAME_MAX, _LONGEST_NAME = 255, 100
 """Bytes that file systems take for a name, and those of a name that goes into its scratch folder's, which is longer."""
@@ -237,6 +241,18 @@ def replacing(folder: Path) -> Iterator[Path]:
         # After the swap the scratch name holds what was there before.
         if scratch is not None:
             shutil.rmtree(scratch, ignore_errors=True)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A file beside a path, of the same ending, that takes its place when the block ends well, and else vanishes."""
+    aside = path.with_name(f"{PARTIAL}{secrets.token_hex(8)}{path.suffix.lower()}")
+    try:
+        yield aside
+        _sync(aside)
+        os.replace(aside, path)
+    finally:
+        aside.unlink(missing_ok=True)
 
 
 @contextmanager

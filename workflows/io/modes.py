@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed
+from workflows.io.folder import whole_file
 from workflows.solve.results import rounded_rpm
 
 if TYPE_CHECKING:
@@ -41,14 +41,11 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
     from fem.modal_files import write
 
     path = named(file, key)
-    fresh = path.with_name(f".{secrets.token_hex(8)}{path.suffix.lower()}")
     try:
-        write(model, fresh)
-        os.replace(fresh, path)
+        with whole_file(path) as fresh:
+            write(model, fresh)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error
-    finally:
-        fresh.unlink(missing_ok=True)
     return path
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fem.meshes.mesh_sequence import Planform
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
 from workflows.formatting import aligned, revolutions, significant
@@ -15,12 +16,9 @@ from workflows.scene.damper import PICTURE
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
+from workflows.solve.known_modes import SpaceStructure
 from workflows.solve.results import Results, Theory
 from workflows.versions import versions
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.solve.known_modes import SpaceStructure
 
 
 def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
@@ -72,10 +70,8 @@ def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, fl
     plate = source.scene.plate
     if plate is None or isinstance(plate.thickness, float):
         return None
-    from workflows.scene.plate_mesh import root_and_place
-
     least, _, greatest = plate_mesh.spread(plate, form)
-    return least, greatest, plate_mesh.plate_thickness(plate, root_and_place(source, _mesh(form))[1], form)
+    return least, greatest, plate_mesh.plate_thickness(plate, plate_mesh.root_and_place(source, _mesh(form))[1], form)
 
 
 def _root_length(source: SceneFile, form: Planform | None) -> float | None:
@@ -159,13 +155,8 @@ def radii(
         return None, space.radius, ""
     if source.scene.plate is None:
         return None, source.scene.rotor.radius or 0.0, ""
-    from workflows.scene.plate_mesh import root_and_place
-
-    root, (x, y) = root_and_place(source, _mesh(form))
-    rotor = source.scene.rotor
-    from fem import Rotor
-
-    outwards = Rotor(hub, rotor.stagger, rotor.precone).outwards
+    root, (x, y) = plate_mesh.root_and_place(source, _mesh(form))
+    outwards = plate_mesh.rotor(source.scene).outwards
     return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
 
 

@@ -25,13 +25,11 @@ from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Energy, Floats, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from workflows.solve.results import OwnFigures
 
 _LINE = 0.052
 """Height of a line of text, in heights of the Campbell diagram."""
@@ -284,7 +282,7 @@ def _oscillation(axes: Axes, track: Curve, colour: str) -> None:
 
 def _stop(axes: Axes, stop: float, end: float) -> None:
     late = stop > 0.6 * end
-    axes.axvline(stop, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+    axes.axvline(stop, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.annotate(
         "the ball comes to rest",
         (stop, 1.0),
@@ -339,7 +337,7 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
         end = order * fastest / 60
         if end < 0.04 * highest:
             continue
-        axes.plot([0, fastest], [0, end], color=plots.MUTED, lw=0.5, ls=(0, (1, 2)))
+        axes.plot([0, fastest], [0, end], color=plots.MUTED, lw=0.5, ls=plots.DOTTED)
         if end <= 0.97 * highest:
             aside.append((order, end))
         else:
@@ -405,7 +403,7 @@ def _beside(axes: Axes, limit: float | None) -> None:
     axes.axhspan(low, high, color=plots.RULE, lw=0)
     end, (left, right) = 0.99, np.log(axes.get_xlim())
     if limit is not None and np.log(1e3 * limit) < right:
-        axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
         share = (np.log(1e3 * limit) - left) / (right - left)
         end = share - 0.01 if share > _MIDDLE else end
     axes.annotate(
@@ -490,7 +488,7 @@ def cavity_path(results: Results) -> Figure | None:
     for i in files.moving(path.ball):
         half = 1e3 * (given.cavity[i] / 2 - given.radius)
         for side in (-half, half):
-            ball.axhline(side, color=_AXES[i], lw=0.7, ls=(0, (4, 3)))
+            ball.axhline(side, color=_AXES[i], lw=0.7, ls=plots.DASHED)
     at, axis = _hits(path)
     ball.plot(1e3 * path.t[at], 1e3 * path.ball[at, axis], "o", ms=2.4, color=plots.CATEGORIES[1], zorder=3)
     _over_time(structure, path, path.structure)

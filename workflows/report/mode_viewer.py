@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.scene import plate_mesh
+from workflows.scene.scene import Scene
 from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
@@ -101,14 +102,16 @@ def view(results: Results) -> View | None:
     """The viewer of a run, within the room a report has; None without a plate."""
     if results.surface is None:
         return None
-    mark: tuple[float, ...] | None = None
-    if results.surface.frame is not None:
-        mark = None if results.surface.mark is None else tuple(results.surface.drawn(results.surface.mark).tolist())
-    elif results.scene.damper is not None:
-        mark = plate_mesh.damper_at(results.scene, results.surface.points.T[:2])
-    plate = results.scene.plate
+    plate, mark = results.scene.plate, damper_mark(results.scene, results.surface)
     thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
     return of_surface(results.surface, results.speeds, mark, thickness, (middle(results.speeds), 0))
+
+
+def damper_mark(scene: Scene, surface: Surface) -> tuple[float, ...] | None:
+    """Where the damper is, (x, y) on a plate, (x, y, z) in space as it is drawn [m]; None where there is none."""
+    if surface.frame is not None:
+        return None if surface.mark is None else tuple(surface.drawn(surface.mark).tolist())
+    return None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
 
 
 def of_surface(

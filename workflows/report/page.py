@@ -5,8 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
-import secrets
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 from workflows import formatting
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
-from workflows.io.folder import check, replacing
+from workflows.io.folder import check, replacing, whole_file
 from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
@@ -74,18 +73,19 @@ def _packed(motion: Floats) -> dict[str, Any]:
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
+_FILTERS = "fixed", "amount", "significant", "percent", "curly", "whole"
+"""Functions of `formatting` by which templates turn values into words."""
 
-def from_template(template: str, words: Mapping[str, Callable[..., str]], css: str = "", **values: Any) -> str:
+
+def from_template(template: str, css: str = "", **values: Any) -> str:
     """A page as text.
 
     Args:
         template: its name.
-        words: the filters by which it turns values into words.
         css: style beside that of every page.
         values: what it shows.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
 
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
@@ -94,9 +94,9 @@ def from_template(template: str, words: Mapping[str, Callable[..., str]], css: s
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= words
+    environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
     style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return environment.get_template(template).render(css=Markup(style), **values)
+    return environment.get_template(template).render(css=style, **values)
 
 
 def script(name: str) -> str:
@@ -127,78 +127,47 @@ def draw(results: Results) -> Drawings:
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    words = (formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.curly)
+    shape = drawings.shape
     return from_template(
         "report.html.j2",
-        {word.__name__: word for word in words},
         drawings.css,
-        **_said(results),
-        **_tabulated(results),
-        **_pictured(results, drawings),
-        **_of_the_mode(results, drawings),
+        results=results,
+        scene=results.scene,
+        answer=verdict.answer(results),
+        thick=_thick(results),
+        held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
+        carrier=remarks.carrier(results),
+        assumptions=remarks.assumptions(results),
+        versions=versions(),
+        hashes=hashes(results),
+        settings=_settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
+        rows=[_row(results, point) for point in results.speeds],
+        errors=remarks.worst(results),
+        error_parts=remarks.PARTS,
+        mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
+        orders=verdict.of_orders(results),
+        tilts=any(p.tilted for p in results.speeds),
+        first_notes=remarks.FIRST,
+        has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
+        air=limits.AIR,
+        endured=limits.endured(results),
+        beyond=remarks.beyond(by_deflection=limits.deflection_governs(results)),
+        marks=remarks.legend(results),
+        at_rest=remarks.cutoff_legend(results),
+        cells_drawn=results.surface is not None and figures.cells_are_drawn(results.surface),
+        fast=any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
+        bands=any(figures.is_band(p.damper.sdc) for p in results.speeds if p.damper),
+        shown=next((p for p in results.speeds if p.damper and p.damper.history), None),
+        playing=data(results) if drawings.figures["path"] else "",
+        playing_script=script("player.js"),
+        stretch=_stretch(results),
+        shape=None if shape is None else base64.b64encode(shape.png).decode(),
+        shape_remark="" if shape is None else shape.remark,
+        shape_point=results.speeds[middle(results.speeds)] if results.surface is not None else None,
+        view=drawings.view,
+        script=script("viewer.js"),
+        **drawings.figures,
     )
-
-
-def _said(results: Results) -> dict[str, Any]:
-    """What there is in words: the answer, what was taken for granted, where it all comes from."""
-    return {
-        "results": results,
-        "scene": results.scene,
-        "answer": verdict.answer(results),
-        "thick": _thick(results),
-        "held": figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
-        "carrier": remarks.carrier(results),
-        "assumptions": remarks.assumptions(results),
-        "versions": versions(),
-        "hashes": hashes(results),
-        "settings": _settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
-    }
-
-
-def _tabulated(results: Results) -> dict[str, Any]:
-    """What tables show, and the yardsticks beside it."""
-    return {
-        "rows": [_row(results, point) for point in results.speeds],
-        "errors": remarks.worst(results),
-        "error_parts": remarks.PARTS,
-        "mode_columns": min(len(results.speeds[0].modes), _MODES_AT_MOST),
-        "orders": verdict.of_orders(results),
-        "tilts": any(p.tilted for p in results.speeds),
-        "first_notes": remarks.FIRST,
-        "has_table": any(paper.row(results.scene, p.load_g) for p in results.speeds),
-        "air": limits.AIR,
-        "endured": limits.endured(results),
-        "beyond": remarks.beyond(by_deflection=limits.deflection_governs(results)),
-        "marks": remarks.legend(results),
-        "at_rest": remarks.cutoff_legend(results),
-    }
-
-
-def _pictured(results: Results, drawings: Drawings) -> dict[str, Any]:
-    """The figures, and the player of the ball's path."""
-    from markupsafe import Markup
-
-    return {name: Markup(drawn) for name, drawn in drawings.figures.items()} | {
-        "cells_drawn": results.surface is not None and figures.cells_are_drawn(results.surface),
-        "fast": any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
-        "bands": any(figures.is_band(p.damper.sdc) for p in results.speeds if p.damper),
-        "shown": next((p for p in results.speeds if p.damper and p.damper.history), None),
-        "playing": data(results) if drawings.figures["path"] else "",
-        "playing_script": script("player.js"),
-        "stretch": _stretch(results),
-    }
-
-
-def _of_the_mode(results: Results, drawings: Drawings) -> dict[str, Any]:
-    """The first mode's picture, and the viewer in which every mode is turned."""
-    shape = drawings.shape
-    return {
-        "shape": None if shape is None else base64.b64encode(shape.png).decode(),
-        "shape_remark": "" if shape is None else shape.remark,
-        "shape_point": _shape_point(results),
-        "view": drawings.view,
-        "script": script("viewer.js"),
-    }
 
 
 def _thick(results: Results) -> str:
@@ -242,10 +211,6 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "damper": point.damper,
         "lost": None if point.damper is None else remarks.lost_at_most(point.damper),
     }
-
-
-def _shape_point(results: Results) -> SpeedPoint | None:
-    return results.speeds[middle(results.speeds)] if results.surface is not None else None
 
 
 def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -314,7 +279,9 @@ def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
     """
     out = writable(path, key)
     try:
-        _replace(out, text)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(out) as fresh:
+            fresh.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
     return out
@@ -368,17 +335,6 @@ def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
             "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
         )
     return target
-
-
-def _replace(path: Path, text: str) -> None:
-    """Put a text in the place of a file, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name[:80]}.{secrets.token_hex(8)}")
-    try:
-        fresh.write_text(text, encoding="utf-8")
-        os.replace(fresh, path)
-    finally:
-        fresh.unlink(missing_ok=True)
 
 
 def publish(results: Results, out: Path, stages: Stages, artist: Artist | None = None) -> Results:

@@ -25,7 +25,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
 
 PRINTED = "the equations as printed do not conserve energy"
-WEIGHT = "the ball's weight, which is left out, is more than the load"
+WEIGHT = "the ball's weight, which is neglected, exceeds the load"
 
 BEYOND, BEYOND_MEANS = "†", "† At a larger amplitude, or a higher speed, than the structure endures"
 NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ A speed that the answer gives no verdict on"
@@ -150,12 +150,12 @@ def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     pressed = [found for point in points if (found := limits.contact(results.scene, point)) is not None]
     damper = results.scene.damper
     if not pressed or damper is None:
-        return "ball or floor flows under the load"
+        return "ball or floor yields fully under the load"
     last = max(pressed, key=lambda found: found.hardness_ratio)
     times = span(min(found.hardness_ratio for found in pressed), last.hardness_ratio, 2)
     return (
-        f"the contact of ball and floor flows, since its mean pressure is {times} times the hardness of the softer, and"
-        f" becomes up to {significant(2e3 * last.dent_radius, 2)} mm wide"
+        f"the resting ball presses on its floor with {times} times the hardness of the softer, and the contact yields"
+        f" until it is up to {significant(2e3 * last.dent_radius, 2)} mm wide"
     )
 
 
@@ -174,6 +174,40 @@ def dents(results: Results) -> str | None:
         " the load at which the weaker of the two yields: it lies in a dent of at most"
         f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
         f" whose rim slopes by at most {significant(most.dent_slope, 2)}."
+    )
+
+
+_BRIEF = 0.1
+"""Share of a flight between hits that a hit may last without a word."""
+
+
+def long_hits(results: Results) -> str | None:
+    """That hits, which the model takes as instantaneous, last long beside the flights between them.
+
+    At the amplitude A of the best: a ball crosses its clearance d in half a period, or, where it leaves a wall as this
+    begins to slow down and rolls by (5/7) |1 - tau| A omega³ t³ / 6, in less; it hits at the mean speed of that.
+    """
+    from damper.contact import hit_time
+
+    damper, made_of = results.scene.damper, limits.solids(results.scene)
+    if damper is None or made_of is None:
+        return None
+    every: list[tuple[float, float, str]] = []
+    gap = damper.cavity[0] - 2 * damper.radius
+    for point in results.speeds:
+        if (best := limits.best(results, point)) is None or point.reduced is None:
+            continue
+        omega, mass = 2 * math.pi * point.reduced.f1_hz, (point.reduced.M1 - point.reduced.M2) / damper.count
+        jerk = 5 / 7 * abs(1 - point.tilt_share) * best.amplitude * omega**3
+        flight = min(math.pi / omega, (6 * gap / jerk) ** (1 / 3))
+        every.append((hit_time(gap / flight, mass, damper.radius, *made_of), flight, at_load(point)))
+    hit, flight, where = max(every, key=lambda each: each[0] / each[1], default=(0.0, 1.0, ""))
+    if hit <= _BRIEF * flight:
+        return None
+    return (
+        f"A hit lasts {significant(1e6 * hit, 2)} µs by Hertz, {percent(hit / flight)} % of the"
+        f" {significant(1e6 * flight, 2)} µs between hits {where} at the amplitude of the best: the model takes hits as"
+        " instantaneous."
     )
 
 
@@ -219,8 +253,8 @@ def turning_floor(results: Results) -> str | None:
     if share <= asked:
         return None
     return (
-        f"As the floor turns it turns the ball too, which is left out: {percent(share)} % of the ball's"
-        " drive, two fifths of its radius times the floor's slope over the displacement."
+        f"The turning floor also turns the ball, which is neglected: {percent(share)} % of the ball's drive, two fifths"
+        " of its radius times the floor's slope over the displacement."
     )
 
 
@@ -234,7 +268,9 @@ def sideways(results: Results) -> str | None:
     A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
     nearer to the axis by 1.2 u u' / L pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
     """
-    scene, length = results.scene, limits.span(results)
+    scene, length, surface = results.scene, limits.span(results), results.surface
+    if surface is not None and surface.frame is not None:
+        length = float(np.ptp(surface.points @ surface.frame[0]))
     if scene.damper is None or length is None or limits.is_printed(results):
         return None
     chord, along = (0.0, ""), (0.0, "")
@@ -244,7 +280,8 @@ def sideways(results: Results) -> str | None:
             continue
         speed, at = 2 * math.pi * point.reduced.f1_hz * best.amplitude, at_load(point)
         tip = point.omega * point.radius
-        chord = max(chord, (2 * speed * abs(math.sin(scene.rotor.stagger)) / tip, at))
+        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
+        chord = max(chord, (2 * speed * abs(math.sin(stagger)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
         pushed = _FORESHORTENED * speed * best.amplitude / length / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
@@ -252,13 +289,13 @@ def sideways(results: Results) -> str | None:
         f"{percent(share)} % of {what} ({at})"
         for (share, at), what in (
             (chord, "the load, by its chordwise motion"),
-            (along, "the rolling resistance, across, as the plate's bending draws its tip in"),
+            (along, f"the rolling resistance, across, as the {carrier(results)}'s bending draws its tip in"),
         )
         if share > _NOTABLE_SIDEWAYS
     ]
     if not notable:
         return None
-    return f"Coriolis forces on the ball are left out: at the amplitude of its best up to {' and '.join(notable)}."
+    return f"Coriolis forces on the ball are neglected: at its best amplitude up to {' and '.join(notable)}."
 
 
 _NOTABLE_SIDEWAYS = 0.01
@@ -333,9 +370,11 @@ def still_across(results: Results) -> str | None:
     rung = [p for p, _, _ in ring_downs(results) if p.cavity_modes]
     if not rung or any(coupling.leading(p.cavity_modes, 1) is not None for p in rung):
         return None
+    known = results.scene.known is not None
+    why = "such modes are not in the file, or not among those asked for" if known else "its lag modes lie higher"
     return (
-        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity across the plate, so the cavity is treated as"
-        " fixed in that direction: its lag modes lie higher."
+        f"None of the {len(rung[0].cavity_modes)} modes moves the cavity along its axis 2, so the cavity is treated as"
+        f" fixed in that direction: {why}."
     )
 
 
@@ -481,10 +520,20 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     if scene.plate is not None:
         held = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
         found.append((f"The plate is linear elastic and {held} at the root.", "ours"))
-        if scene.material is not None and (name := scene.material.name) is not None:
-            found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+    if scene.blade is not None:
+        found.append(
+            (
+                "The blade is linear elastic and perfectly clamped at the root. It vibrates about its equilibrium under"
+                " the load, without Coriolis forces.",
+                "ours",
+            )
+        )
+    if scene.material is not None and (name := scene.material.name) is not None:
+        found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+    if scene.plate is not None:
         found += _of_effects(results, "plate")
     if scene.damper is not None:
+        hits = "constant e" if isinstance(scene.damper.restitution, float) else "e by the impact speed"
         if scene.damper.ball_material is not None:
             found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         plate = None if scene.material is None else scene.material.name
@@ -497,7 +546,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         found += [
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
-            ("Wall hits are instantaneous, with constant e and μ.", "paper, eqs. 6 to 11"),
+            (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
             ("Several balls move in step, each in a cavity of its own.", "ours"),
             *_weight(results),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
@@ -600,9 +649,37 @@ def cavities(results: Results) -> str | None:
         return None
     cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
     return (
-        f"That is of the {carrier(results)} before {cut}: {significant(1e3 * hole.mass, 2)} g less"
-        f" {'raise' if hole.shift > 0 else 'lower'} its first bending frequency by up to about"
-        f" {percent(abs(hole.shift))} %."
+        f"The frequencies are those of the {carrier(results)} before {cut}: without that metal"
+        f" ({significant(1e3 * hole.mass, 2)} g) {_its_frequency(results)} is up to about"
+        f" {percent(abs(hole.shift))} % {'higher' if hole.shift > 0 else 'lower'}."
+    )
+
+
+def _its_frequency(results: Results) -> str:
+    led = _led_by(results)
+    return "the first bending frequency" if led is None else f"the frequency of its mode {led[0]}"
+
+
+def _led_by(results: Results) -> tuple[int, SpeedPoint] | None:
+    """Number of the mode that yields most along axis 1 and the first speed where it is not the first bending mode."""
+    for point in results.speeds:
+        if results.scene.in_space and point.reduced is not None and point.modes:
+            off = [abs(mode.frequency_hz - point.reduced.f2_hz) for mode in point.modes]
+            number = off.index(min(off))
+            if number != [*(mode.family for mode in point.modes), "flap"].index("flap"):
+                return number + 1, point
+    return None
+
+
+def other_mode(results: Results) -> str | None:
+    """A cavity whose axis 1 is moved most by another than the first bending mode."""
+    led = _led_by(results)
+    if led is None or (reduced := led[1].reduced) is None:
+        return None
+    number, point = led
+    return (
+        f"Along axis 1 of the cavity mode {number} ({point.modes[number - 1].family}, {significant(reduced.f2_hz)} Hz"
+        f" {at_load(point)}) yields most: amplitudes, cut-offs and damping ratios are those of this mode."
     )
 
 
@@ -635,7 +712,7 @@ def cure(results: Results) -> str:
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
-        return f"{' and '.join(keys)} would do"
+        return f"{' and '.join(keys)} would achieve it"
     attainable = upwards(max(mode.whole for mode in modes))
     return f"no setting achieves this, but [accuracy] frequency = {attainable} would be met"
 
@@ -910,7 +987,7 @@ def _rolling(results: Results) -> str | None:
     points, lifts, demands = zip(*beyond, strict=True)
     lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
     return (
-        f"In the ring-downs from a release of {lift} mm rolling without slip needs"
+        f"In the ring-downs (release {lift} mm), rolling without slip requires"
         f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
         f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )
@@ -920,14 +997,14 @@ def _release_stress(results: Results) -> str | None:
     material, rung = results.scene.material, ring_downs(results)
     if material is None or not rung:
         return None
-    lift = max(abs(damping.release[0]) for _, _, damping in rung)
+    lift, at = max((abs(damping.release[0]), at_load(point)) for point, _, damping in rung)
     strain = limits.root_strain(results, lift)
     if strain is None or material.youngs_modulus * strain < 1e8:
         return None
     stress = material.youngs_modulus * strain
     large = ", far outside small deflections and, for most metals, outside the elastic range" if stress > 4e8 else ""
     return (
-        f"A release of {significant(1e3 * lift)} mm at the cavity bends the root to about"
+        f"A release of {significant(1e3 * lift)} mm at the cavity ({at}) bends the root to about"
         f" {significant(stress / 1e6, 2)} MPa{large}."
     )
 
@@ -952,9 +1029,11 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     weight,
     _books,
     leaning_load,
+    other_mode,
     level_floor,
     level_structure,
     dents,
+    long_hits,
     still_across,
     root_stress,
     _rolling,

@@ -36,7 +36,7 @@ _KNOWN = 0.05
 def known_within(point: SpeedPoint) -> str:
     """How well a best figure is known, where it is not known well."""
     error = 0.0 if point.working is None else point.working.error
-    return f" (known within {percent(min(error, 1.0))} %)" if error > _KNOWN else ""
+    return f" (±{percent(min(error, 1.0))} %)" if error > _KNOWN else ""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -80,7 +80,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = limits.endured(results)
     lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.working) is not None]
-    lost = [(p, w) for p, w in lost if w.peak > 0]
+    lost = [(p, w) for p, w in lost if w.peak > limits.ROUNDING]
     if limit is None or not lost:
         return None
     point, figures = lost[0]
@@ -110,6 +110,9 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
         load = point.load_g * (remedy.omega / point.omega) ** 2
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
     moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
+    if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
+        without = f"without its dent it would above {millimetres(remedy.without_dent)} mm"
+        return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
     if not steps:
         return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
     would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
@@ -237,7 +240,9 @@ def answer(results: Results) -> Answer:
     if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*map(" ".join, orders), *alone.sentences))
     (first, *rest), *others = orders
-    by_itself = f"Damping by the ball alone: {alone.verdict[0].lower()}{alone.verdict[1:]}."
+    by_itself = (
+        f"Compared with the damping by air alone: {alone.verdict[0].lower()}{alone.verdict[1:].replace(': ', ', ', 1)}."
+    )
     estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
     more = (" ".join(rest),) if rest else ()
     others_said = map(" ".join, others)
@@ -300,7 +305,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
         first, last = at_speed(run[0]), at_speed(run[-1])
         if k == 0:
             where = f"up to {last}"
-        elif k == known[-1]:
+        elif k == len(stretches) - 1:
             where = f"from {first} on"
         else:
             where = f"up to {last}" if k - 1 in known else f"from {first} to {last}"
@@ -334,7 +339,7 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str |
         said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
         text += f" {capital(said)}"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
-    return f"{text} The air alone gives turbine blades {air}, friction dampers {friction}."
+    return f"{text} For comparison: air alone damps turbine blades by {air}, friction dampers by {friction}."
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
@@ -418,7 +423,7 @@ _NO_ESTIMATE: dict[str, str] = {
     Reason.SLIP: "the ball would slide at the amplitude of its best",
     Reason.DENSITY: "no solid is as dense as this ball",
     Reason.ROOT_STRESS: "the centrifugal pull at the root is more than any blade metal bears",
-    Reason.CONTACT: "ball or floor flows under the load",
+    Reason.CONTACT: "ball or floor yields fully under the load",
     Reason.OTHER_MODE: "another mode moves the cavity more; `spindamp response` computes the motion",
     Reason.SWINGS: "the ball swings freely in its hollow floor; `spindamp response` computes the motion",
 }
@@ -467,16 +472,20 @@ def _of_order(results: Results, found: VibrationReduction, unit: str, overload: 
     text = f"{where}: up to {percent(1 - found.ratio)} % less vibration {at}{between}."
     borne = [each for each in found.levels if each.endured]
     moves_from = f"{significant(found.moves_from)} {unit}"
+    outside = [each for each in borne if each.level >= found.moves_from and not low <= each.level <= high]
     idle = {
         f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in found.levels if not each.endured],
-        f"At {{}} {unit} the load holds the ball at rest, which moves from {moves_from} on.": [
-            e for e in borne if e.level < found.moves_from
+        f"At {{}} {unit} the load holds the ball at rest; it moves from {moves_from} on.": [
+            each for each in borne if each.level < found.moves_from
         ],
-        f"At {{}} {unit} the ball reduces the vibration by less than half of that.": [
-            e for e in borne if e.level >= found.moves_from and not low <= e.level <= high
+        f"At {{}} {unit} the reduction is less than half of {percent(1 - found.ratio)} %.": [
+            each for each in outside if 1 - each.ratio < (1 - found.ratio) / 2
         ],
     }
-    return [text, *(said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels)]
+    said = [said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels]
+    aside = [each for each in outside if 1 - each.ratio >= (1 - found.ratio) / 2]
+    said += [f"At {significant(e.level)} {unit} the reduction is {percent(1 - e.ratio)} %." for e in aside]
+    return [text, *said]
 
 
 def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
@@ -510,8 +519,8 @@ def _plate_only(results: Results) -> Answer:
     if not first:
         return Answer("Nothing was solved", ())
     rpm = [p.rpm for p in results.speeds]
-    speeds = f"{whole(min(rpm))} and {whole(max(rpm))} rpm"
-    text = f"The first frequency is {span(min(first), max(first), 5)} Hz between {speeds}."
+    speeds = f"between {whole(min(rpm))} and {whole(max(rpm))} rpm" if len(rpm) > 1 else f"at {whole(rpm[0])} rpm"
+    text = f"The first frequency is {span(min(first), max(first), 5)} Hz {speeds}."
     said = remarks.sentence(results)
     alone = f"The {remarks.carrier(results)} alone"
     verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"

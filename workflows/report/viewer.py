@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import fem
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant, whole
@@ -24,7 +24,7 @@ from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
 from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
-from workflows.scene import load, plate_mesh
+from workflows.scene import load
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
@@ -141,16 +141,11 @@ def of_plate(
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
     words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
-    mark: tuple[float, ...] | None = None
-    if surface.frame is not None:
-        mark = None if surface.mark is None else tuple(surface.drawn(surface.mark).tolist())
-    elif scene.damper is not None:
-        mark = plate_mesh.damper_at(scene, surface.points.T[:2])
     return Sight(
         title=scene.title,
         surface=surface,
         speeds=speeds,
-        mark=mark,
+        mark=mode_viewer.damper_mark(scene, surface),
         thickness=thickness if isinstance(thickness, float) else None,
         root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
@@ -192,11 +187,9 @@ def sight_of_mesh(path: Path) -> Sight:
     Raises:
         BadInput: it is no mesh of a plate's mid-surface; the message says what is wrong.
     """
-    from fem import MeshError, read_mesh
-
     try:
-        mesh = read_mesh(path)
-    except MeshError as error:
+        mesh = fem.read_mesh(path)
+    except fem.MeshError as error:
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare(mesh)
     words, numbers = facts(surface)
@@ -383,15 +376,12 @@ def view(sight: Sight, first: int = 0, mode: int = 0) -> mode_viewer.View:
 
 def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
-    from markupsafe import Markup
-
     seen = view(sight, first, mode)
     with plots.style():
         above = replace(sight.surface, points=sight.surface.drawn(sight.surface.points))
         figure = figures.mesh_of(above, None if sight.mark is None else (sight.mark[0], sight.mark[1]), sight.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    words: dict[str, Callable[..., str]] = {"curly": formatting.curly, "whole": formatting.whole}
-    return from_template("view.html.j2", words, sight=sight, view=seen, still=Markup(still), script=script("viewer.js"))
+    return from_template("view.html.j2", sight=sight, view=seen, still=still, script=script("viewer.js"))
 
 
 def thinned(seen: mode_viewer.View) -> str:

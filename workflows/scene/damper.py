@@ -8,26 +8,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from workflows.scene import materials
-from workflows.scene.quantities import (
-    ROUNDING,
-    AutoLength,
-    Cycles,
-    Density,
-    Direction,
-    Length,
-    LengthPair,
-    LoadPair,
-    Mass,
-    NotNegative,
-    Number,
-    Place,
-    Positive,
-    Radii,
-    Restitution,
-    Table,
-    fault,
-    name_of,
-)
+from workflows.scene import quantities as q
+from workflows.scene.quantities import ROUNDING, Table, fault
 
 HEAVIEST = 10.0
 """Mass of all balls over the structure's up to which they damp it, and are not what is damped."""
@@ -40,28 +22,28 @@ class Damper(Table):
     it bends, and 2 across (its y).
     """
 
-    at: Place | None = Field(
+    at: q.Place | None = Field(
         None,
         description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
         " default: the middle of the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's"
         " number",
     )
-    direction: Direction | None = Field(
+    direction: q.Direction | None = Field(
         None,
         description="axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what"
         " of it is along the load does not count",
     )
-    mass_ratio: Annotated[Number, Positive, Field(le=HEAVIEST)] | None = Field(
+    mass_ratio: Annotated[q.Number, q.Positive, Field(le=HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
     )
-    mass: Annotated[Mass, Positive] | None = Field(None, description="mass of all balls together")
-    ball_density: Annotated[Density, Positive] | None = Field(
+    mass: Annotated[q.Mass, q.Positive] | None = Field(None, description="mass of all balls together")
+    ball_density: Annotated[q.Density, q.Positive] | None = Field(
         None, description="of each ball: all together then weigh count (4/3) π radius³ times as much"
     )
-    ball_material: Annotated[str, *name_of(materials.BALLS)] | None = Field(
+    ball_material: Annotated[str, *q.name_of(materials.BALLS)] | None = Field(
         None, description="a material whose density is known, instead of ball_density"
     )
-    floor_material: Annotated[str, *name_of(materials.BALLS)] | None = Field(
+    floor_material: Annotated[str, *q.name_of(materials.BALLS)] | None = Field(
         None,
         description="a material whose strength is known, of the cavity's floor and walls; default: that of the plate,"
         " where it has a name",
@@ -69,33 +51,33 @@ class Damper(Table):
     count: Annotated[int, Field(ge=1, le=10**9)] = Field(
         1, description="number of balls: equal, each in a cavity of its own, moving in step"
     )
-    radius: Annotated[Length, Positive] = Field(description="of a ball; half its diameter")
-    cavity: LengthPair = Field(
+    radius: Annotated[q.Length, q.Positive] = Field(description="of a ball; half its diameter")
+    cavity: q.LengthPair = Field(
         description="sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across;"
         " along the radius the cavity holds the ball"
     )
-    housing: Annotated[Mass, Positive] | None = Field(
+    housing: Annotated[q.Mass, q.Positive] | None = Field(
         None,
         description="mass of what holds the cavity where it stands out of the plate, a point mass at the damper's"
         " place; without it the cavity must fit the plate",
     )
-    restitution: Restitution = Field(
+    restitution: q.Restitution = Field(
         description="e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the"
         " logarithm of the speed; 'auto': by the strength of ball and floor"
     )
-    friction: Annotated[Number, NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
-    rolling_friction: AutoLength = Field(description="μ_r, a length; 'auto': elastic hysteresis of ball and floor")
-    floor_radius: Radii | None = Field(
+    friction: Annotated[q.Number, q.NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
+    rolling_friction: q.AutoLength = Field(description="μ_r, a length; 'auto': elastic hysteresis of ball and floor")
+    floor_radius: q.Radii | None = Field(
         None,
         description="of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat",
     )
     formulation: Literal["consistent", "printed"] = Field(
         "consistent", description="equations that keep Newton's third law, or the paper's as printed"
     )
-    damping_ratio: Annotated[Number, Field(ge=0, le=0.9)] = Field(
+    damping_ratio: Annotated[q.Number, Field(ge=0, le=0.9)] = Field(
         0.0, description="ζ of the structure itself, dimensionless; beyond 0.9 there is no cycle left to damp"
     )
-    sticking_ratio: Annotated[Number, Field(gt=0, lt=1)] = Field(
+    sticking_ratio: Annotated[q.Number, Field(gt=0, lt=1)] = Field(
         1e-2, description="ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"
     )
 
@@ -109,10 +91,8 @@ class Damper(Table):
         """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
         given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise fault(
-                given[0] if given else "mass_ratio",
-                f"expected one of mass_ratio, mass, ball_density and ball_material{': leave one out' * bool(given)}",
-            )
+            ways = "expected one of mass_ratio, mass, ball_density and ball_material"
+            raise fault(given[0] if given else "mass_ratio", f"{ways}{': leave one out' * bool(given)}")
         if self.ball_density is not None:
             materials.dense_enough("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
@@ -123,8 +103,8 @@ class Damper(Table):
             if side < 2 * self.radius * (1 - ROUNDING):
                 raise fault(
                     "cavity",
-                    f"a ball of radius {self.radius:g} m does not fit: expected sides of at least"
-                    f" {2 * self.radius:g} m",
+                    f"a ball of radius {_mm(self.radius)} does not fit: expected sides of at least"
+                    f" {_mm(2 * self.radius)}",
                 )
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
@@ -134,7 +114,7 @@ class Damper(Table):
         if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
             raise fault(
                 "rolling_friction",
-                f"expected a length of at most the ball's radius, {self.radius:g} m: over it, this is the coefficient",
+                f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}",
             )
         return self
 
@@ -173,16 +153,16 @@ class Damper(Table):
 class Release(Table):
     """How the structure is let go: from rest, displaced."""
 
-    displacement: LengthPair | None = Field(
+    displacement: q.LengthPair | None = Field(
         None,
         description="at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration"
         " or ratio: along 1, by 1.5 times the amplitude above which the ball moves",
     )
-    acceleration: LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
-    ratio: Annotated[Number, Positive, Field(le=1e9)] | None = Field(
+    acceleration: q.LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
+    ratio: Annotated[q.Number, q.Positive, Field(le=1e9)] | None = Field(
         None, description="acceleration along the damper's axis 1 over the centrifugal load, dimensionless"
     )
-    cycles: Cycles = Field("auto", description="number of vibration cycles; auto: until the ball rests for good")
+    cycles: q.Cycles = Field("auto", description="number of vibration cycles; auto: until the ball rests for good")
 
     @model_validator(mode="after")
     def _one(self) -> Self:

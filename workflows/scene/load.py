@@ -267,10 +267,10 @@ _LISTED = 20
 """Unknown keys that are named in one message."""
 
 _NOT_FLAT = {
-    "pretwist": "a plate is flat: give [rotor] stagger the angle of the section that counts, compare runs with the"
-    " angles at root and tip, or take a finite-element program for solids",
-    "camber": "a plate is flat: leave out a camber up to a tenth of the thickness, which raises frequencies by about"
-    " 0.5 % at most; beyond, take a finite-element program for solids",
+    "pretwist": "a plate is flat: use a [blade] with a mesh of its volume, or give [rotor] stagger the angle of the"
+    " section that counts",
+    "camber": "a plate is flat: use a [blade] with a mesh of its volume; a camber up to a tenth of the thickness, which"
+    " raises frequencies by about 0.5 % at most, may be left out",
 }
 """What blades have and plates have not, and what to do instead. A parabolic camber of height d raises the bending
 stiffness by (16/15)(d/h)²."""
@@ -278,7 +278,7 @@ stiffness by (16/15)(d/h)²."""
 _ALSO_CALLED = {"pre_twist": "pretwist", "twist": "pretwist", "twist_angle": "pretwist", "curvature": "camber"}
 
 _INSTEAD = {
-    "blades": "one blade is computed, whatever the number of its fellows: leave this out",
+    "blades": "one blade is computed, however many the rotor has: expected [plate] or [blade]",
     "balls_per_cavity": "each ball has a cavity of its own: give their number by count",
     "balls": "give the number of balls, each in a cavity of its own, by count",
     "cavities": "each ball has a cavity of its own: give their number by count",

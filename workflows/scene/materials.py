@@ -135,7 +135,7 @@ def filled(data: Any, name: str, names: tuple[str, ...], numbers: tuple[str, ...
         return data
     for number in numbers:
         if number in data:
-            raise fault(number, f"{name} gives it: leave one out")
+            raise fault(number, f"already given by {name} = {data[name]!r}: leave one out")
     if not isinstance(data[name], str) or data[name] not in names:
         return data
     return {**data, **{number: getattr(KNOWN[data[name]], number.removeprefix("ball_")) for number in numbers}}

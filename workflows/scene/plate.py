@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BeforeValidator,
@@ -17,33 +17,10 @@ from pydantic import (
     model_validator,
 )
 
-from workflows.scene import materials, quantities
-from workflows.scene.quantities import (
-    ROUNDING,
-    Density,
-    Length,
-    LengthPair,
-    Lengths,
-    LengthUnit,
-    Line,
-    LineStiffness,
-    Mass,
-    NotNegative,
-    Number,
-    Positive,
-    Pressure,
-    RotationalStiffness,
-    Table,
-    fault,
-    name_of,
-    quantity_schema,
-    si,
-    wrong,
-)
-
-if TYPE_CHECKING:
-    from fem.meshes.thickness import Profile
-
+from fem.meshes.thickness import Profile
+from workflows.scene import materials
+from workflows.scene import quantities as q
+from workflows.scene.quantities import ROUNDING, Table, fault, wrong
 
 GRID = 129
 """Places along each side of a rectangle at which a thickness is looked at."""
@@ -58,8 +35,8 @@ def _length_rows(value: object, info: ValidationInfo) -> tuple[tuple[float, ...]
         raise wrong("expected a list of lists of lengths, one list for each x")
     rows = [row if isinstance(row, list | tuple) else [row] for row in value]
     if not all(rows):
-        raise wrong(f"expected a list such as ['{quantities.LENGTH.example}', '{quantities.LENGTH.example}']")
-    return tuple(tuple(si(quantities.LENGTH, item, info) for item in row) for row in rows)
+        raise wrong(f"expected a list such as ['{q.LENGTH.example}', '{q.LENGTH.example}']")
+    return tuple(tuple(q.si(q.LENGTH, item, info) for item in row) for row in rows)
 
 
 def _coefficients(value: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
@@ -69,16 +46,15 @@ def _coefficients(value: object, info: ValidationInfo) -> tuple[tuple[float, ...
     if max(len(value), *map(len, value)) > MOST_COEFFICIENTS:
         raise wrong(f"expected at most {MOST_COEFFICIENTS} lists of at most {MOST_COEFFICIENTS} coefficients")
     return tuple(
-        tuple(si(quantities.length_power(1 - i - j), item, info) for j, item in enumerate(row))
-        for i, row in enumerate(value)
+        tuple(q.si(q.length_power(1 - i - j), item, info) for j, item in enumerate(row)) for i, row in enumerate(value)
     )
 
 
-_ROWS = {"type": "array", "items": quantity_schema(quantities.LENGTH), "minItems": 1}
+_ROWS = {"type": "array", "items": q.quantity_schema(q.LENGTH), "minItems": 1}
 LengthRows = Annotated[
     tuple[tuple[float, ...], ...],
     BeforeValidator(_length_rows),
-    WithJsonSchema({"type": "array", "items": {"anyOf": [quantity_schema(quantities.LENGTH), _ROWS]}, "minItems": 1}),
+    WithJsonSchema({"type": "array", "items": {"anyOf": [q.quantity_schema(q.LENGTH), _ROWS]}, "minItems": 1}),
 ]
 _COEFFICIENT = {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": ["5 mm", "-0.01 mm/mm"]}
 Coefficients = Annotated[
@@ -102,13 +78,13 @@ class Thickness(Table):
     the plate's (the mesh file's, where there is one).
     """
 
-    x: Lengths | None = Field(None, description="of a table: places along x, ascending")
-    y: Lengths | None = Field(None, description="of a table: places across, ascending; left out: the same all across")
+    x: q.Lengths | None = Field(None, description="of a table: places along x, ascending")
+    y: q.Lengths | None = Field(None, description="of a table: places across, ascending; left out: the same all across")
     values: LengthRows | None = Field(None, description="of a table: for each x a list of the thicknesses at each y")
     polynomial: Coefficients | None = Field(
         None, description="coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"
     )
-    field: Line | None = Field(
+    field: q.Line | None = Field(
         None, description="point data of the mesh file, in the unit of its coordinates, linear between its points"
     )
 
@@ -221,10 +197,10 @@ _SOFTEST = 1e4
 class Root(Table):
     """An elastic root: springs all along the root edge in place of the clamp. Without both the plate would be loose."""
 
-    stiffness: Annotated[LineStiffness, Positive] = Field(
+    stiffness: Annotated[q.LineStiffness, q.Positive] = Field(
         description="against displacement in every direction, per length of the root"
     )
-    rotational_stiffness: Annotated[RotationalStiffness, Positive] = Field(
+    rotational_stiffness: Annotated[q.RotationalStiffness, q.Positive] = Field(
         description="against rotation of the root's section, per length of the root"
     )
 
@@ -240,21 +216,21 @@ def _kind_of_thickness(value: Any) -> str:
 class Plate(Table):
     """The plate, held at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
 
-    length: Annotated[Length, Positive] | None = Field(
+    length: Annotated[q.Length, q.Positive] | None = Field(
         None, description="along the radius, from the clamped root at x = 0"
     )
-    width: Annotated[Length, Positive] | None = Field(None, description="across, centred on y = 0")
+    width: Annotated[q.Length, q.Positive] | None = Field(None, description="across, centred on y = 0")
     thickness: Annotated[
-        Annotated[Annotated[Length, Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
+        Annotated[Annotated[q.Length, q.Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
         Discriminator(_kind_of_thickness),
     ] = Field(description="through the plate, along z; or the table [plate.thickness], where it varies")
-    mesh: Line | None = Field(None, description="mid-surface mesh file, instead of length and width")
-    mesh_unit: LengthUnit | None = Field(None, description="unit of the coordinates in the mesh file; default: m")
+    mesh: q.Line | None = Field(None, description="mid-surface mesh file, instead of length and width")
+    mesh_unit: q.LengthUnit | None = Field(None, description="unit of the coordinates in the mesh file; default: m")
     theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = Field(
         "auto", description="plate theory; auto: the cheapest that is as exact as [accuracy] asks"
     )
-    tip_mass: Annotated[Mass, NotNegative] = Field(0.0, description="point mass at the damper's place")
-    tip_mass_at: LengthPair | None = Field(
+    tip_mass: Annotated[q.Mass, q.NotNegative] = Field(0.0, description="point mass at the damper's place")
+    tip_mass_at: q.LengthPair | None = Field(
         None, description="place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"
     )
 
@@ -299,7 +275,7 @@ class Plate(Table):
     @property
     def mesh_scale(self) -> float:
         """Metres to the unit of the mesh file."""
-        return 1.0 if self.mesh_unit is None else quantities.to_si(f"1 {self.mesh_unit}", quantities.LENGTH)
+        return 1.0 if self.mesh_unit is None else q.to_si(f"1 {self.mesh_unit}", q.LENGTH)
 
 
 _NUMBERS = ("youngs_modulus", "poissons_ratio", "density")
@@ -315,12 +291,12 @@ class Material(Table):
 
     model_config = ConfigDict(json_schema_extra=_either)
 
-    name: Annotated[str, *name_of(materials.PLATES)] | None = Field(
+    name: Annotated[str, *q.name_of(materials.PLATES)] | None = Field(
         None, description="a material whose numbers are known, instead of the numbers"
     )
-    youngs_modulus: Annotated[Pressure, Positive] = Field(description="E")
-    poissons_ratio: Annotated[Number, Field(gt=-1, lt=0.5)] = Field(description="ν, dimensionless")
-    density: Annotated[Density, Positive] = Field(description="ρ")
+    youngs_modulus: Annotated[q.Pressure, q.Positive] = Field(description="E")
+    poissons_ratio: Annotated[q.Number, Field(gt=-1, lt=0.5)] = Field(description="ν, dimensionless")
+    density: Annotated[q.Density, q.Positive] = Field(description="ρ")
 
     @model_validator(mode="before")
     @classmethod

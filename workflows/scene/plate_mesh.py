@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+import fem
+from fem.meshes.mesh_sequence import Planform
+from fem.meshes.thickness import Profile
 from workflows.errors import BadInput
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
-from workflows.scene.plate import disproportion, extremes, thickness_at
+from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
 from workflows.scene.scene import Scene
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    import fem
-    from fem.meshes.mesh_sequence import Planform
-    from fem.meshes.thickness import Profile
-    from workflows.scene.plate import Plate
-
 
 GAUSS = 24
 """Points along each side for integrals: exact for polynomials up to a degree of 47."""
@@ -99,14 +94,12 @@ def planform(source: SceneFile) -> Planform:
     Raises:
         BadInput: the mesh file is no good.
     """
-    from fem import Rectangle
-
     plate = source.scene.plate
     if plate is None:
         raise ValueError("the scene has no plate")
     if source.mesh is not None:
         return _from_file(source)
-    form = Rectangle(plate.length or 0.0, plate.width or 0.0)
+    form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)
     return _with_a_node(form, given_place(source.scene)) if source.scene.point_mass else form
 
 
@@ -121,22 +114,18 @@ def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rec
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
-    from fem import ElasticRoot, Material, Plate
-
     given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
     if given is None or material is None:
         raise ValueError("the scene has no plate")
     laden = place(source, mesh) if mass else None
-    substance = Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    springs = None if given.root is None else ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
-    return Plate(mesh, profile(given, form), substance, mass, laden, springs)
+    substance = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
+    springs = None if given.root is None else fem.ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
+    return fem.Plate(mesh, profile(given, form), substance, mass, laden, springs)
 
 
 def rotor(scene: Scene) -> fem.Rotor:
     """How the scene's plate sits on its axis."""
-    from fem import Rotor
-
-    return Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
+    return fem.Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
 
 
 def coarse(form: Planform, cells: int) -> Any:
@@ -147,10 +136,9 @@ def coarse(form: Planform, cells: int) -> Any:
 
 def in_words(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
-    from fem import Rectangle
     from fem.meshes.planform import clamped_length
 
-    if isinstance(form, Rectangle):
+    if isinstance(form, fem.Rectangle):
         along, across = form.cells(size)
         return f"{along} × {across} quadrilaterals, finer towards the edges"
     mesh = form.mesh(size)
@@ -227,7 +215,6 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
 
 def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
-    from fem import Given, MeshError
     from fem.meshes.read import FieldError, read_field
     from fem.meshes.thickness import Nodal
 
@@ -239,12 +226,12 @@ def _from_file(source: SceneFile) -> fem.Given:
         mesh, values = read_field(source.mesh, field)
     except FieldError as error:
         raise BadInput(str(error), file=source.name, key="[plate] thickness.field", value=field) from error
-    except MeshError as error:
+    except fem.MeshError as error:
         text = str(error).removeprefix(f"{source.mesh}: ")
         raise BadInput(text, file=source.name, key="[plate] mesh", value=plate.mesh) from error
     if plate.mesh_scale != 1.0:
         mesh = mesh.scaled(plate.mesh_scale)
-    form = Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
+    form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
     _check_proportions(source, form)
     _check_place(source, form)
     return form

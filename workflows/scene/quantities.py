@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
@@ -20,10 +21,7 @@ from pydantic_core import PydanticCustomError
 from workflows.errors import did_you_mean
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
     import pint
-
 
 STANDARD_GRAVITY = 9.80665
 """m/s², CGPM 1901; what the unit "g" means unless a scene says otherwise."""

@@ -13,39 +13,12 @@ from fem.accuracy.tolerances import Budget
 from fem.rotor import from_rpm, in_rpm
 from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import significant, whole
-from workflows.scene import materials, quantities
+from workflows.scene import materials
+from workflows.scene import quantities as q
 from workflows.scene.damper import HEAVIEST, Damper, Release, misfit, through_the_thickness
 from workflows.scene.materials import LIGHTEST
 from workflows.scene.plate import Material, Plate, thickness_at
-from workflows.scene.quantities import (
-    LENGTH,
-    ROUNDING,
-    Acceleration,
-    Angle,
-    Direction,
-    Frequencies,
-    Kind,
-    Length,
-    LengthPair,
-    Lengths,
-    LengthTriple,
-    LengthUnit,
-    Line,
-    Mass,
-    MassUnit,
-    NotNegative,
-    Number,
-    Positive,
-    Slopes,
-    Switch,
-    Table,
-    above_zero,
-    fault,
-    quantity_schema,
-    several,
-    si,
-    wrong,
-)
+from workflows.scene.quantities import ROUNDING, Table, fault, wrong
 
 MOST_SPEEDS = 100_000
 
@@ -80,7 +53,7 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
     elif isinstance(value, list | tuple) and value:
-        speeds = [si(quantities.ROTATION, item, info) for item in value]
+        speeds = [q.si(q.ROTATION, item, info) for item in value]
     else:
         raise wrong("expected a list such as ['3500 rpm'] or { start = '0 rpm', stop = '9000 rpm', count = 10 }")
     if any(speed < 0 for speed in speeds):
@@ -99,7 +72,7 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
 
 def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     _whole(value)
-    start, stop = si(quantities.ROTATION, value["start"], info), si(quantities.ROTATION, value["stop"], info)
+    start, stop = q.si(q.ROTATION, value["start"], info), q.si(q.ROTATION, value["stop"], info)
     count = value["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SPEEDS:
         raise wrong(f"count: expected a whole number from 1 to {MOST_SPEEDS}")
@@ -125,12 +98,12 @@ def _whole(value: dict[str, object]) -> None:
 
 _SPEEDS_SCHEMA = {
     "anyOf": [
-        {"type": "array", "items": quantity_schema(quantities.ROTATION), "minItems": 1},
+        {"type": "array", "items": q.quantity_schema(q.ROTATION), "minItems": 1},
         {
             "type": "object",
             "properties": {
-                "start": quantity_schema(quantities.ROTATION),
-                "stop": quantity_schema(quantities.ROTATION),
+                "start": q.quantity_schema(q.ROTATION),
+                "stop": q.quantity_schema(q.ROTATION),
                 "count": {"type": "integer", "minimum": 1},
             },
             "required": ["start", "stop", "count"],
@@ -153,10 +126,10 @@ _LOWEST, _HIGHEST = 1e-3, 1e6
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
 
-    frequency: Frequencies = Field(
+    frequency: q.Frequencies = Field(
         description="ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"
     )
-    mass: Annotated[Mass, Positive] = Field(description="M2: effective mass at the damper, without the ball")
+    mass: Annotated[q.Mass, q.Positive] = Field(description="M2: effective mass at the damper, without the ball")
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -166,7 +139,7 @@ class Structure(Table):
             raise fault("frequency", problem)
         return self
 
-    floor_tilt: Slopes = Field(
+    floor_tilt: q.Slopes = Field(
         (0.0, 0.0),
         description="slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along"
         " each",
@@ -184,7 +157,7 @@ def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
             raise wrong(expectation)
     if set(value) == {""}:
         return str(value[""])
-    known = [si(quantities.ROTATION, speed, info) for speed in value]
+    known = [q.si(q.ROTATION, speed, info) for speed in value]
     if min(known) < 0 or max(known) > FASTEST or len(set(known)) < len(known):
         raise wrong(f"expected different speeds from 0 to {FASTEST:g} rad/s as keys")
     return {str(speed): str(name) for speed, name in value.items()}
@@ -203,10 +176,10 @@ class KnownModes(Table):
         description="file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the"
         " speeds of their modes"
     )
-    unit: LengthUnit | None = Field(
+    unit: q.LengthUnit | None = Field(
         None, description="of the file's coordinates; default: what the file says, m where it says nothing"
     )
-    mass_unit: MassUnit | None = Field(
+    mass_unit: q.MassUnit | None = Field(
         None, description="of the file's modal masses; default: what the file says, kg where it says nothing"
     )
 
@@ -215,27 +188,27 @@ class KnownModes(Table):
         """Names of files by the speed of their modes [rad/s]; None where the speed is not given."""
         if isinstance(self.modes, str):
             return {None: self.modes}
-        return {quantities.to_si(speed, quantities.ROTATION): name for speed, name in self.modes.items()}
+        return {q.to_si(speed, q.ROTATION): name for speed, name in self.modes.items()}
 
     def scale(self, unit: str | None, mass_unit: str | None) -> tuple[float, float]:
         """Metres and kilograms to the units of a file that says these of itself."""
         length, mass = self.unit or unit or "m", self.mass_unit or mass_unit or "kg"
-        return quantities.to_si(f"1 {length}", LENGTH), quantities.to_si(f"1 {mass}", quantities.MASS)
+        return q.to_si(f"1 {length}", q.LENGTH), q.to_si(f"1 {mass}", q.MASS)
 
 
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: Line = Field(
+    mesh: q.Line = Field(
         description="file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"
     )
-    unit: LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
-    root: Line | None = Field(
+    unit: q.LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
+    root: q.Line | None = Field(
         None,
         description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
         " as '100 mm'; default: the innermost face",
     )
-    size: Annotated[Length, Positive] | None = Field(
+    size: Annotated[q.Length, q.Positive] | None = Field(
         None, description="of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"
     )
 
@@ -249,14 +222,14 @@ class Blade(Table):
     @property
     def scale(self) -> float:
         """Metres to the unit of the mesh file."""
-        return 1.0 if self.unit is None else quantities.to_si(f"1 {self.unit}", LENGTH)
+        return 1.0 if self.unit is None else q.to_si(f"1 {self.unit}", q.LENGTH)
 
     @property
     def root_radius(self) -> float | None:
         """Where the root is given by its radius, that [m]."""
         try:
-            return None if self.root is None else quantities.to_si(self.root, LENGTH)
-        except quantities.UnitError:
+            return None if self.root is None else q.to_si(self.root, q.LENGTH)
+        except q.UnitError:
             return None
 
 
@@ -282,27 +255,27 @@ class Rotor(Table):
     """How the structure spins."""
 
     speeds: Speeds = Field(description="rotation speeds: a list, or count of them from start to stop")
-    hub_radius: Annotated[Length, NotNegative] = Field(
+    hub_radius: Annotated[q.Length, q.NotNegative] = Field(
         0.0, description="from the axis to the clamped root, wherever a mesh draws the root"
     )
-    radius: Annotated[Length, Positive] | None = Field(
+    radius: Annotated[q.Length, q.Positive] | None = Field(
         None, description="from the axis to the damper; only with [structure]"
     )
-    stagger: Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
-    precone: Angle = Field(
+    stagger: q.Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
+    precone: q.Angle = Field(
         0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
     )
-    axis: Direction | None = Field(
+    axis: q.Direction | None = Field(
         None,
         description="direction of the spin axis, of a structure in space; default: that of a plate by stagger and"
         " precone",
     )
-    origin: LengthTriple | None = Field(
+    origin: q.LengthTriple | None = Field(
         None,
         description="a point on the spin axis, of a structure in space; default: hub_radius before its smallest x",
     )
-    gravity: Annotated[Acceleration, Positive] = Field(
-        quantities.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
+    gravity: Annotated[q.Acceleration, q.Positive] = Field(
+        q.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
     )
     modes: Annotated[int, Field(ge=1, le=200)] = Field(6, description="number of modes at each speed")
 
@@ -321,31 +294,33 @@ class Rotor(Table):
 class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
 
-    stress_stiffening: Switch = Field(default="auto", description="the centrifugal pull stiffens the plate")
-    spin_softening: Switch = Field(default="auto", description="motion across the spin axis is softened")
-    coriolis: Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
-    large_deflection: Switch = Field(default="auto", description="modes about the plate as the load bends or twists it")
-    rotary_inertia: Switch = Field(default="auto", description="inertia of the turning cross-sections")
-    rolling_resistance: Switch = Field(default="auto", description="the load resists the ball's rolling")
-    impact_friction: Switch = Field(default="auto", description="friction where the ball hits a wall")
-    ball_slip: Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
-    floor_tilt: Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
-    indentation: Switch = Field(default="auto", description="the dent under a resting ball holds it")
-    structural_modes: Switch = Field(
+    stress_stiffening: q.Switch = Field(default="auto", description="the centrifugal pull stiffens the plate")
+    spin_softening: q.Switch = Field(default="auto", description="motion across the spin axis is softened")
+    coriolis: q.Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
+    large_deflection: q.Switch = Field(
+        default="auto", description="modes about the plate as the load bends or twists it"
+    )
+    rotary_inertia: q.Switch = Field(default="auto", description="inertia of the turning cross-sections")
+    rolling_resistance: q.Switch = Field(default="auto", description="the load resists the ball's rolling")
+    impact_friction: q.Switch = Field(default="auto", description="friction where the ball hits a wall")
+    ball_slip: q.Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
+    floor_tilt: q.Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
+    indentation: q.Switch = Field(default="auto", description="the dent under a resting ball holds it")
+    structural_modes: q.Switch = Field(
         default="auto",
         description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",
     )
-    cavity_mass: Switch = Field(default="auto", description="the cavities take metal out of the plate")
+    cavity_mass: q.Switch = Field(default="auto", description="the cavities take metal out of the plate")
 
 
 class Accuracy(Table):
     """Relative errors asked for."""
 
-    frequency: Annotated[Number, Field(gt=0, ge=FINEST, lt=1)] = Field(
+    frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = Field(
         default=1e-3,
         description="relative error of the plate's frequencies, dimensionless; no less than double precision can give",
     )
-    damping: Annotated[Number, Field(gt=0, lt=1)] = Field(
+    damping: Annotated[q.Number, Field(gt=0, lt=1)] = Field(
         default=1e-3, description="relative error of the damping, dimensionless"
     )
 
@@ -359,7 +334,7 @@ def _floor(value: object, info: ValidationInfo) -> float | str:
         return FLAT
     if isinstance(value, str) and (hint := did_you_mean(value, [FLAT])):
         raise wrong(f"expected '{FLAT}' or a length such as '8 mm'{hint}")
-    return si(LENGTH, value, info)
+    return q.si(q.LENGTH, value, info)
 
 
 def _material(value: object, _: ValidationInfo) -> str:
@@ -378,15 +353,15 @@ def _whole_numbers(expectation: str, most: int | None = None, once: str = "") ->
         return value
 
     schema = {"type": "integer", "minimum": 1} | ({} if most is None else {"maximum": most})
-    return several(whole, schema, expectation, single=most is not None, once=once)
+    return q.several(whole, schema, expectation, single=most is not None, once=once)
 
 
-_FLOOR = {"anyOf": [{"const": FLAT}, *quantity_schema(LENGTH)["anyOf"]], "x-si": "m"}
+_FLOOR = {"anyOf": [{"const": FLAT}, *q.quantity_schema(q.LENGTH)["anyOf"]], "x-si": "m"}
 _A_FLOOR = f"expected a list such as ['{FLAT}', '8 mm', '64 mm']"
 _BALLS = {"enum": list(materials.BALLS)}
 
-Floors = Annotated[tuple[float | str, ...], *several(_floor, _FLOOR, _A_FLOOR)]
-Materials = Annotated[tuple[str, ...], *several(_material, _BALLS, "expected a list such as ['steel', 'lead']")]
+Floors = Annotated[tuple[float | str, ...], *q.several(_floor, _FLOOR, _A_FLOOR)]
+Materials = Annotated[tuple[str, ...], *q.several(_material, _BALLS, "expected a list such as ['steel', 'lead']")]
 Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole numbers from 1 on")]
 
 
@@ -394,26 +369,26 @@ class Design(Table):
     """What `spindamp design` may choose, and what limits it: a pair is a range, any other list a choice."""
 
     ball_material: Materials | None = Field(None, description="names of materials to choose from")
-    ball_diameter: Lengths | None = Field(None, description="of a ball")
-    clearance: Lengths | None = Field(None, description="of the cavity beyond the ball's diameter, along both axes")
+    ball_diameter: q.Lengths | None = Field(None, description="of a ball")
+    clearance: q.Lengths | None = Field(None, description="of the cavity beyond the ball's diameter, along both axes")
     floor_radius: Floors | None = Field(None, description="of the cavity's floor; with 'flat' in it a choice")
     count: Counts | None = Field(None, description="of balls, each in a cavity of its own")
-    place: Lengths | None = Field(None, description="of the damper along the plate: x of damper.at")
-    mass: Annotated[Mass, Positive] | None = Field(None, description="of all balls together, at most")
-    wall: Annotated[Length, NotNegative] = Field(
+    place: q.Lengths | None = Field(None, description="of the damper along the plate: x of damper.at")
+    mass: Annotated[q.Mass, q.Positive] | None = Field(None, description="of all balls together, at most")
+    wall: Annotated[q.Length, q.NotNegative] = Field(
         0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
     )
-    hardness_ratio: Annotated[Number, Positive, Field(le=1)] = Field(
+    hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = Field(
         1.0,
         description="mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1:"
         " it flows. It takes materials known by name, dimensionless",
     )
-    yield_ratio: Annotated[Number, Positive] | None = Field(
+    yield_ratio: Annotated[q.Number, q.Positive] | None = Field(
         None,
         description="load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default:"
         " none",
     )
-    amplitude: LengthPair | None = Field(
+    amplitude: q.LengthPair | None = Field(
         None,
         description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"
         " the greatest amplitude at the crossings counts",
@@ -437,19 +412,19 @@ MOST_LEVELS = 20
 """Heights of a force that are looked at: each is a picture of its own."""
 
 
-def _levels(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
+def _levels(kind: q.Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     """One height above 0, or a list of different ones."""
     expectation = f"expected a value such as '{kind.example}', or a list of at most {MOST_LEVELS}"
     once = "expected every level once"
-    read = partial(above_zero, kind)
-    return several(read, quantity_schema(kind), expectation, 1, MOST_LEVELS, single=True, once=once)
+    read = partial(q.above_zero, kind)
+    return q.several(read, q.quantity_schema(kind), expectation, 1, MOST_LEVELS, single=True, once=once)
 
 
 _ORDERS = "expected a list of whole numbers from 1 to 1000, such as [2, 3]"
 
-Forces = Annotated[tuple[float, ...], *_levels(quantities.FORCE)]
-Pressures = Annotated[tuple[float, ...], *_levels(quantities.SURFACE_PRESSURE)]
-Loads = Annotated[tuple[float, ...], *_levels(quantities.LOAD)]
+Forces = Annotated[tuple[float, ...], *_levels(q.FORCE)]
+Pressures = Annotated[tuple[float, ...], *_levels(q.SURFACE_PRESSURE)]
+Loads = Annotated[tuple[float, ...], *_levels(q.LOAD)]
 Orders = Annotated[tuple[int, ...], *_whole_numbers(_ORDERS, 1000, "expected every order once")]
 
 
@@ -593,7 +568,7 @@ _OF_A_MESH = {
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
-    title: Annotated[Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
+    title: Annotated[q.Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
     plate: Plate | None = Field(None, description="the plate")
     blade: Blade | None = Field(None, description="a solid blade from a mesh of its volume, instead of a plate")
     material: Material | None = Field(None, description="what the plate or the blade is made of")
@@ -685,11 +660,7 @@ class Scene(Table):
             )
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
-        for key, instead in _OF_A_MESH.items():
-            table, name = key.split(".")
-            given = getattr(self, table)
-            if given is not None and getattr(given, name) != type(given).model_fields[name].default:
-                raise fault(key, instead)
+        self._left_as_they_are(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
@@ -735,11 +706,15 @@ class Scene(Table):
         self._not_in_space()
         self._tilt(self.damper, structure.floor_tilt)
         weight(self.damper, structure.mass)
-        for key, instead in _OF_A_PLATE.items():
+        self._left_as_they_are(_OF_A_PLATE, "belongs to a plate; ")
+
+    def _left_as_they_are(self, keys: Mapping[str, str], why: str = "") -> None:
+        """Keys that have their defaults, with what is said where one has not."""
+        for key, instead in keys.items():
             table, name = key.split(".")
             given = getattr(self, table)
             if given is not None and getattr(given, name) != type(given).model_fields[name].default:
-                raise fault(key, f"belongs to a plate; {instead}")
+                raise fault(key, f"{why}{instead}")
 
     def _tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
         if max(map(abs, tilt)) * damper.radius >= 1:

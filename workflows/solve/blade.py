@@ -17,6 +17,7 @@ from workflows.solve.known_modes import Asked, SpaceStructure, seat_of, space_st
 if TYPE_CHECKING:
     import fem
     from fem.meshes.volume import VolumeMesh
+    from fem.solid.assembly import SolidOperators
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
 
@@ -49,7 +50,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
     solved = _solved(Asked(key, source))
     model = solved.model
-    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model)
+    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
         model=model,
         modes=solved.at,
@@ -58,7 +59,24 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         remarks=(*_remarks(source, solved.operators.blade.mesh), *remarks),
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
+        root_stress=root_stress(solved.operators),
     )
+
+
+def root_stress(operators: SolidOperators) -> float | None:
+    """Mean stress over the root's section by the pull of what it holds, over Omega² [Pa s²]; None without faces."""
+    blade, section = operators.blade, operators.blade.section
+    area = float(np.linalg.norm(section))
+    if area <= _NO_AREA * blade.mesh.size**2:
+        return None
+    free = np.isin(np.arange(len(blade.mesh.points)), blade.root, invert=True)
+    hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
+    pull = operators.masses[hung] @ ((blade.mesh.points[hung] - blade.origin) @ blade.projector)
+    return float(abs(pull @ section)) / area**2
+
+
+_NO_AREA = 1e-9
+"""Area of the held faces over the square of the mesh's extent from which on a root has faces."""
 
 
 @lru_cache(maxsize=2)

@@ -15,8 +15,9 @@ from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import percent, significant
+from workflows.scene.damper import Damper
 from workflows.scene.load import SceneFile
-from workflows.scene.materials import LIGHTEST, OSMIUM
+from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
 from workflows.solve.results import (
     SHAPES_AT_MOST,
@@ -86,6 +87,7 @@ class SpaceStructure:
         sha256: of the files.
         coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
             not known.
+        root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
     """
 
     model: ModalModel
@@ -95,6 +97,7 @@ class SpaceStructure:
     remarks: tuple[str, ...]
     sha256: str | None
     coriolis: Callable[[float], Floats] | None = None
+    root_stress: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -117,6 +120,7 @@ class SpaceStructure:
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
             modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names[: scene.rotor.modes])),
+            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
         )
         damper = scene.damper
         if damper is None or self.seat is None:
@@ -292,11 +296,11 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
-    seat = None if damper is None else (damper.at, damper.direction)
+    seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds))
     found = _built(Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         found.modes(omega)
-    return replace(found, remarks=(*found.remarks, *_interpolation_remarks(source, found.model)))
+    return replace(found, remarks=(*found.remarks, *_interpolation_remarks(source, found)))
 
 
 _SPEEDS = 64
@@ -322,7 +326,7 @@ class Asked:
 @lru_cache(maxsize=8)
 def _built(asked: Asked) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
-    from fem.modal_model import chosen
+    from fem.modal_model import chosen, densities
 
     source = asked.source
     known = source.scene.known
@@ -331,14 +335,18 @@ def _built(asked: Asked) -> SpaceStructure:
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
+    if (density := densities(model, model.speeds[0])) is not None:
+        described += f", of {significant(float(np.median(density)))} kg/m³ by the scale of their modes"
     count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
-    seat, seated = (None, ()) if source.scene.damper is None else seat_of(source, model)
 
     @lru_cache(_SPEEDS)
     def modes_at(omega: float) -> ModesAtSpeed:
         _check_speed(source, model, omega)
         return chosen(model.at(omega), np.arange(count), np.ones(count))
 
+    seat, seated = None, tuple[str, ...]()
+    if source.scene.damper is not None:
+        seat, seated = seat_of(source, model, modes_at(min(source.scene.rotor.speeds)))
     return SpaceStructure(model, modes_at, seat, described, (*remarks, *seated), sha256)
 
 
@@ -346,10 +354,11 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     """The structure in m and kg about the scene's axis; remarks; the digest of the files."""
     from fem.modal_files import ModesFileError, joined
 
-    models, remarks, digests = [], list[str](), []
+    models, remarks, digests, turns = [], list[str](), list[str](), True
     for omega, name in known.files.items():
         raw, sha256 = _read(source, name)
         digests.append(sha256)
+        turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
         if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _set(source):
             problem = (
@@ -372,8 +381,29 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         model = joined(models)
     except ModesFileError as error:
         raise BadInput(str(error), file=source.name, key="[structure] modes") from error
+    remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return turning(source, model), tuple(remarks), whole
+    return turning(source, model, turns=turns), tuple(remarks), whole
+
+
+def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
+    """What files by speed say that does not go with these speeds, or with each other."""
+    found, names = list[str](), list(known.files.values())
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            found.append(
+                f"{name} stands for {names.count(name)} speeds: its modes are taken not to change between them."
+            )
+    for (omega, name), model in zip(known.files.items(), models, strict=True):
+        static = model.speeds[0].static
+        if omega == 0.0 and static is not None and static.any():
+            found.append(
+                f"{name} stands for 0 rpm, and its modes follow a static displacement: is it of another speed?"
+            )
+    counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
+    if min(counts) < max(counts):
+        found.append(f"Of the files' {min(counts)} to {max(counts)} modes the {min(counts)} that all have are taken.")
+    return found
 
 
 def _set(source: SceneFile) -> set[str]:
@@ -431,11 +461,15 @@ def _only_speed(source: SceneFile, name: str) -> float:
     return speeds[0]
 
 
-_SYSTEMS = (("m", "kg"), ("mm", "t"), ("mm", "kg"), ("mm", "g"), ("m", "t"), ("cm", "g"), ("in", "lb"))
+_METRIC = (("m", "kg"), ("mm", "t"), ("mm", "kg"), ("mm", "g"), ("m", "t"), ("cm", "g"))
+_SYSTEMS = (*_METRIC, ("in", "lb"), ("in", "lbf*s^2/in"))
 """Units that files have, by which one that does not fit may be meant."""
 
 _USUAL = (500.0, 20000.0)
 """Densities [kg/m³] of what blades are made of."""
+
+_LIGHTEST = 100.0
+"""Density [kg/m³] below which nothing that spins is made; steel in pounds for slinches has 20."""
 
 _LARGE = 20.0
 """Size [m] beyond which a structure is more likely one in mm."""
@@ -451,7 +485,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         BadInput: they do not; the message asks for those that would.
     """
     from fem.modal_files import in_si
-    from fem.modal_model import densities
+    from fem.modal_model import InsideOut, densities
 
     for key in ("unit", "mass_unit"):
         own, given = getattr(raw, key), getattr(known, key)
@@ -463,13 +497,23 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     except ValueError as error:
         problem = f"{name}: unit '{raw.unit}' or mass_unit '{raw.mass_unit}' is none: {error}"
         raise BadInput(problem, file=source.name, key="[structure] modes") from error
-    found = [densities(model, modes) for modes in model.speeds]
+    largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
+    if largest.size > 1 and np.ptp(largest) <= 1e-5 * largest.max():
+        raise BadInput(
+            f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
+            " expected shapes of modal mass 1, or their modal masses",
+            file=source.name,
+            key="[structure] modes",
+        )
+    try:
+        found = [densities(model, modes) for modes in model.speeds]
+    except InsideOut as error:
+        raise BadInput(f"{name}: {error}", file=source.name, key="[structure] modes") from error
     if any(each is None for each in found):
         _without_density(source, known, name, raw, model)
         return model
     every = np.concatenate([each for each in found if each is not None])
-    spread = float(every.max() / every.min())
-    if spread > _UNLIKE:
+    if every.max() > _UNLIKE * every.min():
         raise BadInput(
             f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
             f" {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3: expected shapes of modal"
@@ -478,7 +522,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
             key="[structure] modes",
         )
     density = float(np.median(every))
-    if not LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
+    if not _LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
         raise BadInput(_units(name, raw, model.size, density), file=source.name, key="[structure] unit, mass_unit")
     return model
 
@@ -504,10 +548,10 @@ def _units(name: str, raw: Raw, size: float, density: float) -> str:
 
 
 def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, model: ModalModel) -> None:
-    """Of a structure without volumes the units have to be said, and shapes of displacement 1 have no mass.
+    """Of a structure without volumes the units have to be said, and it cannot weigh more than it is large.
 
     Raises:
-        BadInput: they are not said; the structure is too large; the shapes are scaled to displacements.
+        BadInput: they are not said; the structure is too large, or too heavy.
     """
     key = "[structure] unit, mass_unit"
     if (known.unit or raw.unit) is None or (known.mass_unit or raw.mass_unit) is None:
@@ -516,13 +560,15 @@ def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, 
     if model.size > _LARGE:
         problem = f"{name} would describe a structure {significant(model.size)} m large: was another unit meant?"
         raise BadInput(problem, file=source.name, key=key)
-    largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
-    if largest.size > 1 and np.ptp(largest) <= 1e-6 * largest.max():
+    least = min(float((np.linalg.norm(modes.shapes, axis=2).max(axis=1) ** -2.0).min()) for modes in model.speeds)
+    most = OSMIUM * (model.size / 3.0**0.5) ** 3
+    if least > most:
         raise BadInput(
-            f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
-            " expected shapes of modal mass 1, or their modal masses",
+            f"{name} would have an effective mass of {significant(least)} kg where it moves most, and its nodes span a"
+            f" block of {significant(most)} kg at most: was another unit meant? If not, nodes further away are missing"
+            " (of the root, for example)",
             file=source.name,
-            key="[structure] modes",
+            key=key,
         )
 
 
@@ -544,18 +590,25 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def turning(source: SceneFile, model: ModalModel) -> ModalModel:
-    """The model about the scene's axis, or the file's where the scene has none; with forces by the root's motion."""
+def turning(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
+    """The model about the scene's axis, with forces by the root's motion.
+
+    turns: axis and point on it are the file's where the scene does not give them.
+    """
     from fem import Rotor
     from fem.modal_model import drawn_by
 
-    rotor = source.scene.rotor
+    rotor, given = source.scene.rotor, _set(source)
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
-    if _set(source) & {"axis", "origin", "hub_radius", "stagger", "precone"}:
-        axis = own.axis if rotor.axis is None else np.array(rotor.axis) / np.linalg.norm(rotor.axis)
-        innermost = np.array([model.points[:, 0].min(), 0.0, 0.0])
-        origin = innermost - rotor.hub_radius * own.outwards if rotor.origin is None else np.array(rotor.origin)
+    if rotor.axis is not None:
+        axis = np.array(rotor.axis) / np.linalg.norm(rotor.axis)
+    elif given & {"stagger", "precone"} or (given & {"origin", "hub_radius"} and not turns):
+        axis = own.axis
+    if rotor.origin is not None:
+        origin = np.array(rotor.origin)
+    elif "hub_radius" in given or (given & {"axis", "stagger", "precone"} and not turns):
+        origin = np.array([model.points[:, 0].min(), 0.0, 0.0]) - rotor.hub_radius * own.outwards
     speeds = tuple(
         modes if modes.drawn is not None else replace(modes, drawn=drawn_by(model, modes)) for modes in model.speeds
     )
@@ -591,27 +644,37 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
         raise BadInput(problem, file=source.name, key=key)
 
 
-def _interpolation_remarks(source: SceneFile, model: ModalModel) -> list[str]:
+def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list[str]:
     """What is said of speeds between those of the files."""
+    model, seat = structure.model, structure.seat
     known = np.array([modes.omega for modes in model.speeds])
-    between = [omega for omega in source.scene.rotor.speeds if known.min() < omega < known.max()]
-    between = [omega for omega in between if np.abs(known - omega).min() > 1e-9 * known.max()]
+    between = [omega for omega in source.scene.rotor.speeds if np.abs(known - omega).min() > 1e-9 * known.max()]
     if not between:
         return []
     said = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
-    count = source.scene.rotor.modes
-    errors = [model.at(omega).interpolation for omega in between]
-    worst = [float(each[:count].max()) for each in errors if each is not None]
-    if not worst:
+    if known.size < 3:
         return [f"{said}: with two speeds alone, how good that is is not known."]
-    return [f"{said}: leaving out the nearest one changes frequencies by up to {percent(max(worst))} %."]
+    count = source.scene.rotor.modes
+    changes, masses = [], []
+    for omega in between:
+        modes, rough = model.at(omega), model.at(omega, fewer=True)
+        changes.append(float(np.abs(rough.frequencies_hz / modes.frequencies_hz - 1.0)[:count].max()))
+        if seat is not None:
+            one, other = (np.linalg.norm(seat.place.displacement(each.shapes[:1])) for each in (modes, rough))
+            masses.append(float(abs((one / other) ** 2 - 1.0)))
+    said += f": leaving out the nearest one changes frequencies by up to {percent(max(changes))} %"
+    if masses:
+        said += f" and the effective mass at the damper in the first mode by up to {percent(max(masses))} %"
+    return [f"{said}."]
 
 
-def seat_of(source: SceneFile, model: ModalModel) -> tuple[Seat, tuple[str, ...]]:
+def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[Seat, tuple[str, ...]]:
     """Where the damper of a scene sits on a structure in space, with remarks.
 
+    modes: at the scene's lowest speed; the first gives axis 1 of a cavity that has no direction.
+
     Raises:
-        BadInput: the place is not on the structure, or does not move.
+        BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements.
     """
     from fem.modal_model import OffTheStructure, place, pull
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
@@ -625,14 +688,16 @@ def seat_of(source: SceneFile, model: ModalModel) -> tuple[Seat, tuple[str, ...]
         at = place(model, asked)
     except OffTheStructure as error:
         raise BadInput(str(error), file=source.name, key="[damper] at", value=value) from error
-    modes = model.speeds[0]
     try:
         given = damper.direction
         direction = bending_direction(model, at, modes) if given is None else np.array(given, dtype=np.float64)
         seen = floor(model, at, modes, direction)
     except NoMotion as error:
-        key = "[damper] at" if damper.direction is None else "[damper] direction"
-        raise BadInput(str(error), file=source.name, key=key, value=value) from error
+        key, odd = ("at", value) if damper.direction is None else ("direction", list(damper.direction))
+        raise BadInput(str(error), file=source.name, key=f"[damper] {key}", value=odd) from error
+    if damper.housing is None and max(damper.cavity) >= model.size:
+        problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
+        raise BadInput(problem, file=source.name, key="[damper] cavity", value=list(damper.cavity))
     remarks = []
     if at.distance > _OFF * model.size:
         there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
@@ -640,7 +705,18 @@ def seat_of(source: SceneFile, model: ModalModel) -> tuple[Seat, tuple[str, ...]
             f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
+    remarks += _misfits(damper, model, at, seen)
     lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
+    if modes.rotations is not None:
+        other = float(floor(model, at, replace(modes, rotations=None), direction).slope[0, 0])
+        if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
+            raise BadInput(
+                f"in the first mode the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
+                f" displacement, and their displacements by {significant(other / lift)} 1/m: expected rotations in rad"
+                " of the same shapes",
+                file=source.name,
+                key="[structure] modes",
+            )
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
             f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"
@@ -649,8 +725,25 @@ def seat_of(source: SceneFile, model: ModalModel) -> tuple[Seat, tuple[str, ...]
     return Seat(at, direction, pull(model, at)), tuple(remarks)
 
 
+def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
+    """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
+    from fem.modal_model import thickness
+
+    middle = at.point - damper.radius * seen.normal
+    room = [thickness(model, middle, axis) for axis in seen.axes]
+    return [
+        f"Unless the mesh has the cavity cut or housed, it does not fit: along axis {axis} it measures"
+        f" {significant(1e3 * side)} mm, and the structure is {significant(1e3 * thick)} mm thick there."
+        for axis, (side, thick) in enumerate(zip(damper.cavity, room, strict=True), 1)
+        if thick is not None and side >= thick
+    ]
+
+
 _OFF = 1e-4
 """Distance from the place asked for, relative to the structure, from which on it is said."""
+
+_UNLIKE_TURNS = 10.0
+"""Ratio of slopes by rotations and by displacements from which on they are not those of one shape."""
 
 _UNSURE = 0.02
 """Relative uncertainty of a slope from which on it is said."""

@@ -62,6 +62,9 @@ DRY = 1.0
 WEIGHT = 1.0
 """Load over g below which the ball's own weight, which the model leaves out, presses it more than the load does."""
 
+ROUNDING = 1e-12
+"""Damping ratio up to which what a cycle takes is rounding of its energy."""
+
 _CANTILEVER = 1.8751040687
 """First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
 
@@ -235,7 +238,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
         return Reason.FILLED
     if figures is None or math.isinf(figures.cutoff):
         return Reason.TILT
-    if figures.peak > 0:
+    if figures.peak > ROUNDING:
         return Reason.OUT_OF_REACH
     lossless = damper is not None and damper.restitution == 1 and figures.cutoff == 0
     return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
@@ -244,7 +247,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
 def best(results: Results, point: SpeedPoint) -> Best | None:
     """The most that the damper does at a speed; None where it does nothing."""
     figures = point.working
-    if figures is None or not figures.peak > 0 or is_torn(results, point):
+    if figures is None or not figures.peak > ROUNDING or is_torn(results, point):
         return None
     limit = endured(results)
     limit = math.inf if limit is None else limit
@@ -253,7 +256,7 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
     if figures.peak_amplitude <= limit:
         return Best(figures.peak, figures.peak_amplitude, limited=False, useful=useful)
     within = figures.damping_ratio[figures.amplitude <= limit]
-    if not within.size or within.max() <= 0:
+    if not within.size or within.max() <= ROUNDING:
         return None
     at = int(np.argmax(within))
     return Best(float(within[at]), float(figures.amplitude[at]), limited=True, useful=useful)
@@ -293,6 +296,9 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
 
 def root_stress(results: Results, omega: float) -> float | None:
     """Mean stress over the root's section [Pa]: what hangs on it times its acceleration; None where it is not known."""
+    fastest = max(results.speeds, key=lambda point: point.omega, default=None)
+    if fastest is not None and fastest.root_stress is not None and fastest.omega > 0:
+        return fastest.root_stress * (omega / fastest.omega) ** 2
     plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
     hung = _hung(results)
     if plate is None or material is None or hung is None:
@@ -351,13 +357,15 @@ class Remedy(NamedTuple):
         amplitude: from which on the ball moves [m].
         rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
-        omega: speed up to which it does [rad/s]; nan of a plate at one speed alone.
+        omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
+        without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
     """
 
     amplitude: float
     rolling_friction: float = math.nan
     radius: float = math.nan
     omega: float = math.nan
+    without_dent: float = math.nan
 
 
 def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
@@ -373,7 +381,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     if limit is None:
         return Remedy(figures.cutoff)
     ease = limit / figures.cutoff
-    slope = _dent(results, point)
+    slope, rolls = _dent(results, point), lever(results.scene, point) / damper.radius
     radius = (
         math.nan
         if slope > 0
@@ -383,7 +391,8 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         figures.cutoff,
         _eased(results, point, ease),
         radius if 2 * radius < _room(results) else math.nan,
-        _slower(results, point, lever(results.scene, point) / damper.radius + slope, limit),
+        _slower(results, point, rolls + slope, limit),
+        figures.cutoff * rolls / (rolls + slope) if slope > 0 else math.nan,
     )
 
 
@@ -449,7 +458,7 @@ def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float
     """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
 
     The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
-    of a plate at one speed alone its change is not known. A structure has one frequency.
+    at one speed alone its change is not known. A structure has one frequency.
     """
     if point.tilt_share >= 1:
         return math.nan
@@ -463,7 +472,7 @@ def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float
         below = [each for each in others if each.omega < point.omega]
         other = max(below, key=lambda each: each.omega) if below else min(others, key=lambda each: each.omega)
         slope = (drive(point) - drive(other)) / (square - other.omega**2)
-    elif results.scene.plate is not None:
+    elif results.scene.given is None:
         return math.nan
     found = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
     return math.sqrt(found) if 0 < found < square else math.nan
@@ -488,11 +497,12 @@ def root_strain(results: Results, amplitude: float) -> float | None:
 
     The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
     leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
-    to half of its thickness. That of a structure in space is its mesh's, the largest over the speeds.
+    to half of its thickness. That of a structure in space is its mesh's, the largest over the speeds at which it holds.
     """
-    known = [point.root_strain for point in results.speeds if point.root_strain is not None]
+    known = [(point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None]
     if known:
-        return max(known) * amplitude
+        torn = root_stress(results, 1.0) or 0.0
+        return max([s for omega, s in known if torn * omega**2 <= STRONGEST] or [s for _, s in known]) * amplitude
     plate, damper = results.scene.plate, results.scene.damper
     length, thickness = span(results), _root_thickness(results)
     if plate is None or damper is None or length is None or thickness is None:
@@ -558,6 +568,8 @@ def cavity_mass(results: Results) -> CavityMass | None:
     if damper is None or material is None or not damper.cut or not reduced:
         return None
     mass = material.density * damper.cut
+    if mass >= min(each.M2 for each in reduced):
+        return None  # more than there is: the cavity does not fit, which a remark says
     return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
 
 

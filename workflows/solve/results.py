@@ -297,19 +297,19 @@ class Verdict:
         quantity(
             "",
             "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
-            " moves at what the plate endures; inadmissible: no such ball, plate or law, or a contact that flows;"
+            " moves at what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows;"
             " unknown: outside the model",
         ),
     ]
     damping_ratio: Annotated[
-        float | None, quantity("1", "largest damping ratio within what the plate endures; null: no verdict")
+        float | None, quantity("1", "largest damping ratio within what the structure endures; null: no verdict")
     ]
     amplitude: Annotated[float | None, quantity("m", "amplitude at the cavity where that is")]
     useful: Annotated[
         Pair,
         quantity(
             "m",
-            "amplitudes between which the damping is at least half its peak, as far as the plate endures them",
+            "amplitudes between which the damping is at least half its peak, as far as the structure endures them",
             "useful_range",
             ends=_ENDS,
         ),
@@ -318,10 +318,10 @@ class Verdict:
         str,
         quantity(
             "",
-            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the plate"
+            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure"
             " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
             " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact"
-            " (ball or floor flows under the load)",
+            " (ball or floor yields fully under the load)",
         ),
     ]
 
@@ -665,6 +665,7 @@ class SpeedPoint:
         level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
         tilted: cut-off with the tilt that the scene leaves out.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
+        root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
         pendulum: of a ball in a hollow floor.
@@ -689,7 +690,8 @@ class SpeedPoint:
         OwnFigures | None,
         part(
             "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
-            " the cavity's floor is counted in. Amplitudes are the structure's displacements along x at the damper, m"
+            " the cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the"
+            " damper, m"
         ),
     ] = None
     contact: Annotated[
@@ -711,6 +713,7 @@ class SpeedPoint:
     ] = None
     tilted: CutOff | None = None
     stagger: Annotated[float | None, KEPT] = None
+    root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
     pendulum: Annotated[
         Pendulum | None,
@@ -905,13 +908,10 @@ class Cavity(NamedTuple):
     counted: bool
 
 
-def _of_the_cavity(discrete: Discrete, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats | None:
-    """By how much the frequencies (k, modes) are off for the cavities, relative; None without them."""
+def _of_the_cavity(discrete: Discrete, cavity: Cavity, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats:
+    """By how much the frequencies (speeds, modes) are off for the cavities, relative."""
     from fem.accuracy.neglected_effects import cut
 
-    cavity = discrete.cavity
-    if cavity is None:
-        return None
     shifts = cut(discrete.choice.operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
     left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
     return np.asarray(left + cavity.weakens * shifts.stiffness)
@@ -932,8 +932,8 @@ def points(
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
     left_out = {name: found.at(omega, count) for name, found in discrete.left_out.items()}
-    if (cavity := _of_the_cavity(discrete, diagram, rows)) is not None:
-        left_out["cavity_mass"] = cavity[:, :count]
+    if discrete.cavity is not None:
+        left_out["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
     effects = [left_out.get(name, np.full(bounds.shape, np.nan)) for name in _EFFECTS]
     theory = over_speeds(operators, diagram)[rows, :count]
     mesh, *moved = map(_known, (discrete.choice.errors_at(omega), *effects))

@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working, forced, work_bound
+from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -22,31 +24,13 @@ from workflows.scene.scene import FLAT, Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import (
-    HELPS,
-    across,
-    at_cavity,
-    checked,
-    free_vibration,
-    harmonic_of,
-    held_well,
-    idle_structure,
-    with_forced_effects,
-)
 from workflows.solve.results import SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
+from workflows.studies.design.space import BEYOND, NAMES, NONE, Floats, Obstacle, Scored, Space
 from workflows.studies.sweep import evaluate
-from workflows.studies.sweep.axes import Axis, Spread, find
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
-from workflows.studies.sweep.plan import size
-
-if TYPE_CHECKING:
-    from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working
-    from damper.starts import Motions
-    from workflows.studies.design.space import Floats
-
+from workflows.studies.sweep.plan import Axis, Spread, find, size
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
@@ -109,8 +93,6 @@ def cutoff_of(damper: ParticleDamper) -> float:
 
 def bound_of(damper: ParticleDamper, amplitude: float) -> float:
     """The most that any ball of this mass in this room can do at an amplitude, as a damping ratio."""
-    from damper import work_bound
-
     share = work_bound(damper, (amplitude, 0.0))
     return math.inf if share >= 1 else -math.log1p(-share) / (4 * math.pi)
 
@@ -172,12 +154,12 @@ class Crossed:
     @property
     def force(self) -> float:
         """At the cavity along x, of the same effect on the leading mode [N]."""
-        return at_cavity(self.system, self.harmonic)
+        return excitation.at_cavity(self.system, self.harmonic)
 
     @property
     def backbone(self) -> Backbone:
         """Free vibration at the crossing."""
-        return free_vibration(self.system, threads=1)
+        return excitation.free_vibration(self.system, threads=1)
 
     @property
     def stuck(self) -> float:
@@ -219,8 +201,6 @@ class Crossed:
 
     def follow(self, speeds: Sequence[float], starts: Sequence[Start], most: int) -> Forced:
         """Steady states at some speeds, of at most so many cycles."""
-        from damper import forced
-
         pairs = [self.at(omega) for omega in speeds]
         dampers, harmonics = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
         return forced(dampers, harmonics, starts, probe=self.axis, accuracy=_ACCURACY, max_cycles=most, threads=1)
@@ -235,11 +215,11 @@ def crossing_objective(
     """
     asked = scene.excitation
     modes, axis, leads = excitation.crossed(point, crossing)
-    if asked is None or (modes is not None and idle_structure(modes, asked)):
+    if asked is None or (modes is not None and excitation.idle_structure(modes, asked)):
         return None
     kept = None if modes is None else excitation.kept(point, modes)
     system = particle_damper(scene, effects, point, kept)
-    harmonic = harmonic_of(system, crossing, point, asked, max(asked.levels))
+    harmonic = excitation.harmonic_of(system, crossing, point, asked, max(asked.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
 
 
@@ -267,8 +247,6 @@ def linear(crossed: Crossed) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    from damper import Harmonic
-
     met = crossed.crossing.order * crossed.crossing.omega
     alone = _answers(crossed, *_about(crossed, met)).without
     omega, harmonics = _about(crossed, crossed.stuck)
@@ -299,8 +277,6 @@ def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
 
 
 def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motions:
-    from damper.starts import Start, motions_of
-
     return motions_of(crossed.at(omega)[0], harmonics, (Start.UP,), crossed.axis, 0, 256)
 
 
@@ -421,7 +397,7 @@ class LeastAmplitude:
             speed=at.crossing.omega,
             amplitude=value,
             cutoff=lines.resting * lines.grows,
-            why=None if value <= HELPS * without else obstacle,
+            why=None if value <= excitation.HELPS * without else obstacle,
             order=at.crossing.order,
             without=without,
             grows=lines.grows,
@@ -432,15 +408,13 @@ class LeastAmplitude:
         if here is None:
             return []
         lines = linear(here)
-        if here.leads and held_well(here.system):
+        if here.leads and excitation.held_well(here.system):
             return [(amplitude(here, lines.resting, quick=quick), here, lines)]
         return [(followed(here, lines, quick=quick), here, lines)]
 
 
 def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
     """The greatest mean amplitude of the steady states about a crossing [m]."""
-    from damper import Start
-
     starts = (Start.UP, Start.DOWN) if quick else tuple(Start)
     states = here.follow(_speeds(here, quick=quick), starts, _FEW_CYCLES if quick else _CYCLES)
     means = np.where(np.isnan(states.mean), np.abs(states.linear)[:, None], states.mean)
@@ -469,27 +443,27 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     Raises:
         BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
     """
-    excitation, given = source.scene.excitation, source.scene.damper
-    if excitation is None or given is None:
+    shaken, given = source.scene.excitation, source.scene.damper
+    if shaken is None or given is None:
         raise ValueError("the scene has no [excitation]")
     if given.damping_ratio == 0:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
         raise BadInput(problem, file=source.name, key="[damper] damping_ratio", value=0)
     solver = StructureSolver(source, stages)
-    points = across(solver).points
+    points = excitation.across(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
-    met = engine_orders.of_points(points, excitation.orders)
+    met = engine_orders.of_points(points, shaken.orders)
     if not met:
-        raise engine_orders.unmet(points, excitation.orders, source.name)
+        raise engine_orders.unmet(points, shaken.orders, source.name)
     alone = []
     for crossing in met:
         (point,) = solver.at([crossing.omega]).points
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.undriven(points, excitation.orders, source.name)
-    return LeastAmplitude(excitation, tuple(met), (low, high), max(alone))
+        raise engine_orders.undriven(points, shaken.orders, source.name)
+    return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
 
 
 _WIDE = 4.0
@@ -526,8 +500,8 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     axes = tuple(found)
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
-    checked(source)
-    as_shaken = with_forced_effects(source)
+    excitation.checked(source)
+    as_shaken = excitation.with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
 
 

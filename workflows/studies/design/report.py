@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from damper import ParticleDamper, Working
 from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
@@ -18,23 +20,17 @@ from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
+from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
-from workflows.studies.design.space import NAMES, Found, Scored, Space
-from workflows.studies.response import report, study
-from workflows.studies.response.study import Response
+from workflows.studies.design.space import NAMES, Floats, Found, Scored, Space
+from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.axes import Spread
 from workflows.studies.sweep.evaluate import PlateCache, measured
+from workflows.studies.sweep.plan import Spread
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from damper import ParticleDamper, Working
-    from workflows.studies.design.space import Floats, Found, Scored
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +125,8 @@ def draw(found: Designed) -> list[Picture]:
     if found.response is not None:
         for number, through in enumerate(found.response.passed):
             shades = map_spread(len(through.forces) + 1)[:-1]
-            drawn = report.response(found.response, through, str(number), shades)
-            pictures.append(Picture(drawn, f"{report.place(through.crossing)}. {_OF_A_RESPONSE}"))
+            drawn = response_report.response(found.response, through, str(number), shades)
+            pictures.append(Picture(drawn, f"{response_report.place(through.crossing)}. {_OF_A_RESPONSE}"))
     if found.grid is not None and np.isfinite(found.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
         pictures.append(Picture(_map(found, found.grid), f"{caption} {_OF_THE_MAP}"))
@@ -165,7 +161,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
     axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     for end in (goal.low, goal.high):
-        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.working.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
@@ -220,9 +216,9 @@ def amplitude_verdict(found: Found) -> str:
     """The answer in a line."""
     scored = found.scored
     if not scored.works:
-        return "No damper of these helps at the crossings"
+        return "No design in this space reduces the vibration at the crossings"
     cut = significant(100 * (1 - scored.value / scored.without), 2)
-    more = f", and more than the plate endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
+    more = f", and more than the structure endures ({_mm(scored.endured)} mm)" * (scored.value > scored.endured)
     return (
         f"The greatest amplitude at the crossings is {_mm(scored.value)} mm, {cut} % less than without a damper{more}"
     )
@@ -239,7 +235,7 @@ def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
         part = significant(100 * (scored.without - scored.value) / (scored.without - scored.bound), 2)
         lines.append(
             f"No ball of this mass in this room can bring it below {_mm(scored.bound)} mm: its way in the cavity is too"
-            f" short to hold the rest of the force. Of what is conceivable, it does {part} %."
+            f" short to balance more of the force. It achieves {part} % of the conceivable reduction."
         )
     else:
         lines.append(
@@ -260,16 +256,16 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
             f" Whatever it did, a ball of its mass in its room could take no more than {able} %: a larger mass or room"
             " is needed."
         ]
-        return [*lines, f"The best of {found.evaluations} designs tried has {best(space, found)}."]
+        return [*lines, f"The best of {found.evaluations} designs evaluated has {best(space, found)}."]
     if not math.isfinite(scored.grows):
-        return [f"{place} the tilt of the floor takes all of what would drive a ball."]
+        return [f"{place} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"{place} the structure vibrates by {_mm(scored.without)} mm, and the load holds every ball at rest up to"
         f" {significant(scored.grows, 3)} times as much or more."
     ]
     if damper is not None and isinstance(damper.rolling_friction, float) and damper.rolling_friction > 0:
         lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
-    return [*lines, f"The ball of {found.evaluations} designs tried that moves first has {best(space, found)}."]
+    return [*lines, f"The ball of {found.evaluations} designs evaluated that moves first has {best(space, found)}."]
 
 
 def _to_roll(friction: float, share: float, instead: str) -> str:
@@ -292,10 +288,15 @@ def damping_verdict(found: Found, goal: LeastDamping) -> str:
     """The answer in a line."""
     scored = found.scored
     if not scored.works:
-        return "No damper of these works over the whole range"
+        return "No design in this space damps over the whole range of amplitudes"
     grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
-    limit = f", where the plate endures it: up to {significant(1e3 * scored.endured)} mm" * (goal.high > scored.endured)
-    return f"At least a damping ratio of {_percent(scored.value)} %, {grade} gives a blade{limit}"
+    limit = f", where the structure endures it: up to {significant(1e3 * scored.endured)} mm" * (
+        goal.high > scored.endured
+    )
+    return (
+        f"The best design adds an equivalent damping ratio of at least {_percent(scored.value)} %, {grade} gives a"
+        f" blade{limit}"
+    )
 
 
 def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:
@@ -320,8 +321,8 @@ def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[st
     lines += _carried(scored)
     if space.source.scene.excitation is not None:
         lines.append(
-            "[design] amplitude is what designs were compared by; without it, it is the amplitude at the crossings that"
-            " [excitation] makes."
+            "Designs were compared by their least damping over [design] amplitude; without that key, they are compared"
+            " by the amplitude at the crossings of [excitation]."
         )
     return lines
 
@@ -345,7 +346,7 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
     """Why nothing works, from the design that comes nearest."""
     scored, damper = found.scored, space.source.scene.damper
     if not math.isfinite(scored.cutoff):
-        return [f"At {_speed(scored.speed)} the tilt of the floor takes all of what would drive a ball."]
+        return [f"At {_speed(scored.speed)} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
@@ -354,7 +355,7 @@ def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[s
     if isinstance(given, float) and given > 0 and scored.cutoff > goal.low:
         share = goal.low / scored.cutoff
         lines.append(_to_roll(given, share, "a least amplitude above the cut-off"))
-    return [*lines, f"The lowest cut-off of {found.evaluations} designs tried has {best(space, found)}."]
+    return [*lines, f"The lowest cut-off of {found.evaluations} designs evaluated has {best(space, found)}."]
 
 
 def _percent(ratio: float) -> str:
@@ -373,7 +374,7 @@ def sentences(designed: Designed) -> list[str]:
     if not scored.works:
         return _why_none(space, found)
     lines = [
-        f"The best of {found.evaluations} designs tried: {best(space, found)}; its balls weigh"
+        f"The best of {found.evaluations} designs evaluated: {best(space, found)}; its balls weigh"
         f" {significant(1e3 * scored.mass)} g."
     ]
     if isinstance(goal, LeastDamping):
@@ -383,9 +384,9 @@ def sentences(designed: Designed) -> list[str]:
     what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
     for each in designed.holds:
         gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
-        lines.append(f"What holds it: {each.said}{gain}.")
+        lines.append(f"Limited by: {each.said}{gain}.")
     if not designed.holds:
-        lines.append("No limit holds it: the best lies inside all ranges.")
+        lines.append("No limit is active: the best design lies inside all ranges.")
     return lines
 
 
@@ -467,13 +468,13 @@ class Designed:
             "why": sentences(self),
         }
         if self.response is not None:
-            found |= {"confirmed": self.confirmed, "crossings": report.entries(self.response)}
+            found |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
         return found
 
     @property
     def confirmed(self) -> float | None:
         """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in study.rows(self.response))
+        return None if self.response is None else max(row.mean for row in rows(self.response))
 
 
 @dataclass(frozen=True, eq=False)
@@ -528,16 +529,13 @@ def in_short(found: Designed) -> str:
 
 def render(found: Designed) -> str:
     """The page."""
-    from markupsafe import Markup
-
     return from_template(
         "design.html.j2",
-        {},
         plots.shades_css(SHADES),
         title=found.space.source.scene.title,
         verdict=verdict(found.space, found.found),
         sentences=sentences(found),
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(found)],
+        figures=draw(found),
         toml=found.toml,
         evaluations=formatting.fixed(found.found.evaluations),
     )

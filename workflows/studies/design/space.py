@@ -5,26 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
+from workflows.formatting import significant
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import limits
 from workflows.solve.results import SpeedPoint
-from workflows.studies.sweep.axes import SPEEDS, Axis, Value, find
 from workflows.studies.sweep.evaluate import DamperCase
-from workflows.studies.sweep.plan import Sample, drawn
+from workflows.studies.sweep.plan import SPEEDS, Axis, Sample, Value, drawn, find
 
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Floats = npt.NDArray[np.float64]
-
+Floats = npt.NDArray[np.float64]
 
 BEYOND, NONE = 100.0, 200.0
 """What a design loses that exceeds a limit, and one that makes no sense."""
@@ -191,8 +187,6 @@ def used(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) ->
 
 def in_words(name: str, value: Value) -> str:
     """A key of a design as [design] has it: a diameter, a clearance in mm."""
-    from workflows.formatting import significant
-
     called = NAMES[name].replace("_", " ")
     if isinstance(value, str):
         return f"{called} {value}"

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -24,16 +24,12 @@ from workflows.solve.model_choice import choose_model
 from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
-from workflows.studies.design.space import Found, Scored, Space
-from workflows.studies.response.study import respond
+from workflows.studies.design.space import Floats, Found, Scored, Space
+from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers
 from workflows.versions import versions
-
-if TYPE_CHECKING:
-    from workflows.studies.design.space import Floats
-
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""
@@ -178,7 +174,7 @@ def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
     return best, scored
 
 
-_GOES_ON = "the designs tried so far are kept; the same command goes on"
+_GOES_ON = "the designs evaluated so far are kept; the same command resumes"
 
 _PART = 4
 """Designs that a worker takes at a time."""
@@ -243,19 +239,18 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     if name == "density":
         problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"
         return BadInput(problem, file=space.source.name, key="[damper]")
-    if name in ("hardness", "first yield"):
-        key = "hardness_ratio" if name == "hardness" else "yield_ratio"
-        value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-        problem = (
-            f"no design keeps to it: the floor carries none of these balls, the best with {significant(share)} times"
-            f" the limit of {name}; smaller balls, or a harder ball_material or [damper] floor_material, press less"
-        )
-        return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
-    key = "mass" if name == "mass" else "wall"
+    pressed = (
+        f"the floor carries none of these balls, the best with {significant(share)} times the limit of {name}; smaller"
+        " balls, or a harder ball_material or [damper] floor_material, press less"
+    )
+    taken = f"the one that comes nearest takes {significant(share)} times"
+    key, problem = {
+        "hardness": ("hardness_ratio", pressed),
+        "first yield": ("yield_ratio", pressed),
+        "mass": ("mass", f"{taken} the mass allowed"),
+    }.get(name, ("wall", f"{taken} the plate's thickness, with its walls"))
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-    what = "the mass allowed" if name == "mass" else "the plate's thickness, with its walls"
-    problem = f"no design keeps to it: the one that comes nearest takes {significant(share)} times {what}"
-    return BadInput(problem, file=space.source.name, key=f"[design] {key}", value=value)
+    return BadInput(f"no design keeps to it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, found: Found) -> SceneFile:

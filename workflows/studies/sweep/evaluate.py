@@ -8,10 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from threading import Lock
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from damper import ParticleDamper, Working, ringdowns, working
+from damper.model import PARAMETERS
+from fem.meshes.mesh_sequence import Planform
 from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
@@ -25,18 +29,10 @@ from workflows.solve import damper as damper_stage
 from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
-from workflows.studies.sweep.axes import SPEEDS
-from workflows.studies.sweep.plan import Plan, base, of_a_point, with_values
+from workflows.studies.sweep.plan import SPEEDS, Plan, base, of_a_point, with_values
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from damper import ParticleDamper, Working
-    from fem.meshes.mesh_sequence import Planform
-
-    Rows = npt.NDArray[np.void]
-    Block = tuple[Rows, tuple[str, ...]]
-
+Rows = npt.NDArray[np.void]
+Block = tuple[Rows, tuple[str, ...]]
 
 QUICK = {"sweeps": 4, "stay": 60}
 """What the working range is measured with where a percent of it does not count."""
@@ -70,8 +66,6 @@ class DamperCase:
 
 def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:
     """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
-    from damper import working
-
     bare = replace(damper, damping_ratio=0.0)
     if bare not in known:
         known[bare] = working(bare, threads=1, **how)
@@ -187,14 +181,14 @@ _OF_A_RING_DOWN = tuple(each.name for each in serialise.quantities(Damping) if e
 QUANTITIES = (
     *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind == "integer" else "f8") for each in _OF_A_RUN),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
-    Quantity("best_damping_ratio", "1", "largest damping ratio within what the plate endures; none without a verdict"),
+    Quantity("best_damping_ratio", "1", "largest damping ratio that the structure endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
 """Columns in the order of files."""
 
 HEADLINE = "best_damping_ratio"
-"""What the best point has most of: the damping ratio within what the plate endures."""
+"""What the best point has most of: the damping ratio within what the structure endures."""
 
 _REASON = ("reason", "i4")
 
@@ -325,9 +319,6 @@ def _together(each: DamperCase) -> Any:
 
 
 def _batch(group: list[DamperCase]) -> Any:
-    from damper import ringdowns
-    from damper.model import PARAMETERS
-
     first, released = group[0], [each.release for each in group]
     cycles = first.scene.release.cycles if first.scene.release is not None else "auto"
     rows = np.concatenate([each.damper.parameters for each in group])

@@ -21,6 +21,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+from damper import Harmonic, ParticleDamper, backbone, forced, ringdowns, working
 from workflows.errors import BadInput
 from workflows.versions import versions
 
@@ -221,8 +222,6 @@ def ready() -> None:
 
 def compile_all() -> None:
     """Run everything once, on level and on tilting floors, left alone and driven."""
-    from damper import Harmonic, ParticleDamper, backbone, forced, ringdowns, working
-
     level = ParticleDamper(
         modal_mass=1.0,
         stiffness=(1e6, 1e6),

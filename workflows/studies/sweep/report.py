@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
+from workflows.io.folder import whole_file
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
-from workflows.studies.sweep.axes import SPEEDS
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -182,7 +181,7 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
         if idle.size and idle.size < data.sizes[name]:
             found += (
                 f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
-                " the plate endures."
+                " the structure endures."
             )
     if not varies(data, "cutoff", (x, y)):
         ends = []
@@ -332,10 +331,10 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
     air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
     of_maps = (
         "; dashed where the ball does as much as the least of that, and a tenth of it. Hatched: nothing at any"
-        " amplitude that the plate endures, or no verdict. The cross is where it does most"
+        " amplitude that the structure endures, or no verdict. The cross is where it does most"
     )
     about = {
-        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the plate"
+        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the structure"
         f" endures. {air}{of_maps * (len(used) > 2)}.",
         "cutoff": "Below this amplitude the load holds the ball at rest.",
     }
@@ -508,7 +507,7 @@ def headline(data: xr.Dataset, found: dict[str, Any]) -> str:
     if found["best"] is not None:
         return spread(data) if "ST" in data and _is_spread(data) else ""
     if found["without_answer"] + found["without_verdict"] < found["points"]:
-        return "No ball takes anything at an amplitude that the plate endures"
+        return "No ball takes anything at an amplitude that the structure endures"
     return "No point has a verdict" if found["without_verdict"] else "No point has an answer"
 
 
@@ -556,8 +555,9 @@ def write(data: xr.Dataset, out: Path) -> None:
     """
     page = render(data)
     with store.writing(out):
-        store.write_whole(out / "sweep.json", f"{dumps(data)}\n".encode())
-        store.write_whole(out / "report.html", page.encode())
+        for name, text in (("sweep.json", f"{dumps(data)}\n"), ("report.html", page)):
+            with whole_file(out / name) as fresh:
+                fresh.write_text(text, encoding="utf-8")
 
 
 def dumps(data: xr.Dataset) -> str:
@@ -567,19 +567,16 @@ def dumps(data: xr.Dataset) -> str:
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    from markupsafe import Markup
-
     found = document(data)
     return from_template(
         "sweep.html.j2",
-        {"significant": formatting.significant, "fixed": formatting.fixed},
         plots.shades_css(SHADES),
         found=found,
         best=_best_line(data, found),
         headline=headline(data, found),
         doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
         spreads=_spreads(data) if "ST" in data else {},
-        figures=[(Markup(picture.svg), picture.caption) for picture in draw(data)],
+        figures=draw(data),
         code=json.loads(data.attrs["code"]),
     )
 

@@ -11,20 +11,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from workflows.errors import BadInput
+from workflows.io.files import finite
 from workflows.scene.scene import Scene
 from workflows.studies.sweep import store
-from workflows.studies.sweep.axes import SPEEDS, Axis, Spread, find, read
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE, Sample, sample
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Sample, Spread, find, read, sample
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
     import xarray as xr
 
-    Floats = npt.NDArray[np.float64]
-
+Floats = npt.NDArray[np.float64]
 
 BASE = 128
 """Base points, unless it is said; the study has as many times the parameters and two."""
@@ -41,7 +40,7 @@ def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axi
     """What is uncertain: what is given as ranges or ``normal:MEAN:DEVIATION``, or else what hardly ever is known well.
 
     Raises:
-        BadInput: see :func:`workflows.studies.sweep.axes.read`; the speeds are not uncertain.
+        BadInput: see :func:`workflows.studies.sweep.plan.read`; the speeds are not uncertain.
     """
     found = read(given, scene.rotor.gravity) or defaults(scene)
     for axis in found:
@@ -165,13 +164,12 @@ def document(found: xr.Dataset) -> list[dict[str, Any]]:
         {
             "quantity": str(quantity),
             "rpm": float(found["rpm"].values[k]),
-            "percentiles": dict(zip(map(str, PERCENTILES), _plain(found["percentiles"].values[q, :, k]), strict=True)),
+            "percentiles": dict(
+                zip(map(str, PERCENTILES), map(finite, found["percentiles"].values[q, :, k]), strict=True)
+            ),
             "indices": [
                 {"parameter": str(name)}
-                | {
-                    index: _plain(found[index].values[q, p : p + 1, k])[0]
-                    for index in ("S1", "S1_conf", "ST", "ST_conf")
-                }
+                | {index: finite(found[index].values[q, p, k]) for index in ("S1", "S1_conf", "ST", "ST_conf")}
                 for p, name in enumerate(found["parameter"].values)
             ],
         }
@@ -187,10 +185,6 @@ def worth_measuring(found: xr.Dataset, quantity: str, k: int) -> list[tuple[str,
         map(str, found["parameter"].values), found["ST"].values[q, :, k], found["ST_conf"].values[q, :, k], strict=True
     )
     return sorted(((n, float(t), float(c)) for n, t, c in totals if np.isfinite(t)), key=lambda item: -item[1])
-
-
-def _plain(values: Floats) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _problem(parameters: int) -> dict[str, Any]:

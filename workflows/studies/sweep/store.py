@@ -7,7 +7,6 @@ was.
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import json
 import math
@@ -24,20 +23,16 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.io import folder
-from workflows.studies.sweep.axes import SPEEDS, Value
-from workflows.studies.sweep.evaluate import QUANTITIES
+from workflows.solve.results import rounded_rpm
+from workflows.studies.sweep.evaluate import QUANTITIES, Rows
+from workflows.studies.sweep.plan import SPEEDS, Plan, Value
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from workflows.studies.sweep.evaluate import Rows
-    from workflows.studies.sweep.plan import Plan
-
 DATA, DONE, LOCK = "sweep.zarr", "done", ".lock"
 
 _METADATA = "zarr.json"
-_ASIDE = ".partial-"
-"""How the names of files begin that are not whole yet; the lock's owner may remove them."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +169,7 @@ def checked(path: Path) -> Path:
     target = folder.check(path)
     if target.is_dir():
         for found in sorted(target.iterdir()):
-            if found.name != LOCK and not found.name.startswith(_ASIDE):
+            if found.name != LOCK and not found.name.startswith(folder.PARTIAL):
                 raise BadInput(
                     f"holds a {found.name} and no study: expected a new folder or one with a study",
                     key="--out",
@@ -208,7 +203,7 @@ def _check_same(target: Path, path: Path, said: dict[str, str]) -> None:
 
 def _clear(target: Path) -> None:
     """Remove what a killed process left half-written."""
-    for path in (*target.glob(f"{_ASIDE}*"), *(target / DATA).rglob("*.partial")):
+    for path in (*target.glob(f"{folder.PARTIAL}*"), *(target / DATA).rglob("*.partial")):
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path, ignore_errors=True)
         else:
@@ -228,21 +223,6 @@ def writing(path: Path) -> Iterator[None]:
         ) from error
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file aside, see it onto the disk, and give it its name: it is there whole or not at all."""
-    aside = path.with_name(f"{_ASIDE}{path.name}")
-    try:
-        with aside.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(aside, path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            aside.unlink()
-        raise
-
-
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, str]) -> None:
     """Put the data set in place but for its points: what describes it, and the values of the keys.
 
@@ -252,7 +232,7 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, s
     import zarr
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
-    aside = target / f"{_ASIDE}{DATA}"
+    aside = target / f"{folder.PARTIAL}{DATA}"
     xr.Dataset(coords=_coordinates(plan), attrs=said).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
     group = zarr.open_group(aside, mode="r+")
     described: list[tuple[str, str, str, dict[str, Any]]] = [
@@ -292,8 +272,6 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     for name, (along, values) in plan.coordinates().items():
         found[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            from workflows.solve.results import rounded_rpm
-
             found["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
     return found
 

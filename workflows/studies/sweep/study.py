@@ -18,16 +18,14 @@ from workflows.io import folder
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
-from workflows.studies.sweep import axes, evaluate, executor, plan, sensitivity, store
-from workflows.studies.sweep.evaluate import PlateCache
+from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
+from workflows.studies.sweep.evaluate import Block, PlateCache
 from workflows.studies.sweep.executor import Workers, workers_of
 from workflows.studies.sweep.plan import Plan
 from workflows.studies.sweep.store import Folder, Region
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from workflows.studies.sweep.evaluate import Block
 
 LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a block at most, and the number of blocks above which they grow."""
@@ -67,7 +65,7 @@ class Study:
         """What makes it this study, as plain data."""
         return {
             "title": self.source.scene.title,
-            "scene": axes.plain(self.source.scene),
+            "scene": plan.plain(self.source.scene),
             "mesh_sha256": self.source.mesh_sha256,
             "plan": self.plan.identity(),
             "quick": self.quick,
@@ -112,29 +110,18 @@ def asked(
     if source.scene.damper is None:
         raise BadInput("the table is missing: sweep needs a damper", file=source.name, key="[damper]")
     resources.check(source)
-    if uncertain:
-        return _uncertain(source, vary, count, seed, quick)
-    given = axes.read(vary, source.scene.rotor.gravity)
+    given = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
     if not given:
         raise BadInput(
             "nothing is varied: expected KEY=START:STOP:COUNT, such as damper.friction=0.1:0.5:9", key="--vary"
         )
     plan.base(source, [axis.key for axis in given])
-    axes.check_units(given, source.scene)
+    plan.check_units(given, source.scene)
     speeds = source.scene.rotor.speeds
-    if count is None:
-        return Study(source, plan.grid(given, speeds), quick, executor.digest())
-    return Study(source, plan.sample(given, speeds, count, seed), quick, executor.digest())
-
-
-def _uncertain(
-    source: SceneFile, vary: Mapping[str, object] | Iterable[str], count: int | None, seed: int, quick: bool
-) -> Study:
-    """The study from which percentiles and Sobol' indices are taken."""
-    given = sensitivity.axes(vary, source.scene)
-    plan.base(source, [axis.key for axis in given])
-    axes.check_units(given, source.scene)
-    points = sensitivity.plan(given, source.scene.rotor.speeds, sensitivity.BASE if count is None else count, seed)
+    if uncertain:
+        points: Plan = sensitivity.plan(given, speeds, sensitivity.BASE if count is None else count, seed)
+    else:
+        points = plan.grid(given, speeds) if count is None else plan.sample(given, speeds, count, seed)
     return Study(source, points, quick, executor.digest())
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
+import damper
 from workflows.solve.results import Floats
-
-if TYPE_CHECKING:
-    from damper import ParticleDamper
 
 Integrator = Literal["RK45", "DOP853", "LSODA", "Radau"]
 
@@ -38,7 +36,7 @@ class Integrated:
 
 
 def integrate(
-    damper: ParticleDamper, release: tuple[float, float], cycles: float, method: Integrator, rtol: float
+    damper: damper.ParticleDamper, release: tuple[float, float], cycles: float, method: Integrator, rtol: float
 ) -> Integrated:
     """Follow a ring-down for some vibration cycles.
 
@@ -56,7 +54,9 @@ def integrate(
 class _Integration:
     """Time in 1/omega_1, length in the larger release, mass in M2."""
 
-    def __init__(self, damper: ParticleDamper, release: tuple[float, float], method: Integrator, rtol: float) -> None:
+    def __init__(
+        self, damper: damper.ParticleDamper, release: tuple[float, float], method: Integrator, rtol: float
+    ) -> None:
         self.length, self.rate = max(map(abs, release)), damper.stuck_frequency
         self.method, self.rtol = method, rtol
         self.e, self.mu, self.sticking = damper.restitution, damper.friction, damper.sticking_ratio
@@ -196,11 +196,11 @@ class _Integration:
         other = 1 - axis
         slide = self.y[4 * other + 3]
         if self.moves[other] and self.mu > 0 and slide != 0:
-            most = abs(slide) * m / (1 + m)
+            most = abs(slide) * m / (1 + m if self.printed else 3.5 + m)  # the ball turns about the vertical, too
             tangential = math.copysign(min(self.mu * abs(impulse), most), slide)
             self.y[4 * other + 1] += tangential
             self.y[4 * other + 3] -= tangential * (1 + m) / m
-            if self.mu * abs(impulse) >= most:
+            if self.printed and self.mu * abs(impulse) >= most:
                 self.settle(other)
 
     def energy(self) -> float:

@@ -54,7 +54,7 @@ def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) ->
                 label=method,
             )
     if asked is not None:
-        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
+        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()
 
@@ -65,18 +65,15 @@ def write(found: WorkPrecision, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    from markupsafe import Markup
-
     asked = found.asked["frequency"]
-    figures = [
-        Markup(study_plot(study, f"ladder{number}", _asked(found, study))) for number, study in enumerate(found.studies)
-    ]
+    figures = [study_plot(study, f"ladder{number}", _asked(found, study)) for number, study in enumerate(found.studies)]
     first = [study for study in found.studies if study.stage in ("plate", "damper")]
     columns = ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed")
     rows = [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows]
     page = from_template(
         "accuracy.html.j2",
-        {"milliseconds": _milliseconds, "exponent": _exponent, "significant": formatting.significant},
+        milliseconds=_milliseconds,
+        exponent=_exponent,
         found=found,
         figures=figures,
         policy=POLICY,

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
+import damper
+import fem
+from fem.meshes.mesh_sequence import Planform
 from fem.rotor import in_rpm
 from workflows import pipeline
 from workflows.errors import NoAnswer, read_from
@@ -17,18 +20,13 @@ from workflows.progress import Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Accuracy
-from workflows.solve import coupling, damper
+from workflows.solve import coupling
+from workflows.solve.damper import particle_damper
 from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle
 from workflows.solve.structure import discretise
 from workflows.studies.work_precision.integration import Integrator, integrate
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
-
-if TYPE_CHECKING:
-    import fem
-    from damper import ParticleDamper
-    from fem.meshes.mesh_sequence import Planform
-
 
 CYCLES = 20
 STEPS = (20, 40, 80, 160, 320, 640, 1280, 2560, 5120, 10240)
@@ -49,35 +47,22 @@ _NOTHING = 1e-9
 """Share of the initial energy below which what the ball takes drowns in rounding."""
 
 
-class _Balance(Protocol):
-    """Energies [J] at the start and at the end, and what the structure's own dashpot took."""
-
-    @property
-    def initial(self) -> float: ...
-    @property
-    def final(self) -> float: ...
-    @property
-    def structure(self) -> float: ...
-
-
-def level(system: ParticleDamper) -> ParticleDamper:
+def level(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper on a level floor with one mode along each axis, which is what the other methods know."""
     flat = replace(system, floor_tilt=(0.0, 0.0), floor_radius=None, rotation=0.0, modes=None)
     return replace(flat, lateral_acceleration=(0.0, 0.0))
 
 
 def damper_study(
-    system: ParticleDamper, release: tuple[float, float], point: SpeedPoint, step: Step
+    system: damper.ParticleDamper, release: tuple[float, float], point: SpeedPoint, step: Step
 ) -> tuple[ConvergenceStudy | None, Choice]:
     """Error of the energy that the ball takes in 20 cycles, and of the exact events against the tightest integration.
 
     What the structure's own damping takes is left out: it hides the ball's share, and every method has it right. There
     is no study where the ball takes nothing.
     """
-    from damper import ringdown
-
     step.advance("reference")
-    exact = ringdown(system, release, CYCLES).energy
+    exact = damper.ringdown(system, release, CYCLES).energy
     taken = _taken(exact)
     if abs(taken) < _NOTHING * exact.initial:
         return None, Choice("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
@@ -97,13 +82,13 @@ def damper_study(
         tuple(replace(row, uncertainty=apart) for row in rows),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
-    return study, Choice("exact events", "closed form between events, roots to rounding", rounding, apart)
+    return study, Choice("exact events", "power series between events, roots to rounding", rounding, apart)
 
 
 def _damper_rows(
-    system: ParticleDamper,
+    system: damper.ParticleDamper,
     release: tuple[float, float],
-    error: Callable[[_Balance], float],
+    error: Callable[[Any], float],
     apart: float | None,
     step: Step,
 ) -> Iterator[Setting]:
@@ -111,14 +96,12 @@ def _damper_rows(
 
     apart: how far the tightest integration is from the exact events; None where it has no answer.
     """
-    from damper import ringdown, stepped_ringdown
-
     for steps in STEPS:
         step.advance(f"{steps} steps a cycle")
         yield measure(
             "fixed step, as in the paper",
             f"{steps} a cycle",
-            partial(stepped_ringdown, system, release, CYCLES, steps),
+            partial(damper.stepped_ringdown, system, release, CYCLES, steps),
             lambda run: (len(run.time) - 1, error(run)),
         )
     for method, tolerances in METHODS.items():
@@ -134,13 +117,16 @@ def _damper_rows(
     yield measure(
         "exact events",
         "no step",
-        partial(ringdown, system, release, CYCLES),
+        partial(damper.ringdown, system, release, CYCLES),
         lambda run: (run.events, error(run.energy) if apart is None else apart),
     )
 
 
-def _taken(balance: _Balance) -> float:
-    """What the ball took: by rolling, by impacts and, where the equations do not conserve energy, by their fault."""
+def _taken(balance: Any) -> float:
+    """What the ball took: by rolling, by impacts and, where the equations do not conserve energy, by their fault.
+
+    balance: energies [J] at the start and at the end, and what the structure's own dashpot took.
+    """
     return float(balance.initial - balance.final - balance.structure)
 
 
@@ -283,33 +269,25 @@ class Problem:
 
     def operators(self, method: Method, size: int) -> fem.Operators:
         """Matrices of a method on a mesh of the planform's ladder."""
-        from fem import assemble
-
         mesh = self._even(size) if method.cells == "even" else self.form.mesh(size)
         if method.cells == "triangles" and mesh.t.shape[0] == 4:
             mesh = mesh.to_meshtri()
-        return assemble(self.plate(mesh), self.rotor, self.effects, method.model)
+        return fem.assemble(self.plate(mesh), self.rotor, self.effects, method.model)
 
     def solve(self, method: Method, size: int) -> tuple[int, Floats]:
         """Unknowns, and frequencies (count,) in Hz."""
-        from fem import solve_modes
-
         operators = self.operators(method, size)
-        return operators.mass.shape[0], solve_modes(operators, self.omega, self.count).frequencies_hz
+        return operators.mass.shape[0], fem.solve_modes(operators, self.omega, self.count).frequencies_hz
 
     def _even(self, size: int) -> Any:
-        from fem import Rectangle, rectangle
-
-        if not isinstance(self.form, Rectangle):
+        if not isinstance(self.form, fem.Rectangle):
             raise ValueError("the mesh is a file's")
-        return rectangle(*self.form.sides, *self.form.cells(size))
+        return fem.rectangle(*self.form.sides, *self.form.cells(size))
 
 
 def sizes(problem: Problem, finest: int) -> list[int]:
     """The meshes on which a method is tried: of a file's mesh, itself and one finer."""
-    from fem import Rectangle
-
-    every = problem.form.sizes if isinstance(problem.form, Rectangle) else problem.form.sizes[:2]
+    every = problem.form.sizes if isinstance(problem.form, fem.Rectangle) else problem.form.sizes[:2]
     return [size for size in every if size <= finest]
 
 
@@ -389,18 +367,16 @@ def _largest_error(frequencies: Floats, reference: Floats) -> float:
 
 
 def _plate_setting(problem: Problem, size: int) -> str:
-    from fem import Rectangle
-
-    if isinstance(problem.form, Rectangle):
+    if isinstance(problem.form, fem.Rectangle):
         return "{} × {}".format(*problem.form.cells(size))
     return "the file's mesh" if size == 1 else f"each edge split in {size}"
 
 
 def _thin(problem: Problem) -> Method:
-    from fem import Rectangle
-
     return Method(
-        "kirchhoff/bfs" if isinstance(problem.form, Rectangle) else "kirchhoff", "thin plate", FINEST_PLATE["kirchhoff"]
+        "kirchhoff/bfs" if isinstance(problem.form, fem.Rectangle) else "kirchhoff",
+        "thin plate",
+        FINEST_PLATE["kirchhoff"],
     )
 
 
@@ -410,15 +386,13 @@ def _bricks(layers: int) -> Method:
 
 def _finest(problem: Problem, method: Method) -> list[int]:
     """The two sizes from which a limit is extrapolated."""
-    from fem import Rectangle
-
     most = method.finest
-    if not isinstance(problem.form, Rectangle):
+    if not isinstance(problem.form, fem.Rectangle):
         most = 4 if method.theory == "mindlin" else 2
     tried = [size for size in problem.form.sizes if size <= most]
     if method.theory == "solid":
         tried = [size for size in tried if _unknowns(problem, method, size) <= SOLID_AT_MOST]
-    return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, Rectangle) else tried[-2:]
+    return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, fem.Rectangle) else tried[-2:]
 
 
 def _more_layers(problem: Problem, size: int) -> Floats:
@@ -444,11 +418,9 @@ _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 
 def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[ConvergenceStudy, Choice]:
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
-    from fem import campbell, solve_modes
-
     omega = np.linspace(0.0, top, SPEEDS) if top > 0 else np.zeros(1)
     tried = omega[np.unique(np.linspace(0, omega.size - 1, _TIMED_SPEEDS + 2).round().astype(int)[1:-1])]
-    direct = np.array([solve_modes(operators, float(w), count).frequencies_hz for w in tried])
+    direct = np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in tried])
 
     def judge(diagram: fem.Campbell) -> tuple[int | None, float]:
         at = np.searchsorted(diagram.omega, tried)
@@ -461,7 +433,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
             measure(
                 "reduced basis",
                 f"bound below {tolerance:g}",
-                lambda tolerance=tolerance: campbell(operators, omega, count, tolerance=tolerance),  # type: ignore[misc]
+                lambda tolerance=tolerance: fem.campbell(operators, omega, count, tolerance=tolerance),  # type: ignore[misc]
                 judge,
             )
         )
@@ -469,7 +441,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     alone = measure(
         "each speed by itself",
         f"{tried.size} of {omega.size} timed",
-        lambda: np.array([solve_modes(operators, float(w), count).frequencies_hz for w in tried]),
+        lambda: np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in tried]),
         lambda found: (operators.mass.shape[0], _largest_error(found, direct)),
         share=omega.size / tried.size,
     )
@@ -483,9 +455,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
 
 
 def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Choice:
-    from fem import campbell
-
-    diagram = campbell(operators, omega, count)
+    diagram = fem.campbell(operators, omega, count)
     at = np.searchsorted(diagram.omega, tried)
     error = _largest_error(diagram.frequencies_hz[at], direct)
     sizes = " and ".join(map(str, diagram.sizes))
@@ -521,12 +491,12 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     return WorkPrecision(source.scene.title, asked, (*studies, *whole), chosen | picked)
 
 
-def _ball(source: SceneFile, decided: ModelChoice) -> tuple[ParticleDamper, tuple[float, float], SpeedPoint]:
+def _ball(source: SceneFile, decided: ModelChoice) -> tuple[damper.ParticleDamper, tuple[float, float], SpeedPoint]:
     """The damper at the middle speed, on a level floor, its release, and the structure there."""
     points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
     point = points[middle(points)]
     with read_from(source.name):
-        system = level(damper.particle_damper(source.scene, decided.effects, point))
+        system = level(particle_damper(source.scene, decided.effects, point))
         return system, coupling.released_at(source.scene, point, system), point
 
 
@@ -563,12 +533,10 @@ def _left_out(effects: fem.Effects) -> str:
 
 def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Choice:
     """The mesh that the scene's accuracy chose, its estimate, and its error against the limit of its theory."""
-    from fem import solve_modes
-
     name, error = solver.theory.name, None
     estimate = float(np.max(solver.choice.errors)) + solver.layers
     if name in limits:
         linear = replace(solver.choice.operators, effects=problem.effects, gyroscopic=None)
-        frequencies = solve_modes(linear, problem.omega, problem.count).frequencies_hz
+        frequencies = fem.solve_modes(linear, problem.omega, problem.count).frequencies_hz
         error = _largest_error(frequencies, limits[name][0])
     return Choice(name, solver.mesh, estimate if np.isfinite(estimate) else None, error)

@@ -1,20 +1,97 @@
-"""A comparison as text, JSON, CSV, a chart, and one page."""
+"""Runs side by side: where their scenes differ, verdicts and figures at each speed; as text, JSON, CSV, chart, page."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 from workflows import formatting
+from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed, significant, whole
+from workflows.io import provenance, serialise
 from workflows.io.files import as_json, as_table, campbell, finite, write_study
+from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
+from workflows.report.text import run as solved
+from workflows.scene.load import SceneLike
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
-from workflows.studies.comparison.study import Comparison
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Runs side by side.
+
+    Attributes:
+        names: what each is called, no two alike.
+        results: of each.
+    """
+
+    names: tuple[str, ...]
+    results: tuple[Results, ...]
+
+    @property
+    def differences(self) -> dict[str, tuple[Any, ...]]:
+        """Keys of the resolved scenes that are not the same in all, with the value in each, None where it has none."""
+        scenes = [
+            dict(_flat(provenance.resolved_scene(each.scene, each.effects, each.theory))) for each in self.results
+        ]
+        keys = dict.fromkeys(key for scene in scenes for key in scene)
+        values = {key: tuple(scene.get(key) for scene in scenes) for key in keys if key != "title"}
+        return {key: each for key, each in values.items() if any(value != each[0] for value in each[1:])}
+
+    @property
+    def points(self) -> list[tuple[float, list[SpeedPoint | None]]]:
+        """Every speed of any run [rpm], with what each run has there."""
+        by_speed = [{point.rpm: point for point in each.speeds} for each in self.results]
+        return [(rpm, [points.get(rpm) for points in by_speed]) for rpm in sorted(set().union(*by_speed))]
+
+
+def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -> Comparison:
+    """Put runs side by side.
+
+    Args:
+        runs: two or more: folders that `spindamp run` has written, scenes, which are run, or results.
+        stages: the clock of what is run.
+
+    Raises:
+        BadInput: fewer than two, or one that is neither a folder of a run nor a scene.
+        NoAnswer: a scene has none.
+    """
+    if len(runs) < 2:
+        raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
+    results = [_of(each, stages) for each in runs]
+    titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
+    names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
+    return Comparison(tuple(names), tuple(results))
+
+
+def _of(run: SceneLike | Results, stages: Stages | None) -> Results:
+    if isinstance(run, Results):
+        return run
+    if isinstance(run, str | PathLike) and Path(run).is_dir():
+        return serialise.read(run)
+    return solved(run, stages)
+
+
+def _name(run: SceneLike | Results, results: Results) -> str:
+    """What a run is called: a folder or file by its name, anything else by its title."""
+    return Path(fspath(run)).stem if isinstance(run, str | PathLike) else results.scene.title
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Keys of nested tables by their dotted names."""
+    found = []
+    for key, value in table.items():
+        found += _flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
+    return found
+
 
 FILES = r"compare\.(json|csv|svg)"
 """Names of what is written besides the page."""
@@ -131,8 +208,6 @@ def write(found: Comparison, out: Path) -> None:
     Raises:
         BadInput: `out` cannot be written.
     """
-    from markupsafe import Markup
-
     figure = draw(found)
     runs = [
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
@@ -141,13 +216,12 @@ def write(found: Comparison, out: Path) -> None:
     differences = [(key, [_value(value) for value in values]) for key, values in found.differences.items()]
     page = from_template(
         "compare.html.j2",
-        {"curly": formatting.curly},
         found=found,
         runs=runs,
         differences=differences,
         heads=("rpm", "run", *_QUANTITIES.values()),
         rows=[_cells(row) for row in rows(found)],
-        figure=Markup(figure),
+        figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )
     contents = {

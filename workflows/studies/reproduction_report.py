@@ -2,95 +2,27 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from workflows import formatting
 from workflows.io.files import as_json, as_table, write_study
-from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.reproduction.claims import (
-    Claim,
-    Closure,
-    Slip,
-    Value,
-    Verdict,
-    closure,
-    of_equations,
-    of_figures,
-    of_table_two,
-    slips,
-)
-from workflows.studies.reproduction.simulation import (
+from workflows.studies.reproduction import (
     FORMULATIONS,
     SHOWN,
     TEXTS,
     DampingCurve,
     Family,
-    Simulated,
-    Sweeps,
-    study,
-    sweeps,
+    Reproduction,
+    Value,
 )
-from workflows.versions import versions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-
-@dataclass(frozen=True, eq=False)
-class Reproduction:
-    """Everything the report shows."""
-
-    study: Simulated
-    sweeps: Sweeps
-    claims: tuple[Claim, ...]
-    slips: tuple[Slip, ...]
-    closure: tuple[Closure, ...]
-
-    @property
-    def count(self) -> dict[Verdict, int]:
-        """How many claims got which verdict."""
-        found = Counter(claim.verdict for claim in self.claims)
-        return {verdict: found[verdict] for verdict in Verdict}
-
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "versions": versions(),
-            "claims": [_plain(asdict(claim)) for claim in self.claims],
-            "slips": [_plain(asdict(slip)) for slip in self.slips],
-            "closure": [_plain(asdict(line)) for line in self.closure],
-            "assumptions": TEXTS["assumptions"],
-        }
-
-
-def reproduce(stages: Stages | None = None) -> Reproduction:
-    """Judge every claim; nothing is written."""
-    stages = stages or Stages()
-    simulated = study(stages)
-    with stages("damper"):
-        curves = sweeps(simulated)
-        claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
-        return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))
-
-
-def _plain(value: Any) -> Any:
-    """For JSON: numbers of Python, no infinities or NaN."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value
 
 
 @dataclass(frozen=True)
@@ -130,7 +62,7 @@ def _velocity(found: Reproduction) -> str:
             axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
         if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=plots.DASHED)
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
     return plots.svg(figure, "fig2", "Velocity of the structure over time")
@@ -158,7 +90,7 @@ def _capacity(family: Family, number: int) -> str:
 
 def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=(0, (4, 3)))
+    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     if number == 3:
         axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
 
@@ -198,14 +130,12 @@ def dumps(found: Reproduction) -> str:
 
 def render(found: Reproduction) -> str:
     """The page."""
-    from markupsafe import Markup
-
     return from_template(
         "reproduce.html.j2",
-        {"value": value, "fixed": formatting.fixed, "significant": formatting.significant},
         plots.shades_css(7),
+        value=value,
         found=found,
-        figures=[(figure, Markup(figure.svg)) for figure in draw(found)],
+        figures=draw(found),
         closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
         assumptions=TEXTS["assumptions"],
         low=14.0,

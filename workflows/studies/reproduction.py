@@ -1,40 +1,195 @@
-"""The paper's statements, judged by numbers, and which errors of its program would explain them.
+"""The paper's scene in both formulations, its statements judged by numbers, and which errors would explain them.
 
 Their words are those of `templates/paper.toml`.
 """
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterable, Iterator
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
+from pydantic_core import to_json
 
+import damper
+from workflows import pipeline
+from workflows.effects.definition import Effect
 from workflows.formatting import significant
+from workflows.progress import Stages
+from workflows.scene import load as scene_file
 from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
+from workflows.scene.scene import Scene
+from workflows.solve.damper import particle_damper, simulate
 from workflows.solve.results import Figures, SpeedPoint
-from workflows.studies.reproduction.simulation import (
-    FORMULATIONS,
-    MASS_RATIOS,
-    RELEASE,
-    SHOWN,
-    TEXTS,
-    DampingCurve,
-    Family,
-    Floats,
-    Simulated,
-    Sweeps,
-    level,
-    moving,
-)
+from workflows.versions import versions
 
-if TYPE_CHECKING:
-    from damper import ParticleDamper
+Floats = npt.NDArray[np.float64]
+
+FORMULATIONS = ("printed", "consistent")
+SHOWN = 3
+"""10000 rpm, or 21932 g, which the paper calls 22000 g and draws Figs. 2 and 4 to 7 for."""
+
+RELEASE = (20e-3, 5e-3)
+
+TEXTS: dict[str, Any] = tomllib.loads(
+    (Path(__file__).parents[1] / "templates" / "paper.toml").read_text(encoding="utf-8")
+)
+"""Statements, slips and assumptions in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class DampingCurve:
+    """One curve of a figure: a value per vibration cycle, from the release to rest.
+
+    `amplitude_g` is the paper's Gamma, `ball` the capacity beyond the structure's own, `sdc` all of it,
+    `clearance_g` the paper's dimensionless clearance Delta_x.
+    """
+
+    label: str
+    amplitude_g: Floats
+    sdc: Floats
+    ball: Floats
+    cutoff_g: float | None
+    clearance_g: float
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """The paper's scene, its structure at the seven speeds, and the ring-downs there in both formulations."""
+
+    scene: Scene
+    effects: dict[str, Effect]
+    points: dict[str, tuple[SpeedPoint, ...]]
+    rest_hz: float
+
+    @property
+    def plate(self) -> tuple[SpeedPoint, ...]:
+        """The seven speeds, consistent formulation; the structure is the same in both."""
+        return self.points["consistent"]
+
+    @property
+    def gravity(self) -> float:
+        """The paper's g [m/s^2]."""
+        return self.scene.rotor.gravity
+
+    def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> damper.ParticleDamper:
+        """The damper that the run simulates at 10000 rpm, changed.
+
+        Its stiffness is kept, so that curves differ by what was changed alone.
+        """
+        scene, point = _with(self.scene, formulation=formulation), self.plate[SHOWN]
+        if mass_ratio is not None and point.reduced is not None:
+            changes["ball_mass"] = mass_ratio * point.reduced.M2
+        return replace(particle_damper(scene, self.effects, point), **changes)
+
+    def curve(self, label: str, system: damper.ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
+        """Ring a damper down to rest, cycle by cycle."""
+        cycles = damper.capacity(damper.ringdown(system, release, max_cycles=20_000))
+        clearance = system.stuck_frequency**2 * 2 * system.half_gap[0] / self.gravity
+        cutoff = None if cycles.cutoff is None else cycles.cutoff / self.gravity
+        ball = cycles.sdc - cycles.intrinsic_sdc
+        return DampingCurve(label, cycles.amplitude / self.gravity, cycles.sdc, ball, cutoff, clearance)
+
+
+def study(stages: Stages) -> Simulated:
+    """Solve the paper's plate once and ring both formulations down at every speed."""
+    source = scene_file.load("paper")
+    structure = pipeline.structure(source, stages, shapes=False)
+    points = {}
+    for formulation in FORMULATIONS:
+        scene = _with(source.scene, formulation=formulation)
+        points[formulation] = simulate(scene, structure.effects, structure.points, stages, SHOWN)
+    rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
+    return Simulated(source.scene, structure.effects, points, rest)
+
+
+def _at_rest(source: SceneFile) -> SceneFile:
+    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (0.0,)}), damper=None, release=None)
+
+
+def _with(scene: Scene, **changes: object) -> Scene:
+    if scene.damper is None:
+        raise ValueError("the paper's scene has a damper")
+    return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
+
+
+def moving(curve: DampingCurve) -> DampingCurve:
+    """The part of a curve in which the ball moved, the first cycle and the one of the cut-off left out."""
+    level = curve.cutoff_g or 0.0
+    keep = curve.amplitude_g > level * (1 + 1e-9)
+    keep[0] = False
+    return replace(curve, amplitude_g=curve.amplitude_g[keep], sdc=curve.sdc[keep], ball=curve.ball[keep])
+
+
+def level(curve: DampingCurve) -> float:
+    """Average of the ball's part while it moved [-]."""
+    part = moving(curve).ball
+    return float(part.mean()) if len(part) else math.nan
+
+
+Family = dict[str, list[DampingCurve]]
+"""Curves by formulation."""
+
+MASS_RATIOS = (0.003, 0.006, 0.009, 0.012)
+CLEARANCES = (0.25e-3, 0.5e-3, 0.75e-3, 1.0e-3, 1.25e-3)
+RELEASES = (12e-3, 16e-3, 20e-3, 24e-3)
+RADII = (0.6e-3, 0.8e-3, 1.0e-3, 1.1e-3)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweeps:
+    """The families of curves behind Figs. 3 to 7."""
+
+    load: Family
+    mass: Family
+    cavity: Family
+    release: Family
+    radius: Family
+
+
+def sweeps(study: Simulated) -> Sweeps:
+    """Compute every curve."""
+
+    def family(curves: Callable[[str], Iterator[DampingCurve]]) -> Family:
+        return {formulation: list(curves(formulation)) for formulation in FORMULATIONS}
+
+    def varied(label: str, values: tuple[float, ...], changes: Callable[[float], dict[str, Any]]) -> Family:
+        """A curve at 10000 rpm for each value; the label shows it scaled."""
+        return family(
+            lambda formulation: (
+                study.curve(label.format(1e3 * value, 100 * value), study.system(formulation, **changes(value)))
+                for value in values
+            )
+        )
+
+    def load(formulation: str) -> Iterator[DampingCurve]:
+        for point in study.points[formulation]:
+            d = point.damper
+            if d is not None:
+                part = d.sdc - d.intrinsic_sdc
+                yield DampingCurve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)
+
+    def release(formulation: str) -> Iterator[DampingCurve]:
+        return (study.curve(f"{1e3 * x:g} mm", study.system(formulation), (x, x / 4)) for x in RELEASES)
+
+    return Sweeps(
+        load=family(load),
+        mass=varied("{1:.1f} %", MASS_RATIOS, lambda ratio: {"mass_ratio": ratio}),
+        cavity=varied("{0:g} mm", CLEARANCES, lambda gap: {"mass_ratio": 0.012, "cavity": (2e-3 + gap, 2e-3 + gap)}),
+        release=family(release),
+        radius=varied("{0:g} mm", RADII, lambda radius: {"mass_ratio": 0.01, "ball_radius": radius}),
+    )
 
 
 Value = float | int | str | list[float] | None
@@ -190,31 +345,25 @@ def of_equations(study: Simulated) -> Iterator[Claim]:
     yield _claim("S2-rotation", (None, change), judge(abs(change) <= 0.01))
 
 
-def gain(system: ParticleDamper, *, loss: bool = False) -> float:
+def gain(system: damper.ParticleDamper, *, loss: bool = False) -> float:
     """Energy after 20 cycles over that at the release, less one; or the loss, one less it."""
-    from damper import ringdown
-
-    energy = ringdown(system, RELEASE, _CYCLES).energy
+    energy = damper.ringdown(system, RELEASE, _CYCLES).energy
     ratio = energy.final / energy.initial
     return 1 - ratio if loss else ratio - 1
 
 
 def _threshold(study: Simulated, formulation: str) -> float:
     """Acceleration at which the ball sets off over the load; NaN where it does not, or sets off below."""
-    from damper import ringdown
-
     system = study.system(formulation, damping_ratio=0.0)
     square = system.stuck_frequency**2
     amplitude = system.rolling_threshold / square
-    still = ringdown(system, (amplitude * (1 - 1e-9), 0.0), 3).events == 0
-    moves = ringdown(system, (amplitude * (1 + 1e-6), 0.0), 3).events > 0
+    still = damper.ringdown(system, (amplitude * (1 - 1e-9), 0.0), 3).events == 0
+    moves = damper.ringdown(system, (amplitude * (1 + 1e-6), 0.0), 3).events > 0
     return amplitude * square / system.centrifugal_acceleration if still and moves else math.nan
 
 
 def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]:
     """Over single oblique hits: worst momentum, restitution farthest from e, least loss, hits at the cap."""
-    from damper import ringdown, sample
-
     base = study.system(formulation, centrifugal_acceleration=0.0, damping_ratio=0.0, stiffness=(1e-9, 1e-9))
     m2, ball, gap = base.modal_mass, base.ball_mass, base.half_gap[0]
     system = replace(base, cavity=(base.cavity[0], 1.0), sticking_ratio=0.0)
@@ -223,8 +372,8 @@ def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]
         w = (math.cos(angle), math.sin(angle))
         duration = 1.5 * gap / w[0]
         cycles = duration * system.stuck_frequency / (2 * math.pi)
-        run = ringdown(system, (0.0, 0.0), cycles, ball_velocity=w, keep_events=True)
-        end = sample(run, run.duration)
+        run = damper.ringdown(system, (0.0, 0.0), cycles, ball_velocity=w, keep_events=True)
+        end = damper.sample(run, run.duration)
         after, v = end.relative_velocity[0], end.velocity[0]
         for axis in range(2):
             worst = max(worst, abs(m2 * v[axis] + ball * (v[axis] + after[axis]) - ball * w[axis]) / ball)
@@ -237,13 +386,11 @@ def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]
 
 
 def _sticking(study: Simulated) -> Claim:
-    from damper import capacity, ringdown
-
     changes, fewer = [], []
     for formulation in FORMULATIONS:
         systems = [study.system(formulation, sticking_ratio=epsilon) for epsilon in (1e-2, 1e-6)]
-        runs = [ringdown(system, RELEASE, _CYCLES) for system in systems]
-        part = [float(capacity(run).sdc.mean()) for run in runs]
+        runs = [damper.ringdown(system, RELEASE, _CYCLES) for system in systems]
+        part = [float(damper.capacity(run).sdc.mean()) for run in runs]
         lossless = 1 - runs[1].energy.final / runs[1].energy.initial == 0
         changes.append(math.nan if lossless else abs(part[0] / part[1] - 1))
         fewer.append(1 - runs[0].impacts / runs[1].impacts)
@@ -252,11 +399,9 @@ def _sticking(study: Simulated) -> Claim:
 
 
 def _steps(study: Simulated) -> Claim:
-    from damper import capacity, ringdown, stepped_ringdown
-
     systems = [study.system(formulation, damping_ratio=0.0) for formulation in FORMULATIONS]
-    exact = [float(capacity(ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
-    stepped = [float(stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
+    exact = [float(damper.capacity(damper.ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
+    stepped = [float(damper.stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
     verdict = judge(all(abs(s / e - 1) < 0.1 for s, e in zip(stepped, exact, strict=True)))
     shown = {"printed": 100 * exact[0], "consistent": 100 * exact[1]}
     return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
@@ -356,8 +501,6 @@ class Slip:
 
 def slips(study: Simulated) -> tuple[Slip, ...]:
     """The slips, in the order of the paper."""
-    from damper import ball_density
-
     printed, consistent = study.system("printed"), study.system("consistent")
     undamped = study.system("printed", damping_ratio=0.0)
     lossless = replace(undamped, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
@@ -369,13 +512,12 @@ def slips(study: Simulated) -> tuple[Slip, ...]:
         1e3 * (RELEASE[0] - RELEASE[1]),
         math.sqrt(TABLE_II[0].frequency ** 2 - (slowest**2 - study.rest_hz**2)),
         100 * (shown.omega**2 * shown.radius / 9.80665 / TABLE_II[SHOWN].load - 1),
-        ball_density(consistent, 1) / OSMIUM,
+        damper.ball_density(consistent, 1) / OSMIUM,
         100 * shown.tilt_share,
     )
     return tuple(Slip(value=value, **words) for value, words in zip(values, TEXTS["slips"], strict=True))
 
 
-_CYCLES = 20
 _STEPS = 40
 
 
@@ -426,7 +568,7 @@ def closure(study: Simulated) -> tuple[Closure, ...]:
     return tuple(table)
 
 
-def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> ParticleDamper:
+def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> damper.ParticleDamper:
     system = study.system(formulation, damping_ratio=0.01 if ZETA in case else 0.0)
     if MASS in case:
         scene, m2 = study.scene, system.modal_mass
@@ -438,17 +580,15 @@ def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) ->
     return system
 
 
-def _velocity(system: ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
+def _velocity(system: damper.ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
     """The structure's velocity along both axes, shape (cycles, times, 2) [m/s]."""
-    from damper import ringdown, sample, stepped_ringdown
-
     if STEPS in case:
-        run = stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
+        run = damper.stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
         return run.velocity[1:].reshape(_CYCLES, _STEPS, 2)
-    exact = ringdown(system, RELEASE, _CYCLES, keep_events=True)
+    exact = damper.ringdown(system, RELEASE, _CYCLES, keep_events=True)
     fine = 100 * _STEPS
     times = np.linspace(0, exact.duration, _CYCLES * fine + 1)[1:]
-    return sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
+    return damper.sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
 
 
 def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
@@ -457,12 +597,49 @@ def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
     return 100 * float(np.mean(1 - (peaks[1:] / peaks[:-1]) ** 2))
 
 
-def _bound(system: ParticleDamper, velocity: Floats) -> float:
+def _bound(system: damper.ParticleDamper, velocity: Floats) -> float:
     """Mean over the same cycles of the most that the ball can take, in %."""
-    from damper import work_bound
-
-    return 100 * float(np.mean([work_bound(system, v / system.stuck_frequency) for v in _speeds(velocity)[:-1]]))
+    return 100 * float(np.mean([damper.work_bound(system, v / system.stuck_frequency) for v in _speeds(velocity)[:-1]]))
 
 
 def _speeds(velocity: Floats) -> Floats:
     return np.asarray(np.hypot(velocity[:, :, 0], velocity[:, :, 1]).max(axis=1))
+
+
+_PUBLISHED = ("claims", "slips", "closure")
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction:
+    """Everything the report shows."""
+
+    study: Simulated
+    sweeps: Sweeps
+    claims: tuple[Claim, ...]
+    slips: tuple[Slip, ...]
+    closure: tuple[Closure, ...]
+
+    @property
+    def count(self) -> dict[Verdict, int]:
+        """How many claims got which verdict."""
+        found = Counter(claim.verdict for claim in self.claims)
+        return {verdict: found[verdict] for verdict in Verdict}
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        return {
+            "schema_version": 1,
+            "versions": versions(),
+            **json.loads(to_json({name: getattr(self, name) for name in _PUBLISHED}, inf_nan_mode="null")),
+            "assumptions": TEXTS["assumptions"],
+        }
+
+
+def reproduce(stages: Stages | None = None) -> Reproduction:
+    """Judge every claim; nothing is written."""
+    stages = stages or Stages()
+    simulated = study(stages)
+    with stages("damper"):
+        curves = sweeps(simulated)
+        claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
+        return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))

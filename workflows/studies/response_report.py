@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows import formatting
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
 from workflows.io.files import as_json, as_table, finite, write_study
@@ -23,7 +22,7 @@ from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response.study import Response, Row, Through, is_beyond, peak, rows
+from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -126,7 +125,7 @@ def campbell_plot(found: Response) -> str:
         top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
         for order in found.excitation.orders:
             end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=(0, (1, 2)))
+            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=plots.DOTTED)
             small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
             axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
         for through in found.passed:
@@ -242,7 +241,7 @@ def sentences(found: Response) -> list[str]:
     added = [level for level in found.excitation.levels if level not in found.asked]
     if added:
         levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
-        said.append(f"Besides the levels asked for, {levels} followed, near where the estimate has its maximum.")
+        said.append(f"{levels} added to the levels asked for, near the maximum of the estimate.")
     ends = [through for through in found.passed if _at_the_end(through)]
     for through in ends:
         said.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
@@ -444,21 +443,17 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
 
 def render(found: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    from markupsafe import Markup
-
     shades = plots.shades(len(found.excitation.levels))
     sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
-    words = ("fixed", "amount", "significant", "percent", "curly", "whole")
     return from_template(
         "response.html.j2",
-        {word: getattr(formatting, word) for word in words},
         plots.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
         found=found,
         unit=found.excitation.unit,
         sentences=sentences(found),
         sections=sections,
-        campbell=Markup(campbell_plot(found)),
-        damping=Markup(damping(found)),
+        campbell=campbell_plot(found),
+        damping=damping(found),
         air=AIR,
         is_beyond=partial(is_beyond, found),
         mark=remarks.BEYOND,
@@ -468,16 +463,14 @@ def render(found: Response) -> str:
 
 def _section(found: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
     """What the page has of a crossing."""
-    from markupsafe import Markup
-
     mine = rows(found, through)
     return {
         "through": through,
         "crossing": through.crossing,
         "rows": mine,
-        "response": Markup(response(found, through, str(number), shades)),
-        "ratios": Markup(ratios(found, through, str(number))) if len(through.forces) > 1 else "",
-        "path": Markup(path(found, through, str(number))),
+        "response": response(found, through, str(number), shades),
+        "ratios": ratios(found, through, str(number)) if len(through.forces) > 1 else "",
+        "path": path(found, through, str(number)),
         "endured": endured(found.results, through.crossing),
         "beyond": any(is_beyond(found, row) for row in mine),
     }

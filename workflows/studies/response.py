@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+import damper
 from fem.rotor import in_rpm
 from workflows.errors import during, read_from
 from workflows.formatting import whole
@@ -19,25 +20,8 @@ from workflows.scene.scene import Excitation
 from workflows.solve import damper as damper_stage
 from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import (
-    at_cavity,
-    branch_of,
-    checked,
-    crossed,
-    damper_at,
-    endured,
-    free_vibration,
-    harmonic_of,
-    kept,
-    modes_of,
-    root_stress,
-    with_forced_effects,
-)
 from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction, rounded_rpm
 from workflows.solve.structure import StructureSolver
-
-if TYPE_CHECKING:
-    import damper
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -160,7 +144,7 @@ def _row(found: Response, through: Through, force: int) -> Row:
 
     without = float(np.abs(through.shaped(states.without))[:, force].max())
     short = float(through.short[speed, force, start])
-    stress = root_stress(found.results, through.crossing)
+    stress = excitation.root_stress(found.results, through.crossing)
     return Row(
         through=through,
         force=through.forces[force],
@@ -181,7 +165,7 @@ def _row(found: Response, through: Through, force: int) -> Row:
 
 def is_beyond(found: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
-    limit = endured(found.results, row.through.crossing)
+    limit = excitation.endured(found.results, row.through.crossing)
     torn = (limits.root_stress(found.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
     return torn or (limit is not None and row.greatest > limit)
 
@@ -238,10 +222,10 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
-    asked = checked(source)
+    asked = excitation.checked(source)
     resources.check(source)
     stages = stages or Stages()
-    source = with_forced_effects(source)
+    source = excitation.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.across(solver).results(stages=stages)
     met = engine_orders.of_points(results.speeds, asked.orders)
@@ -287,10 +271,10 @@ def with_best_levels(asked: Excitation, reductions: Sequence[VibrationReduction]
 
 def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
-    system = damper_at(solver, at, crossing, asked)
+    system = excitation.damper_at(solver, at, crossing, asked)
     if isinstance(system, str):
         return system
-    _, axis, leads = crossed(at, crossing)
+    _, axis, leads = excitation.crossed(at, crossing)
     omega = _speeds(solver, crossing, at)
     dampers, harmonics = _driven(solver, crossing, asked, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
@@ -328,14 +312,14 @@ def _driven(
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
     dampers, harmonics, points = [], [], solver.at(omega).points
-    branch, source = branch_of(points, crossing), solver.source
+    branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
-        own = modes_of(point, branch)
-        only = None if own is None else kept(point, own)
+        own = excitation.modes_of(point, branch)
+        only = None if own is None else excitation.kept(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         dampers += [system] * len(asked.levels)
-        harmonics += [harmonic_of(system, crossing, point, asked, level) for level in asked.levels]
+        harmonics += [excitation.harmonic_of(system, crossing, point, asked, level) for level in asked.levels]
     return dampers, harmonics
 
 
@@ -347,9 +331,7 @@ def _followed(
     axis: int,
 ) -> damper.Forced:
     """The steady states, with progress for a person who waits."""
-    from damper import Start, forced
-
-    starts = tuple(Start)
+    starts = tuple(damper.Start)
     with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
@@ -359,7 +341,7 @@ def _followed(
                 step.advance(_where(crossing))
             done = number
 
-        return forced(
+        return damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
 
@@ -380,9 +362,9 @@ def _short(
     short = np.full(states.mean.shape, np.nan)
     if not speaks:
         return short
-    found = free_vibration(middle)
+    found = excitation.free_vibration(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
+        force = excitation.at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
         amplitudes = np.array([amplitude for amplitude, _ in found.answers(force, nu)])
         if amplitudes.size:
@@ -393,15 +375,13 @@ def _short(
 
 def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float, force: float) -> Path:
     """The ball's path under a force, once the structure has forgotten where it began."""
-    from damper import ringdown, sample
-
     period, own = 2 * math.pi / harmonic.frequency, 2 * math.pi / system.stuck_frequency
     settle = min(int(2 / (2 * math.pi * max(system.damping_ratio, 1e-4))) + 50, 3000)
     cycles = (settle + _PATH_CYCLES) * period / own
     start = None if system.modes is None else (0.0,) * len(system.modes)
-    run = ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
+    run = damper.ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
     times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
-    history = sample(run, times)
+    history = damper.sample(run, times)
     return Path(
         rounded_rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position)
     )

@@ -2,6 +2,11 @@
 
 `assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `point_rows`
 reads displacements at a point, and `transfer` carries shapes from one mesh to another.
+
+Each is a form, a small coefficient matrix over the fields of a theory. In the frame that turns with the rotor about the
+axis n, P = I - n n^T, and at Omega = 1: mass rho U.U, softening rho U.P U, Coriolis 2 rho U.(n x U), centrifugal load
+rho P X, and the geometric stiffness S_ab H_ka H_kb of a stress S (the second-order part of the Green-Lagrange strain;
+in a plate it holds N:(grad w grad w), N:(grad u grad u), which carries the in-plane modes, and the rotary part).
 """
 
 from __future__ import annotations
@@ -12,24 +17,109 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fem.linalg import factorise
+from fem.linalg import Array, Factor, Solver, factorise
 from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
-from fem.theory import forms
+from fem.plate import Plate
+from fem.rotor import Effects, Rotor
+from fem.theory.discretisation import Discretisation
 from fem.theory.fields import gram
 from fem.theory.registry import Kind, discretise, kind
+from fem.theory.sections import Stressed, products, strain_matrix
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor, Solver
-    from fem.plate import Plate
-    from fem.rotor import Effects, Rotor
-    from fem.theory.discretisation import Discretisation
-    from fem.theory.strains import Stressed
 
-    Array = NDArray[np.float64]
+def elastic_stiffness(model: Discretisation) -> csc_array:
+    """Return the linear elastic stiffness, N/m."""
+    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
+    coefficients = np.sum([w * b.T @ model.stiffness @ b for w, b in strains], axis=0)
+    return gram((model.gradient, coefficients), *model.extra)
+
+
+def elastic_energies(model: Discretisation, shapes: Array) -> Array:
+    """Twice the energies (k, k) of shapes (n, k) with one another at small strains.
+
+    From the strains at the points: the stiffness's entries are as large as the stiffest strain makes them, and their
+    rounding drowns the softest.
+    """
+    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
+    gradients = model.gradient.evaluate(shapes)
+    found = np.zeros((shapes.shape[1],) * 2)
+    for weight, matrix in strains:
+        strain = np.einsum("sg,gcpk->scpk", matrix, gradients)
+        found += _energies(weight * model.stiffness, strain, model.gradient.dx)
+    for fields, coefficients in model.extra:
+        found += _energies(coefficients, fields.evaluate(shapes), fields.dx)
+    return found
+
+
+def _energies(coefficients: Array, strain: Array, dx: Array) -> Array:
+    """Integrals (k, k) of c_ij e_i e_j, c pointwise or the same everywhere, of strains (n, ncell, npoint, k)."""
+    everywhere = np.broadcast_to(
+        coefficients.reshape(*coefficients.shape, *(1,) * (4 - coefficients.ndim)), (*coefficients.shape[:2], *dx.shape)
+    )
+    stress = np.einsum("ijcp,cp,jcpk->icpk", everywhere, dx, strain, optimize=True)
+    return np.asarray(np.tensordot(strain, stress, ((0, 1, 2), (0, 1, 2))))
+
+
+def energy_densities(model: Discretisation, shapes: Array) -> Array:
+    """Twice the elastic energy of shapes (n, k) per volume, (ncell, npoint, k), on average through the thickness."""
+    gradients = model.gradient.evaluate(shapes)
+    total = np.zeros(gradients.shape[1:])
+    for layer in model.elastic:
+        strain = np.einsum("sg,gcpk->scpk", strain_matrix(layer), gradients)
+        stress = np.einsum("st,tcpk->scpk", model.stiffness, strain)
+        total += layer.weight * np.real(strain.conj() * stress).sum(axis=0)
+    return total / sum(layer.weight for layer in model.elastic)
+
+
+def inertia(model: Discretisation, density: float, through: Array) -> csc_array:
+    """Return the matrix of density * U.(through U): mass (identity), softening (P), Coriolis (2 n x)."""
+    layers = [(layer.weight, layer.displacement) for layer in model.inertia]
+    coefficients = density * np.sum([w * t.T @ through @ t for w, t in layers], axis=0)
+    return gram((model.displacement, coefficients))
+
+
+def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Array:
+    """Load vector (dofs,) of density * P X at 1 rad/s."""
+    total = np.zeros((model.displacement.size, *model.points.shape[1:]))
+    for layer in model.inertia:
+        from_axis = model.points + (rotor.hub_radius * rotor.outwards)[:, None, None]
+        from_axis[0] -= root(model.mesh)
+        from_axis[2] += layer.z
+        force = layer.weight * density * layer.displacement.T @ rotor.projector
+        total += np.einsum("fk,kcp->fcp", force, from_axis)
+    return model.displacement.load(total)
+
+
+def uniform_load(model: Discretisation, density: float | Array, direction: Array) -> Array:
+    """Load vector (dofs,) of a force per volume along a direction (3,), the same through the thickness.
+
+    density: its size, one or at every point (ncell, npoint) [N/m³].
+    """
+    along = np.sum(
+        [layer.weight * (layer.displacement.T @ direction)[:, None, None] for layer in model.inertia], axis=0
+    )
+    return model.displacement.load(along * density * np.ones(model.points.shape[1:]))
+
+
+def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
+    """Stress (nstrain, ncell, npoint) in Pa at each elastic layer, to first order in the displacement."""
+    gradients = model.gradient.evaluate(unknowns)
+    return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
+
+
+def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:
+    """Return the geometric stiffness of a stress given at each elastic layer, N/m."""
+    n = model.gradient.size
+    coefficients = np.zeros((n, n, *model.gradient.dx.shape))
+    for layer, s in zip(model.elastic, stress, strict=True):
+        second = products(layer)
+        i, j = np.nonzero(second.any(axis=0))
+        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, s, 1)
+    return gram((model.gradient, coefficients))
 
 
 class StressedBody(Protocol):
@@ -37,15 +127,12 @@ class StressedBody(Protocol):
 
     def force(self) -> Array:
         """The internal force (n,) in N."""
-        ...
 
     def ahead(self, step: Array) -> Any:
         """The stress that a step (n,) leads to, to first order."""
-        ...
 
     def stiffness(self, stress: Any = None) -> csc_array:
         """The tangent stiffness (n, n) in N/m, or that under another stress."""
-        ...
 
 
 class Body(Protocol):
@@ -54,58 +141,46 @@ class Body(Protocol):
     @property
     def theory(self) -> str:
         """Name of its theory."""
-        ...
 
     @property
     def effects(self) -> Effects:
         """What counts."""
-        ...
 
     @property
     def stiffness(self) -> csc_array:
         """At rest, (n, n)."""
-        ...
 
     @property
     def mass(self) -> csc_array:
         """Its mass, (n, n)."""
-        ...
 
     @property
     def softening(self) -> csc_array | None:
         """What spin softening takes from the stiffness, per Omega²; None: left out."""
-        ...
 
     @property
     def gyroscopic(self) -> csc_array | None:
         """G of the Coriolis forces; None: left out."""
-        ...
 
     @property
     def load(self) -> Array:
         """The centrifugal load (n,) per Omega²."""
-        ...
 
     @property
     def prestress(self) -> Array | None:
         """A displacement (n,) per Omega² to begin an equilibrium with; None: rest."""
-        ...
 
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), its prestress linear in Omega²."""
-        ...
 
     def stressed(self, state: Array) -> StressedBody:
         """Its elastic energy at a displacement (n,)."""
-        ...
 
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix over its unknowns."""
-        ...
 
     def solver(self, matrix: csc_array) -> Solver:
         """What solves a stiffness on the way to an equilibrium: its factor, or less."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,30 +303,20 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     """
     model = discretise(plate, theory, effects.rotary_inertia)
     density = plate.material.density
-    stiffness = forms.elastic_stiffness(model)
+    stiffness = elastic_stiffness(model)
     load = np.zeros(model.dofs)
     prestress = geometric = softening = gyroscopic = held = None
     if effects.stress_stiffening:
-        load = forms.centrifugal_load(model, density, rotor)
+        load = centrifugal_load(model, density, rotor)
         held = _held(model, stiffness)
         prestress, geometric = _stiffening(model, held, load)
     if effects.spin_softening:
-        softening = forms.inertia(model, density, rotor.projector)
+        softening = inertia(model, density, rotor.projector)
     if effects.coriolis:
-        gyroscopic = forms.inertia(model, density, 2.0 * rotor.spin)
-    mass = forms.inertia(model, density, np.eye(3))
+        gyroscopic = inertia(model, density, 2.0 * rotor.spin)
+    mass = inertia(model, density, np.eye(3))
     operators = Operators(
-        plate,
-        rotor,
-        effects,
-        model,
-        stiffness,
-        mass,
-        geometric,
-        softening,
-        gyroscopic,
-        load,
-        prestress,
+        plate, rotor, effects, model, stiffness, mass, geometric, softening, gyroscopic, load, prestress
     )
     for places, each in operators.points:
         operators = _with_masses(operators, places, each, held)
@@ -345,7 +410,7 @@ def footprint(operators: Operators, at: tuple[float, float], volume: float, dept
 def with_coriolis(operators: Operators) -> Operators:
     """Count the Coriolis forces in, those of the plate's own point mass too."""
     through = 2.0 * operators.rotor.spin
-    gyroscopic = forms.inertia(operators.model, operators.plate.material.density, through)
+    gyroscopic = inertia(operators.model, operators.plate.material.density, through)
     for places, mass in operators.points:
         gyroscopic = gyroscopic + mass * _through(_rows_at(operators.model, places), through)
     return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
@@ -389,7 +454,7 @@ def _stiffening(model: Discretisation, held: Factor, load: Array) -> tuple[Array
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
     displacement = np.zeros(model.dofs)
     displacement[model.membrane] = held.solve(load[model.membrane])
-    return displacement, forms.geometric_stiffness(model, forms.linear_stress(model, displacement))
+    return displacement, geometric_stiffness(model, linear_stress(model, displacement))
 
 
 FIELDS = ((0, ()), (1, ()), (2, ()), (2, (0,)), (2, (1,)))

@@ -1,0 +1,317 @@
+"""The effects of a ball and its cavity: when each is called for, what rules it out, its words and terms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from fem.meshes.mesh_sequence import Planform
+from fem.rotor import in_rpm
+from workflows.effects.definition import GIVEN, PRINTED, Assumption, Called, Case, Definition, Refusal, not_printed
+from workflows.formatting import significant, whole
+from workflows.scene import plate_mesh
+from workflows.scene.damper import Damper
+from workflows.scene.materials import KNOWN
+from workflows.scene.scene import Scene
+
+SLOPE = 1.3765
+"""Of a uniform cantilever's first mode at the tip, over w/L."""
+
+_ROOT, SHARE = 1.8751, 0.25
+"""Of that mode: first root of cos x cosh x = -1, and effective mass at the tip over the whole."""
+
+STIFFENED = 1.19, 1.57
+"""Growth of a uniform cantilever's first squared frequency with Omega², and with that times hub radius over length
+(Southwell and Gough 1921)."""
+
+
+class Beam(NamedTuple):
+    """A uniform cantilever like the plate: length [m], mass [kg], squared first frequency at rest [1/s²]."""
+
+    length: float
+    mass: float
+    square: float
+
+
+def beam_like(scene: Scene, form: Planform | None) -> Beam:
+    """The cantilever of a scene's plate, with its point mass."""
+    plate, material = scene.plate, scene.material
+    if plate is None or material is None:
+        raise ValueError("the scene has no plate")
+    if form is None and plate.mesh is not None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    length, width = (plate.length, plate.width) if form is None else form.sides
+    thickness = plate_mesh.spread(plate, form)[1]
+    mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
+    square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)
+    return Beam(float(length or 0.0), mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
+
+
+def _rolling_resistance(case: Case) -> Called:
+    """Wherever a load presses the ball on a floor that resists."""
+    damper = case.damper
+    if damper.rolling_friction == 0:
+        return Called(False, "rolling_friction is 0")
+    if not case.spins:
+        return Called(False, "nothing spins: no load presses the ball on the floor")
+    return Called(True, "rolling_friction is above 0 and the load presses the ball on the floor")
+
+
+def _rolling_arguments(given: Damper, _: float, on: bool) -> dict[str, Any]:
+    """The lever arm of the resistance, where a scene gives it."""
+    lever = given.rolling_friction
+    return {"rolling_friction": lever if on and isinstance(lever, float) else 0.0}
+
+
+def _impact_friction(case: Case) -> Called:
+    """Wherever walls have friction."""
+    if case.damper.friction == 0:
+        return Called(False, "friction is 0")
+    return Called(True, "friction is above 0: it acts where the ball moves along a wall as it hits it")
+
+
+def _wall_friction_arguments(given: Damper, _: float, on: bool) -> dict[str, Any]:
+    """The cap on the tangential impulse."""
+    return {"friction": given.friction if on else 0.0}
+
+
+def _ball_slip(case: Case) -> Called:
+    """Only where it is asked for."""
+    return Called(False, "the paper's model: the ball rolls again at once after a wall hit")
+
+
+def _slip_refused(scene: Scene) -> Refusal | None:
+    """Slip needs a friction to slip against, and equations that know it."""
+    damper = scene.damper
+    if damper is None or scene.effects.ball_slip is not True:
+        return None
+    if damper.formulation == "printed":
+        return Refusal("the printed equations know no slip", "[effects] ball_slip", True)
+    if damper.friction == 0:
+        return Refusal("ball_slip needs a friction above 0", "[damper] friction", 0)
+    return None
+
+
+def _slip_assumed(_: Scene, on: bool, __: str) -> Assumption:
+    """How the ball moves on the floor."""
+    if on:
+        return Assumption(
+            "The ball never lifts off the cavity's floor; after a wall hit it slides there until it rolls.", "ours"
+        )
+    return Assumption(
+        "The ball rolls on the cavity's floor, never lifts off and never slides except at walls.", "paper, II.A"
+    )
+
+
+def _slip_arguments(given: Damper, omega: float, on: bool) -> dict[str, Any]:
+    """The friction of the floor, which takes a load."""
+    return {"floor_friction": given.friction if on and omega > 0 else None}
+
+
+def _floor_tilt(case: Case) -> Called:
+    """The cavity's floor tilts: called for where that takes more of the ball's drive than `accuracy.damping`."""
+    scene = case.scene
+    if not case.spins:
+        return Called(False, "nothing spins: no load pulls the ball down a slope")
+    if case.damper.formulation == "printed":
+        return Called(False, PRINTED)
+    if scene.in_space:
+        return Called(True, "as the structure bends, the floor tilts, and the load pulls the ball down the slope")
+    asked = scene.accuracy.damping
+    share, omega = max((_tilt_share(scene, case.form, speed), speed) for speed in scene.rotor.speeds)
+    if share == 0.0:
+        return Called(False, "structure.floor_tilt is 0")
+    about = "about " if scene.given is None else ""
+    at = f"{whole(in_rpm(omega))} rpm" + (", estimated for a beam" if scene.given is None else "")
+    said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
+    if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
+        return Called(True, f"as the structure bends, the floor tilts, and {said}")
+    return Called(False, f"{said}, less than the {significant(100 * asked)} % asked for")
+
+
+def _tilt_assumed(_: Scene, on: bool, __: str) -> Assumption:
+    """How the floor lies."""
+    if on:
+        return Assumption(
+            "The cavity's floor tilts with the structure's slope, by small angles; the load is normal to it at rest.",
+            "ours",
+        )
+    return Assumption("The cavity's floor stays perpendicular to the load.", "paper, II.A")
+
+
+def _tilt_share(scene: Scene, form: Planform | None, omega: float) -> float:
+    """Share of the ball's drive that the load takes down the slope; of a plate roughly, as of a beam."""
+    structure, rotor = scene.given, scene.rotor
+    if structure is not None and rotor.radius is not None:
+        shares = [
+            omega**2 * rotor.radius * abs(slope) / (2 * math.pi * frequency) ** 2
+            for slope, frequency in zip(structure.floor_tilt, structure.frequency, strict=True)
+        ]
+        return max(shares)
+    beam, (own, hub) = beam_like(scene, form), STIFFENED
+    square = beam.square + omega**2 * (own + hub * rotor.hub_radius / beam.length)
+    return omega**2 * (rotor.hub_radius + beam.length) * SLOPE / beam.length / square
+
+
+def _indentation(case: Case) -> Called:
+    """Where a load presses the ball on its floor, and the strength of one of the two is known."""
+    scene = case.scene
+    if not case.spins:
+        return Called(False, "nothing spins: no load presses the ball on the floor")
+    plate = None if scene.material is None else scene.material.name
+    names = case.damper.ball_material, case.damper.floor_material or plate
+    known = [KNOWN[name] for name in names if name is not None]
+    if len(known) < 2 or any(each.youngs_modulus is None for each in known):
+        return Called(False, "the materials of ball and floor are not known by name")
+    if all(each.hardness is None for each in known):
+        return Called(False, "the strength of neither ball nor floor is known")
+    return Called(True, "where the load makes ball or floor yield, the ball lies in a dent")
+
+
+def _dent_assumed(_: Scene, on: bool, __: str) -> Assumption:
+    """What holds a ball at rest."""
+    if on:
+        return Assumption(
+            "A ball at rest lies in its dent, out of which it is lifted before it rolls: in the figures of the way up"
+            " and the cut-off, not in ring-downs and forced motion, in which the ball moves.",
+            "Johnson, Contact Mechanics (1985), section 6.3, less elastic recovery",
+        )
+    return Assumption("The floor stays as smooth as it was made: no dent holds the ball.", "ours")
+
+
+def _structural_modes(case: Case) -> Called:
+    """The plate's own modes: called for where the motion leaves the bending plane, or hits feed other modes."""
+    scene = case.scene
+    damper, plate, release = case.damper, scene.plate, scene.release
+    if scene.given is not None:
+        return GIVEN
+    if damper.formulation == "printed":
+        return Called(False, PRINTED)
+    if plate is None:
+        return Called(True, "the modes are known: each moves the cavity along its axes as it does")
+    released = () if release is None else (release.displacement, release.acceleration)
+    if any(pair is not None and pair[1] != 0.0 for pair in released):
+        return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
+    if math.sin(2 * scene.rotor.stagger) != 0.0 and case.spins:
+        return Called(True, "the stagger couples the ball's motion in the bending plane with that across")
+    if plate.mesh is not None or (damper.on_plate is not None and damper.on_plate[1] != 0.0):
+        return Called(True, "the cavity is not on the centre line of a rectangle: modes that twist move it too")
+    ratio, asked = _mass_ratio(case), scene.accuracy.damping
+    said = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
+    if ratio > scene.budget.scattered:
+        return Called(True, f"{said}: its hits scatter energy into modes beyond the first")
+    return Called(
+        False,
+        f"release, load and cavity lie in the bending plane, and {said}: too light to scatter"
+        f" {significant(100 * asked)} % into modes beyond the first",
+    )
+
+
+def _modes_refused(scene: Scene) -> Refusal | None:
+    """A structure's own modes where none are known."""
+    key, asked = "[effects] structural_modes", scene.effects.structural_modes
+    if (found := not_printed("structural_modes")(scene)) is not None:
+        return found
+    if asked is True and scene.given is not None:
+        return Refusal("the scene has no plate whose modes these could be", key, True)
+    return None
+
+
+def _modes_assumed(scene: Scene, on: bool, _: str) -> Assumption:
+    """How the structure vibrates."""
+    if on:
+        text = (
+            "The structure vibrates in those of its modes that the cavity feels, without Coriolis forces; the"
+            " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
+        )
+        return Assumption(text, "ours")
+    if scene.given is not None:
+        return Assumption("The structure vibrates in one mode along each axis.", "paper, II.A")
+    return Assumption(
+        "The structure vibrates in its first bending mode alone, with the same frequency on both axes.", "paper, II.A"
+    )
+
+
+def _mass_ratio(case: Case) -> float:
+    """Mass of all balls over the effective mass, roughly where a plate's is not known yet."""
+    damper = case.damper
+    if damper.mass_ratio is not None:
+        return damper.mass_ratio
+    return (damper.balls or 0.0) / (SHARE * beam_like(case.scene, case.form).mass + case.scene.point_mass)
+
+
+HOUSED = "the housing holds the cavities outside the plate"
+"""Why a plate loses nothing."""
+
+IN_THE_MESH = "the mesh says whether the cavities are cut into the blade"
+"""Why a solid blade loses nothing."""
+
+
+def _cavity_mass(case: Case) -> Called:
+    """Where it shifts a frequency, as a beam's, by more than a tenth of the accuracy: other modes move more."""
+    scene, damper = case.scene, case.damper
+    if scene.in_space:
+        return Called(False, IN_THE_MESH if scene.blade is not None else "the modes are known")
+    if scene.material is None:
+        return GIVEN
+    if damper.housing:
+        return Called(False, HOUSED)
+    beam, mass = beam_like(scene, case.form), scene.material.density * damper.cut
+    shift = mass / (2 * (SHARE * beam.mass + scene.point_mass))
+    why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate: at its tip that raises"
+    percent = significant(100 * shift, 2)
+    return Called(shift > scene.budget.rough_shift, f"{why} the first frequency by about {percent} %")
+
+
+def _cavity_refused(scene: Scene) -> Refusal | None:
+    """What has no plate out of which metal could be taken."""
+    damper = scene.damper
+    if scene.effects.cavity_mass is not True or damper is None:
+        return None
+    key = "[effects] cavity_mass"
+    if scene.plate is None:
+        return Refusal(IN_THE_MESH if scene.blade is not None else "the scene has no plate", key, True)
+    return Refusal(HOUSED, key, True) if damper.housing else None
+
+
+def _cavity_assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
+    """What the cavities take out."""
+    if scene.plate is None or scene.damper is None or not scene.damper.cut:
+        return None
+    if not on:
+        return Assumption("The plate is as heavy as if no cavities were cut into it.", "ours")
+    return Assumption(
+        "The metal nearest to the damper's place lacks the volume of the cavities; its stiffness is kept.", "ours"
+    )
+
+
+EFFECTS = {
+    "rolling_resistance": Definition("damper", _rolling_resistance, "rolling resistance", arguments=_rolling_arguments),
+    "impact_friction": Definition(
+        "damper", _impact_friction, "friction at the walls", arguments=_wall_friction_arguments
+    ),
+    "ball_slip": Definition(
+        "damper",
+        _ball_slip,
+        "slip of the ball",
+        refused=_slip_refused,
+        assumed=_slip_assumed,
+        arguments=_slip_arguments,
+    ),
+    "floor_tilt": Definition(
+        "damper", _floor_tilt, "tilt of the floor", refused=not_printed("floor_tilt"), assumed=_tilt_assumed
+    ),
+    "indentation": Definition("damper", _indentation, "indentation", assumed=_dent_assumed),
+    "structural_modes": Definition(
+        "damper", _structural_modes, "modes of the plate", refused=_modes_refused, assumed=_modes_assumed
+    ),
+    "cavity_mass": Definition(
+        "damper",
+        _cavity_mass,
+        "mass of the cavities",
+        refused=_cavity_refused,
+        assumed=_cavity_assumed,
+        costs=("fem.assembly.footprint",),
+    ),
+}
+"""By their keys of a scene."""

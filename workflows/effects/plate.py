@@ -1,0 +1,277 @@
+"""The effects of a plate: when each is called for, what rules it out, its words, what it costs."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import fem
+from fem.meshes.mesh_sequence import Planform
+from fem.rotor import in_rpm
+from workflows.effects.definition import (
+    AT_REST,
+    CELLS_PER_MODE,
+    GIVEN,
+    Assumption,
+    Called,
+    Case,
+    Definition,
+    LeftOut,
+    Refusal,
+    everywhere,
+)
+from workflows.formatting import significant
+from workflows.scene import plate_mesh
+from workflows.scene.load import SceneFile
+from workflows.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.accuracy.neglected_effects import Bent, Turned
+
+
+def _stress_stiffening(case: Case) -> Called:
+    """Wherever a plate spins."""
+    if case.scene.plate is None:
+        return GIVEN
+    if not case.spins:
+        if case.scene.effects.large_deflection is True:
+            return Called(True, "nothing spins, but large_deflection, which the scene asks for, needs it")
+        return AT_REST
+    return Called(True, "the plate spins, and the centrifugal pull stiffens it")
+
+
+def _spin_softening(case: Case) -> Called:
+    """Wherever a plate spins."""
+    rotor = case.scene.rotor
+    if case.scene.plate is None:
+        return GIVEN
+    if not case.spins:
+        return AT_REST
+    if abs(math.sin(rotor.stagger)) > 1e-9:
+        return Called(True, "the plate is staggered: its bending moves across the spin axis")
+    if abs(math.sin(rotor.precone)) > 1e-9:
+        return Called(True, "the plate is coned: its bending moves across the spin axis")
+    return Called(True, "in-plane modes and, a little, the turning cross-sections of bending move across the spin axis")
+
+
+def _coriolis(case: Case) -> Called:
+    """Where they move a frequency of a plate that spins by more than the accuracy asked for.
+
+    What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
+    lowers it by 2 (Omega / w)², two modes in the limit of a low one. Where that is less, and the scene leaves it open,
+    the modes are found.
+
+    Raises:
+        ValueError: the planform is a mesh, and is not given.
+    """
+    scene = case.scene
+    if scene.plate is None or scene.material is None:
+        return GIVEN
+    return _moved_by_coriolis(scene, case.form, case.on["large_deflection"]) if case.spins else AT_REST
+
+
+def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
+    asked, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
+    moved = _by_stretching(scene, form)
+    if moved > asked:
+        why = f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved, 1)} % at most"
+        return Called(
+            True,
+            f"{why}, more than the {significant(100 * asked)} % asked for",
+            everywhere(fastest, moved, scene.rotor.modes),
+        )
+    if scene.effects.coriolis != "auto":  # what is settled costs nothing
+        return Called(
+            False, f"coupled to the plate's stretching it moves frequencies by {_percent(moved, 1)} % at most"
+        )
+    try:
+        found = _solved_with_coriolis(scene, form, large_deflection)
+    except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
+        return Called(False, f"the modes have no solution on a coarse mesh: {error}")
+    if found is None:
+        return Called(False, "the plate diverges without it")
+    largest, omega = found.largest
+    why = f"at {in_rpm(omega):.0f} rpm it moves frequencies by up to {_percent(largest, 1)} %"
+    beside = f"{'more' if largest > asked else 'less'} than the {significant(100 * asked)} % asked for"
+    return Called(largest > asked, f"{why}, {beside}", LeftOut(found.omega, found.shifts))
+
+
+def _by_stretching(scene: Scene, form: Planform | None) -> float:
+    plate, material = scene.plate, scene.material
+    length = None if plate is None else plate.length
+    if form is not None:
+        length = form.sides[0]
+    if length is None or material is None:
+        raise ValueError("the length of a plate from a mesh is needed")
+    stretching = 0.5 * math.pi * math.sqrt(material.youngs_modulus / material.density) / length
+    return 2.0 * (max(scene.rotor.speeds) / stretching) ** 2
+
+
+def _solved_with_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
+    from fem.accuracy.neglected_effects import turned
+
+    names = ("stress_stiffening", "spin_softening", "rotary_inertia")
+    switches = {name: getattr(scene.effects, name) is not False for name in names}
+    theory = "kirchhoff" if scene.plate is not None and scene.plate.theory == "kirchhoff" else "mindlin"
+    effects = fem.Effects(**switches, large_deflection=large_deflection)
+    return turned(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes, theory)
+
+
+def _coarse(scene: Scene, form: Planform | None) -> tuple[fem.Plate, fem.Rotor]:
+    """The plate on a coarse mesh, and its rotor."""
+    source = SceneFile(scene, "scene", Path())
+    ladder = form or plate_mesh.planform(source)
+    mesh = plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes)
+    return plate_mesh.plate(source, mesh, ladder), plate_mesh.rotor(scene)
+
+
+THINNER, LEAST = 0.88, 0.29
+"""What the strain at the root does to the six lowest modes of a flat blade, by Poisson's ratio (times nu (1 + nu), the
+contraction of the thickness where the root holds the width) and without it. The largest of 400 random rectangles in the
+plane of rotation, 1 to 16 times as long as wide and up to 0.13 widths thick: 0.87 nu (1 + nu), 0.28."""
+
+SLENDER, THIN, LOWEST = (1.0, 16.0), 0.13, 6
+"""Where that holds: length over width, thickness over width, and number of modes."""
+
+
+def _large_deflection(case: Case) -> Called:
+    """Where the load of a plate that spins moves a frequency by more than the accuracy asked for.
+
+    A blade that lies in the plane of rotation and is hardly strained is told by its strain alone; others are solved on
+    a coarse mesh.
+
+    Raises:
+        ValueError: the planform is a mesh, and is not given.
+    """
+    if case.scene.plate is None:
+        return GIVEN
+    if not case.spins:
+        return AT_REST
+    if case.scene.effects.stress_stiffening is False:
+        return Called(False, "stress_stiffening is off, of which it is a part")
+    return _moved_by_deflection(case.scene, case.form)
+
+
+def _deflection_refused(scene: Scene) -> Refusal | None:
+    """The bent state is found from the stresses that stiffen it."""
+    if scene.effects.large_deflection is not True or scene.effects.stress_stiffening is not False:
+        return None
+    problem = "needs stress_stiffening, of which it is a part, and that is false"
+    return Refusal(problem, "[effects] large_deflection", True)
+
+
+def _deflection_assumed(scene: Scene, on: bool, theory: str) -> Assumption | None:
+    """The state that the modes are those about."""
+    if scene.plate is None:
+        return None
+    if not on:
+        return Assumption("The centrifugal stress is that of the flat plate; vibrations are small about it.", "ours")
+    if theory == "kirchhoff":
+        text = (
+            "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections,"
+            " which is off by about 0.4 θ² in frequency where the plate turns by θ."
+        )
+        return Assumption(text, "ours")
+    text = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
+    return Assumption(text, "ours")
+
+
+def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
+    asked = scene.accuracy.frequency
+    strain = strain_of_a_flat_blade(scene)
+    if form is None and scene.plate is not None and scene.plate.mesh is not None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    if strain is not None and (moved := moved_by_strain(scene, strain)) <= asked:
+        said = (
+            f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
+            f" {_percent(moved)} % at most, less than the {significant(100 * asked)} % asked for"
+        )
+        return Called(False, said, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
+    try:
+        found = _solved_with_deflection(scene, form)
+    except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
+        return Called(True, f"the static state has no solution on a coarse mesh: {error}")
+    if found is None:
+        return Called(False, "the plate diverges with it and without it")
+    if math.isinf(found.shift):
+        return Called(True, f"at {_rpm(found)} rpm the plate diverges either with it or without it")
+    state = (
+        f"at {_rpm(found)} rpm the load turns parts of the plate by up to {significant(found.rotation, 2)} rad and"
+        f" strains it by up to {_percent(found.strain)} %, which moves frequencies by up to {_percent(found.shift)} %"
+    )
+    moves = LeftOut(np.array([found.omega]), found.shifts[None])
+    if found.shift > scene.budget.left_out:
+        return Called(True, f"{state}; the modes are those about that state", moves)
+    return Called(False, f"{state}, less than the {significant(100 * asked)} % asked for", moves)
+
+
+def strain_of_a_flat_blade(scene: Scene) -> float | None:
+    """Strain at the root of a rectangle in the plane of rotation, of those for which `THINNER` holds."""
+    plate, material, rotor = scene.plate, scene.material, scene.rotor
+    if plate is None or material is None or plate.length is None or plate.width is None:
+        return None
+    if not isinstance(plate.thickness, float) or plate.root is not None:
+        return None
+    shaped = SLENDER[0] <= plate.length / plate.width <= SLENDER[1] and plate.thickness <= THIN * plate.width
+    if not shaped or rotor.stagger != 0.0 or rotor.precone != 0.0 or scene.point_mass > 0.0 or rotor.modes > LOWEST:
+        return None
+    reach = (rotor.hub_radius + plate.length) ** 2 - rotor.hub_radius**2
+    return 0.5 * material.density * max(rotor.speeds) ** 2 * reach / material.youngs_modulus
+
+
+def moved_by_strain(scene: Scene, strain: float) -> float:
+    """By how much that strain moves a frequency, relative, at most."""
+    nu = scene.material.poissons_ratio if scene.material is not None else 0.0
+    return max(THINNER * nu * (1.0 + nu), LEAST) * strain
+
+
+def _solved_with_deflection(scene: Scene, form: Planform | None) -> Bent | None:
+    from fem.accuracy.neglected_effects import bent
+
+    effects = fem.Effects(spin_softening=scene.effects.spin_softening is not False)
+    return bent(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes)
+
+
+def _percent(part: float, digits: int = 2) -> str:
+    return significant(100 * part, digits)
+
+
+def _rpm(found: Bent) -> str:
+    return f"{in_rpm(found.omega):.0f}"
+
+
+def _rotary_inertia(case: Case) -> Called:
+    """Wherever there is a plate."""
+    if case.scene.plate is None:
+        return Called(False, "the structure's mass is given")
+    return Called(True, "the cross-sections of a thick plate turn as they bend")
+
+
+EFFECTS = {
+    "stress_stiffening": Definition(
+        "plate", _stress_stiffening, "stress stiffening", costs=("fem.assembly._held", "fem.assembly._stiffening")
+    ),
+    "spin_softening": Definition("plate", _spin_softening, "spin softening", costs=("fem.rotor.Rotor.projector",)),
+    "coriolis": Definition(
+        "plate",
+        _coriolis,
+        "Coriolis forces",
+        after=("large_deflection",),
+        on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
+        costs=("fem.rotor.Rotor.spin", "fem.modes.solve_gyroscopic"),
+    ),
+    "large_deflection": Definition(
+        "plate",
+        _large_deflection,
+        "large deflection",
+        refused=_deflection_refused,
+        part_of="stress_stiffening",
+        assumed=_deflection_assumed,
+        costs=("fem.statics.equilibrium", "fem.statics.newton"),
+    ),
+    "rotary_inertia": Definition("plate", _rotary_inertia, "rotary inertia"),
+}
+"""By their keys of a scene."""

@@ -1,1 +1,0 @@
-"""Runs side by side: `study` (what differs), `report` (text, JSON, CSV, chart, page)."""
