@@ -98,13 +98,8 @@ def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
     except MeshError:
         raise
     except SystemExit:
-<<<<<<< HEAD
-        lines = [line.strip() for line in said.getvalue().splitlines() if " id" in line and len(line) < _SAID]
-        why = f" ({lines[0]})" if lines else ""
-=======
         lines = [line for line in said.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))]
         why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
->>>>>>> main
         raise MeshError(f"not a mesh file that {reader.__name__} can read{why}") from None
     except reader.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
@@ -113,9 +108,6 @@ def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
     except Exception as error:  # what readers stumble over, said in terms of their own code
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
-
-_SAID = 80
-"""Length of a reader's line, on what is wrong with a number of a node or a cell, that is passed on."""
 
 _GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES"}
 _BULK = b"BEGIN BULK"

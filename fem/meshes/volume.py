@@ -246,8 +246,6 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         raise MeshError(
             f"to mesh geometry, the package gmsh must be installed (pip install spindamp[step]): {error}"
         ) from None
-    import meshlane
-
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
