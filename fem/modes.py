@@ -60,7 +60,7 @@ SHIFTED = 1e-6
 
 
 class Divergence(ArithmeticError):
-    """Spin softening has overcome the stiffness: the plate leaves its equilibrium without oscillating.
+    """Spin softening has overcome the stiffness: the plate or blade leaves its equilibrium without oscillating.
 
     That holds for the plate on its mesh: where stiffening and softening nearly cancel, as in the plane of rotation
     without a hub, it is the mesh that decides, until it is fine.
@@ -71,9 +71,9 @@ class Divergence(ArithmeticError):
         count: how many are.
     """
 
-    def __init__(self, omega: float, eigenvalue: float, count: int = 1) -> None:
+    def __init__(self, omega: float, eigenvalue: float, count: int = 1, body: str = "plate") -> None:
         super().__init__(
-            f"the plate diverges at {in_rpm(omega):.6g} rpm: {count} mode(s) without a frequency, "
+            f"the {body} diverges at {in_rpm(omega):.6g} rpm: {count} mode(s) without a frequency, "
             f"eigenvalue {eigenvalue:.6g} rad²/s²"
         )
         self.omega = omega
@@ -133,15 +133,17 @@ def solve_real(
         Divergence: past the critical speed.
         Unresolved: the plate is too thin for its theory in double precision.
     """
+    body = "plate" if isinstance(operators, Operators) else "blade"
     try:
         factor = operators.factorise(stiffness)
     except SingularMatrix:
         check_rest(operators)
-        raise Divergence(omega, 0.0) from None
+        raise Divergence(omega, 0.0, body=body) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
     if factor.negative:
         check_rest(operators)
-        raise Divergence(omega, lowest(stiffness, operators.mass, values, operators.factorise), factor.negative)
+        value = lowest(stiffness, operators.mass, values, operators.factorise)
+        raise Divergence(omega, value, factor.negative, body)
     if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
         values, vectors = _undrowned(operators, stiffness, values, tolerance)
     known = _known(values)

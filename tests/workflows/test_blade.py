@@ -9,7 +9,7 @@ import pytest
 
 from meshes import make
 from workflows import pipeline
-from workflows.errors import BadInput
+from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.report import remarks
@@ -126,6 +126,33 @@ def test_too_large_a_blade_is_refused_before_it_is_solved(folder, monkeypatch):
     monkeypatch.setattr(resources, "available", lambda: 1e6)
     with pytest.raises(BadInput, match=r"\[blade\] mesh = 'fan.inp': this needs about .* coarsen the mesh"):
         pipeline.run(scene(folder, SCENE + DAMPER + "\n", speeds="'0 rpm', '100 rpm'"))
+
+
+def test_a_blade_that_diverges_is_called_a_blade(folder):
+    """One that points at the axis is pressed, not stretched, and buckles."""
+    inwards = make.Airfoil(0.2, 0.02, 0.002, section="flat", hub_radius=-0.3)
+    make.write_inp(folder / "inwards.inp", make.solid(inwards, (8, 2, 1), 1.0), "inwards")
+    with pytest.raises(NoAnswer, match=r"\[rotor\] speeds: the blade diverges at 9000 rpm: "):
+        pipeline.run(scene(folder, SCENE, "'9000 rpm'", change=("fan.inp", "inwards.inp")))
+
+
+MEASURED = {21_699: 0.77e9, 68_715: 2.83e9, 155_175: 1.07e9 + 2 * 2.64e9}
+"""Bytes in use at most of whole sweeps with so many unknowns; the last: matrices, and two factors of 262 million."""
+
+
+@pytest.mark.parametrize("unknowns", MEASURED)
+def test_the_memory_of_a_blade_is_foreseen(unknowns):
+    """Not below what was measured, and not half as much again above it."""
+    foreseen = resources.BASE + resources.of_a_blade(unknowns)
+    assert 1.0 <= foreseen / MEASURED[unknowns] <= 1.5
+
+
+def test_eight_gigabytes_hold_a_blade_or_it_is_refused(folder, monkeypatch):
+    monkeypatch.setattr(resources, "available", lambda: 8e9)
+    source = scene(folder)
+    resources.check_blade(source, 130_000)
+    with pytest.raises(BadInput, match=r"this needs about 20 GB of memory, .* coarsen the mesh, which has 300000 unk"):
+        resources.check_blade(source, 300_000)
 
 
 def test_plate_and_blade_exclude_each_other():

@@ -42,14 +42,21 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
         why = _overloaded(source) or "no speed asked for is below the critical one"
         raise NoAnswer(". ".join((f"{source.name}: [rotor] speeds: {error}; {why}", *source.remarks))) from error
     except NoEquilibrium as error:
-        raise NoAnswer(f"{source.name}: [rotor] speeds, stagger: {error}") from error
+        key = "stagger" if source.scene.blade is None else "axis"
+        raise NoAnswer(f"{source.name}: [rotor] speeds, {key}: {error}") from error
     except Unresolved as error:
+        if source.scene.blade is not None:
+            raise NoAnswer(
+                f"{source.name}: [blade] root: in double precision the blade is all but loose: rounding leaves nothing"
+                " of its lowest frequency at rest; expected a root that holds it, and more or thicker cells"
+            ) from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (SingularMatrix, NotConverged) as error:
         why = _overloaded(source) or str(error)
+        body = "plate" if source.scene.blade is None else "blade"
         raise NoAnswer(
-            f"{source.name}: [plate]: the plate's equations have no solution in floating point: {why}"
+            f"{source.name}: [{body}]: the {body}'s equations have no solution in floating point: {why}"
         ) from error
 
 
