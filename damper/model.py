@@ -50,6 +50,9 @@ PARAMETERS = np.dtype(
 )
 """One row per damper; the fields are those of `damper.ParticleDamper`, in SI."""
 
+IMPACT = ("restitution", "restitution_by_speed", "friction", "sticking_ratio")
+"""Fields by which the law of impact goes (`damper.impacts`); kernels have them by the same names."""
+
 Parameters = npt.NDArray[np.void]
 
 

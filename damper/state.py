@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from damper.model import PAIRS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+from damper.model import IMPACT, PARAMETERS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
     from damper.model import Floats, Parameters, Records
@@ -43,11 +43,8 @@ BALL = record(
     ("inertia_ratio", "f8"),  # beta
     ("threshold", "f8"),  # a_r
     ("grip", "f8"),  # deceleration by sliding on the floor; 0: the spin follows the rolling velocity at once
-    ("restitution", "f8"),
-    ("restitution_by_speed", "f8", (PAIRS, 2)),
-    ("friction", "f8"),
+    *((name, PARAMETERS[name]) for name in IMPACT),
     ("wall_spin", "f8"),  # 5/2: what an impulse at the rim gives the surface by spin over what it gives; 0 as printed
-    ("sticking_ratio", "f8"),
     ("sticking_floor", "f8"),  # relative speed below which a hit always sticks
 )
 
@@ -152,7 +149,7 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
     balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
     balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
-    for name in ("restitution", "restitution_by_speed", "friction", "sticking_ratio"):
+    for name in IMPACT:
         balls[name] = rows[name]
     balls["wall_spin"] = np.where(rows["printed"], 0.0, 5 / 2)
     balls["sticking_floor"] = 1e-9 * stuck_frequency(rows) * reach
