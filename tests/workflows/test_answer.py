@@ -121,7 +121,7 @@ def test_no_verdict_has_no_figures(changes: dict[str, str], grade: str, reason: 
 def test_standstill_does_not_decide() -> None:
     """A ball that nothing presses down takes much more: that says nothing of the plate that spins."""
     still = results(speeds="0 3500")
-    assert still.speeds[0].working.peak > 10 * still.speeds[1].working.peak
+    assert still.speeds[0].working.peak > 4 * still.speeds[1].working.peak
     assert text(still).replace("best, turning, at", "best, at") == text(results(speeds="3500"))
 
 
@@ -151,7 +151,7 @@ def thick(*rpm: float, **changes: Any) -> Scene:
         "damper": KNOWN["damper"]
         | {"count": None, "mass_ratio": None, "radius": "1.5 mm", "rolling_friction": "0.2 mm"},
         "release": {"displacement": ["1 mm", "0 mm"], "cycles": 2},
-        "effects": {"structural_modes": False, "floor_tilt": True},
+        "effects": {"structural_modes": False, "floor_tilt": True, "cavity_mass": False},
     }
     del scene["damper"]["count"], scene["damper"]["mass_ratio"]
     return changed(scene, **{"damper__ball_density": 7850.0, "damper__cavity": ["4 mm", "4 mm"]} | changes)
@@ -526,11 +526,12 @@ def test_where_all_slide_there_is_one_reason() -> None:
 
 
 def test_a_middle_of_speeds_has_both_its_ends() -> None:
-    """Slow enough to slide, then good, then too fast for as much."""
-    assert answer(at(100, 500, 1000, 3500, 17500)).verdict.startswith(
-        "Useful from 500 rpm (55.9 g) to 3500 rpm (2740 g), of little use from 17500 rpm (68492 g) on; no verdict at"
-        " 100 rpm"
+    """Slow enough to slide, then weak at one speed, then good, then too fast for as much."""
+    verdict = answer(at(100, 700, 1000, 3500, 17500)).verdict
+    assert verdict.startswith(
+        "Of little use at 700 rpm (110 g), useful up to 3500 rpm (2740 g), of little use from 17500 rpm (68492 g) on"
     )
+    assert "; no verdict at 100 rpm" in verdict
 
 
 def test_a_verdict_ends_where_the_contact_yields() -> None:
@@ -559,11 +560,11 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
 
 def test_friction_beyond_the_given_names_every_speed() -> None:
     """Less than dry metals have, more than the scene's 0.3."""
-    found = at(250, 300, 3500)
+    found = at(400, 500, 3500)
     assert limits.DRY > needed(found, 0) > needed(found, 1) > 0.3 > needed(found, 2)
     assert answer(found).verdict.endswith(
         "if the ball rolls without slip, which at the amplitude of its best takes a friction of"
-        f" {needed(found, 1):.2g} to {needed(found, 0):.2g} up to 300 rpm (20.1 g): 0.3 is given for the walls"
+        f" {needed(found, 1):.2g} to {needed(found, 0):.2g} up to 500 rpm (55.9 g): 0.3 is given for the walls"
     )
 
 

@@ -255,9 +255,9 @@ def test_a_damper_takes_no_cone() -> None:
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("plate__pretwist", "a plate is flat: give [rotor] stagger the angle of the section that counts"),
-        ("rotor__twist", "a plate is flat: give [rotor] stagger"),
-        ("plate__camber", "a plate is flat: leave out a camber up to a tenth of the thickness"),
+        ("plate__pretwist", "a plate is flat: use a [blade] with a mesh of its volume, or give [rotor] stagger"),
+        ("rotor__twist", "a plate is flat: use a [blade] with a mesh of its volume, or give [rotor] stagger"),
+        ("plate__camber", "a plate is flat: use a [blade] with a mesh of its volume; a camber up to a tenth of"),
     ],
 )
 def test_what_a_plate_has_not_is_refused_with_advice(key: str, words: str) -> None:

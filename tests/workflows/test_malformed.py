@@ -175,6 +175,7 @@ BENT: dict[str, dict[str, str]] = {
     "blade.mesh": NO_FILE,
     "blade.unit": NO_UNIT,
     "blade.root": NO_TEXT,
+    "blade.size": NO_QUANTITY | NEGATIVE | ZERO,
     "rotor.axis": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "rotor.origin": NO_VECTOR,
     "damper.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},

@@ -25,7 +25,7 @@ from tests.workflows.conftest import Outcome, Scene, changed, on_mesh, write
 from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.solve.results import Results
-from workflows.studies.response import study
+from workflows.studies import response
 from workflows.studies.sweep import executor
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -277,7 +277,7 @@ def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatc
         (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(executor, "local", lambda *_: executor.given(ThreadPoolExecutor(1), 1))
-    monkeypatch.setattr(study, "SPEEDS", 21)
+    monkeypatch.setattr(response, "SPEEDS", 21)
     for number, text in enumerate(_blocks(page, "python") if page.name not in OTHERWISE else []):
         exec(compile(text, f"{page.name}, snippet {number + 1}", "exec"), {"__name__": "__main__"})
     pyplot.close("all")

@@ -101,7 +101,7 @@ def test_straight_lines_between_its_times_are_the_motion() -> None:
 
 def test_a_ball_at_rest_is_carried_along() -> None:
     """Where it does not move in the cavity its place there does not change, and it moves elsewhere."""
-    found = ball_path.ball_path(ringdown(a_damper(), (5e-3, 2e-3), keep_events=True))
+    found = ball_path.ball_path(ringdown(a_damper(), (5e-3, 0.0), keep_events=True))
     step = np.abs(np.diff(found.ball, axis=0))
     still = found.regime[:-1] == 0
     assert still.any()

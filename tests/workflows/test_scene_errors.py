@@ -46,7 +46,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"rotor__hub_radius": 150}, "[rotor] hub_radius", "150 is in m: was '150 mm' meant?"),
     ({"material__density": 1e-3}, "[material] density = 0.001", "at least 10 kg/m^3, the lightest foam"),
     ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "a single speed leaves stop out"),
-    ({"damper__rolling_friction": "1.01 mm"}, "[damper] rolling_friction = '1.01 mm'", "at most the ball's radius"),
+    ({"damper__rolling_friction": "1.01 mm"}, "[damper] rolling_friction = '1.01 mm'", "at most 1 mm"),
     (
         {"rotor__speeds": ["0 rpm"], "release": {"ratio": 0.2}},
         "[release] ratio = 0.2",

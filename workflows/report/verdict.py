@@ -308,7 +308,8 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
         elif k == len(stretches) - 1:
             where = f"from {first} on"
         else:
-            where = f"up to {last}" if k - 1 in known else f"from {first} to {last}"
+            alone = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
+            where = f"up to {last}" if k - 1 in known else alone
         words.append(f"{_WORDS[rank]} {where}")
     return capital(", ".join(words))
 

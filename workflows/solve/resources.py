@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
 
-CYCLE = 1.3e3
+CYCLE = 5e3
 """Bytes of a vibration cycle of the damper, from its peak to its line in results.json."""
 
 _AUTO_CYCLES = 100
