@@ -125,6 +125,7 @@ def reduced_modes(
     *,
     ball_mass: float | None = None,
     mass_ratio: float | None = None,
+    load: Array | None = None,
 ) -> tuple[Reduced, ModesAtPlace]:
     """Reduced parameters at a place in the mode that yields most along axis 1, and all modes as the cavity feels them.
 
@@ -137,6 +138,7 @@ def reduced_modes(
         pull: what the load of 1 kg does.
         ball_mass: of all balls [kg], or
         mass_ratio: the same over M2.
+        load: force on the modes (count,) by a unit of a load elsewhere, which `pressed` then is.
 
     Raises:
         ValueError: unless exactly one of ball_mass and mass_ratio is given and not negative.
@@ -172,7 +174,7 @@ def reduced_modes(
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
     moved, slope, drawn = (np.asarray(part) for part in motion)
-    pressed = np.zeros((1, squares.size))
+    pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned
     return found, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
 
 

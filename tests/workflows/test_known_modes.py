@@ -103,6 +103,11 @@ def test_orders_forces_and_sweeps_take_known_modes(files: Path, monkeypatch: pyt
     force = changed(scene, excitation={"orders": [4], "force": f"{10 * 0.8756 / 1.7895} N"})
     (other,) = package.run(force).reductions
     assert crossing.levels[0].amplitude == pytest.approx(other.levels[0].amplitude, rel=5e-3)
+    level = float(force["excitation"]["force"][:-2])
+    for x, share, rel in (200, 1.0, 1e-9), (100, 0.3395, 0.02):  # the damper's place; half way, by Euler and Bernoulli
+        there = {"force": f"{level / share} N", "at": [f"{x} mm", "0 mm", "0 mm"], "direction": [0, 0, 2]}
+        (same,) = package.run(changed(scene, excitation={"orders": [4]} | there)).reductions
+        assert same.levels[0].amplitude == pytest.approx(other.levels[0].amplitude, rel=rel)
     swept = package.sweep(changed(scene, rotor__speeds=["3000 rpm"]), {"damper.radius": ["2 mm", "3 mm"]}, quick=True)
     assert np.isfinite(swept["best_damping_ratio"].values).all()
 
@@ -342,6 +347,9 @@ def test_a_spoilt_neutral_file(spindamp: Command, tmp_path: Path, keys: dict[str
     refused(spindamp("check", scene), f"{scene}: ", message)
 
 
+ORDER: dict[str, Any] = {"orders": [2]}
+FORCE: dict[str, Any] = {**ORDER, "force": "1 N", "at": 9, "direction": [0, 0, 1]}
+
 BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("no such file", {"structure__modes": "none.json"}, "[structure] modes = 'none.json': no such file"),
     ("a folder", {"structure__modes": "."}, "found a folder"),
@@ -359,6 +367,10 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
     ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),
     ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "know no surface"),
+    ("force at no set", {"excitation": FORCE | {"at": "TOP"}}, "[excitation] at = 'TOP': expected one of its sets"),
+    ("force off", {"excitation": FORCE | {"at": ["400 mm", "0 mm", "0 mm"]}}, "[excitation] at"),
+    ("no direction", {"excitation": {**ORDER, "force": "1 N", "at": 9}}, "[excitation] direction: missing"),
+    ("a place for a base", {"excitation": {**ORDER, "base": "1 g", "at": 9}}, "belongs to a force"),
     ("radius", {"rotor__radius": "200 mm"}, "knows where its nodes are"),
     ("misspelt", {"structure__mas_unit": "kg"}, "did you mean 'mass_unit'"),
 ]

@@ -179,6 +179,8 @@ BENT: dict[str, dict[str, str]] = {
     "rotor.axis": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "rotor.origin": NO_VECTOR,
     "damper.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
+    "excitation.at": {"two lengths": "[0.1, 0]", "a switch": "true", "nothing": '""', "no node": "-1"},
+    "excitation.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "damper.floor_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"stel"'},
     "design.hardness_ratio": NO_PLAIN | NEGATIVE | ZERO,
     "design.yield_ratio": NO_PLAIN | NEGATIVE | ZERO,
@@ -249,6 +251,9 @@ def _home(table: str, key: str) -> Raw:
         return _in_space("structure", modes='"a.npz"', **units)
     if table == "blade" or f"{table}.{key}" in ("rotor.axis", "rotor.origin", "damper.direction"):
         return _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
+    if f"{table}.{key}" in ("excitation.at", "excitation.direction"):
+        raw = _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
+        return raw | {"excitation": {"orders": "[3]", "force": '"1 N"', "at": "1", "direction": "[0, 0, 1]"}}
     if table == "structure" or (table, key) == ("rotor", "radius"):
         return _right("structure")
     if table == "design":

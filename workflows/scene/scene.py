@@ -438,6 +438,12 @@ class Excitation(Table):
         None,
         description="height of a force at the damper's place along the damper's axis 1: a level, or a list of them",
     )
+    at: q.Place | None = Field(
+        None,
+        description="where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's"
+        " number; default: the damper's place, along its axis 1",
+    )
+    direction: q.Direction | None = Field(None, description="of the force at `at`, in the structure's coordinates")
     pressure: Pressures | None = Field(
         None, description="height of a pressure all over the plate, along its z: a level, or a list of them"
     )
@@ -454,6 +460,13 @@ class Excitation(Table):
         if len(given) != 1:
             found = f"expected one of force, pressure and base{': leave one out' * bool(given)}"
             raise fault(given[-1] if given else "force", found)
+        if self.at is not None and self.force is None:
+            raise fault("at", "a place belongs to a force: leave this out")
+        if isinstance(self.at, tuple) and len(self.at) != 3:
+            raise fault("at", "expected three lengths, (x, y, z) in the structure's coordinates")
+        if (self.at is None) != (self.direction is None):
+            missing, other = ("direction", "at") if self.direction is None else ("at", "direction")
+            raise fault(missing, f"missing: a force elsewhere than at the damper takes it beside {other}")
         return self
 
     @property
@@ -683,7 +696,7 @@ class Scene(Table):
 
     def _not_in_space(self) -> None:
         """The keys of structures in space alone are left out."""
-        for table, names in {"rotor": ("axis", "origin"), "damper": ("direction",)}.items():
+        for table, names in {"rotor": ("axis", "origin"), "damper": ("direction",), "excitation": ("at",)}.items():
             for name in names:
                 if getattr(getattr(self, table), name, None) is not None:
                     raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")

@@ -73,13 +73,14 @@ def idle_structure(modes: list[CavityMode], excitation: Excitation) -> str:
     most = max(math.hypot(*mode.shape) for mode in modes)
     if math.hypot(*modes[0].shape) <= _STILL * most:
         return "the damper's place does not move in this mode"
-    pushes = [abs(_push(mode, excitation.kind)) for mode in modes]
+    pushes = [abs(_push(mode, excitation)) for mode in modes]
     return "" if pushes[0] > _STILL * max(pushes) else "the excitation does not drive this mode"
 
 
-def _push(mode: CavityMode, kind: str) -> float:
+def _push(mode: CavityMode, excitation: Excitation) -> float:
     """Modal force by a unit of the excitation."""
-    return {"force": mode.shape[0], "pressure": mode.pressed, "base": -mode.drawn[0]}[kind]
+    force = mode.shape[0] if excitation.at is None else mode.pushed
+    return {"force": force, "pressure": mode.pressed, "base": -mode.drawn[0]}[excitation.kind]
 
 
 def harmonic_of(
@@ -89,12 +90,12 @@ def harmonic_of(
     from damper import Harmonic
 
     frequency = crossing.order * point.omega
-    if excitation.kind == "force":
+    if excitation.kind == "force" and excitation.at is None:
         return Harmonic(frequency, force=(level, 0.0))
     if excitation.kind == "base":
         return Harmonic(frequency, base=(level, 0.0))
-    pressed = {mode.stiffness: mode.pressed for mode in point.cavity_modes}
-    return Harmonic(frequency, modal=tuple(level * pressed[mode.stiffness] for mode in system.modes or ()))
+    pushes = {mode.stiffness: _push(mode, excitation) for mode in point.cavity_modes}
+    return Harmonic(frequency, modal=tuple(level * pushes[mode.stiffness] for mode in system.modes or ()))
 
 
 def at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic, *, ball: bool = True) -> float:

@@ -40,11 +40,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Seat:
-    """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the load, its pull."""
+    """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the load, its pull.
+
+    `force`: where and in which direction (3,) a force shakes the structure; None: not elsewhere than here.
+    """
 
     place: Place
     direction: Floats
     pull: Pull
+    force: tuple[Place, Floats] | None = None
+
+    def load(self, modes: ModesAtSpeed) -> Floats | None:
+        """What a unit of the force is on the modes (count,)."""
+        return None if self.force is None else self.force[0].displacement(modes.shapes) @ self.force[1]
 
 
 @dataclass(frozen=True)
@@ -128,7 +136,12 @@ class SpaceStructure:
         try:
             floor = self.floor(modes)
             found, every = reduced_modes(
-                modes, floor, self.seat.pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio
+                modes,
+                floor,
+                self.seat.pull,
+                ball_mass=damper.balls,
+                mass_ratio=damper.mass_ratio,
+                load=self.seat.load(modes),
             )
         except NoMotion as error:
             raise BadInput(str(error), file=source.name, key="[damper] direction") from error
@@ -142,6 +155,7 @@ class SpaceStructure:
                 shape=_both(every.shape[0, :, k]),
                 slope=_both(every.slope[0, :, k]),
                 drawn=_both(every.drawn[0, :, k]),
+                pushed=float(every.pressed[0, k]),
             )
             for k in range(every.stiffness.shape[1])
         )
@@ -296,7 +310,8 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
-    seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds))
+    force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
+    seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds), force)
     found = _built(Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         found.modes(omega)
@@ -676,18 +691,14 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     Raises:
         BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements.
     """
-    from fem.modal_model import OffTheStructure, place, pull
+    from fem.modal_model import pull
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
     damper = source.scene.damper
     if damper is None:
         raise ValueError("the scene has no [damper]")
-    asked = _asked_place(source, model)
+    at = _place(source, model, damper.at, "[damper] at")
     value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
-    try:
-        at = place(model, asked)
-    except OffTheStructure as error:
-        raise BadInput(str(error), file=source.name, key="[damper] at", value=value) from error
     try:
         given = damper.direction
         direction = bending_direction(model, at, modes) if given is None else np.array(given, dtype=np.float64)
@@ -722,7 +733,11 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
             f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"
             f" uncertain by {percent(abs(spread / slope))} %: it is {at.how}."
         )
-    return Seat(at, direction, pull(model, at)), tuple(remarks)
+    shaken, force = source.scene.excitation, None
+    if shaken is not None and shaken.at is not None and shaken.direction is not None:
+        along = np.array(shaken.direction, dtype=np.float64)
+        force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
+    return Seat(at, direction, pull(model, at), force), tuple(remarks)
 
 
 def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
@@ -749,13 +764,25 @@ _UNSURE = 0.02
 """Relative uncertainty of a slope from which on it is said."""
 
 
-def _asked_place(source: SceneFile, model: ModalModel) -> Floats:
+def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | int | None, key: str) -> Place:
+    """The place on the structure that a key asks for.
+
+    Raises:
+        BadInput: there is none.
+    """
+    from fem.modal_model import OffTheStructure, place
+
+    try:
+        return place(model, _point(source, model, at, key))
+    except OffTheStructure as error:
+        value = list(at) if isinstance(at, tuple) else at
+        raise BadInput(str(error), file=source.name, key=key, value=value) from error
+
+
+def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | int | None, key: str) -> Floats:
     """The point that `at` means: itself, a node, or the middle of a set of nodes."""
-    damper = source.scene.damper
-    at = None if damper is None else damper.at
     if isinstance(at, tuple):
         return np.array(at, dtype=np.float64)
-    key = "[damper] at"
     if isinstance(at, str):
         if at not in model.sets:
             names = list(model.sets)

@@ -591,6 +591,7 @@ class CavityMode:
     Attributes:
         drawn: force by a unit acceleration of the root along the axes, but for its sign [kg].
         pressed: force by a unit pressure all over the plate [m²].
+        pushed: force by a unit force at the excitation's place, where that is not the damper's [1].
     """
 
     number: Annotated[int, quantity("1", "of the mode"), Field(ge=1)]
@@ -599,6 +600,7 @@ class CavityMode:
     slope: Annotated[Pair, quantity("1/m", "of its floor")]
     drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
     pressed: Annotated[float, KEPT] = 0.0
+    pushed: Annotated[float, KEPT] = 0.0
 
 
 @dataclass(frozen=True)
