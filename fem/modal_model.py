@@ -27,8 +27,8 @@ class OffTheStructure(ValueError):
     """A place that is not on the structure, or that its nodes do not determine; the message says which."""
 
 
-class InsideOut(ValueError):
-    """A cell whose nodes are not in the order of its kind; the message says which."""
+class BadCells(ValueError):
+    """Cells that are listed twice, or whose nodes are not in the order of their kind; the message says which."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -618,7 +618,7 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
     """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
 
     Raises:
-        InsideOut: a cell's nodes are not in order.
+        BadCells: a cell's nodes are not in order, or cells are there twice.
     """
     count = modes.frequencies_hz.size
     squares, means, whole = np.zeros(count), np.zeros((count, 3)), 0.0
@@ -628,6 +628,8 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
         if kind.dimension != 3:
             continue
         covered[cells] = True
+        if (twice := len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))) > 0:
+            raise BadCells(f"{twice} cells {name} are listed twice: expected each once")
         points, weights = kind.rule
         shape = kind.shape(points)
         for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
@@ -636,7 +638,7 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
                 sizes.min(axis=1) * sizes.max(axis=1) < -_FOLDED * sizes.max(axis=1) ** 2
             ).tolist():
                 nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
-                raise InsideOut(
+                raise BadCells(
                     f"a cell {name} is partly inside out, with the nodes {', '.join(map(str, nodes.tolist()))}:"
                     " expected them in the order of meshio"
                 )

@@ -459,5 +459,7 @@ def test_nodes_out_of_order_and_pounds_for_slinches(spindamp: Command, files: Pa
     order = [*range(12), *range(16, 20), *range(12, 16)]
     np.savez(files / "plate.npz", **(data | {"cells_hexahedron20": cells[:, order]}))
     refused(spindamp("check", scene), f"{scene}: ", "is partly inside out, with the nodes 1, 75, 83")
+    np.savez(files / "plate.npz", **(data | {"cells_hexahedron20": np.concatenate([cells, cells[:3]])}))
+    refused(spindamp("check", scene), f"{scene}: ", "3 cells hexahedron20 are listed twice")
     np.savez(files / "plate.npz", **(data | {"shapes": data["shapes"] * 386.09**0.5}))
     refused(spindamp("check", scene), f"{scene}: ", "of 20.3 kg/m^3, by the scale of its shapes")

@@ -500,7 +500,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         BadInput: they do not; the message asks for those that would.
     """
     from fem.modal_files import in_si
-    from fem.modal_model import InsideOut, densities
+    from fem.modal_model import BadCells, densities
 
     for key in ("unit", "mass_unit"):
         own, given = getattr(raw, key), getattr(known, key)
@@ -522,7 +522,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         )
     try:
         found = [densities(model, modes) for modes in model.speeds]
-    except InsideOut as error:
+    except BadCells as error:
         raise BadInput(f"{name}: {error}", file=source.name, key="[structure] modes") from error
     if any(each is None for each in found):
         _without_density(source, known, name, raw, model)
