@@ -116,6 +116,15 @@ def written(known, tmp_path_factory):
     return folder
 
 
+def test_an_interpolation_whose_error_is_not_known(known):
+    """As of modes that two files give: null in JSON."""
+    (through,) = known.passed
+    unknown = dataclasses.replace(
+        known, passed=(dataclasses.replace(through, crossing=dataclasses.replace(through.crossing, basis=math.nan)),)
+    )
+    assert [each["basis_error"] for each in json.loads(report.dumps(unknown))["crossings"]] == [None] * 3
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_files(known, written):
     names = {path.name for path in written.iterdir()}

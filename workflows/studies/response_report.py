@@ -376,7 +376,7 @@ def _entry(found: Response, row: Row) -> dict[str, Any]:
         short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= asked}
     return _crossing(c) | {
         "frequency_error": finite(c.error),
-        "basis_error": c.basis,
+        "basis_error": finite(c.basis),
         "force": row.force,
         "peak_rpm": row.rpm,
         "peak_frequency_hz": row.frequency,
