@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -375,28 +374,21 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     from workflows import pipeline
     from workflows.io import files, folder, serialise
     from workflows.report import text
-    from workflows.report.mode_viewer import Artist
     from workflows.report.remarks import remarked
     from workflows.solve import resources
-    from workflows.solve.results import middle
 
     resources.check(source)
     if out is not None:
         folder.check(out, files.FILES)
     if source.scene.damper is not None:
         _announce_compiler()
-    with ExitStack() as stack:
-        stages = stack.enter_context(Stages())
-        drawn = out is not None and source.scene.given is None
-        artist = stack.enter_context(Artist()) if drawn else None
-        state = pipeline.structure(source, stages, shapes=drawn)
-        if artist is not None and state.surface is not None:
-            artist.draw(state.surface, middle(state.points))
+    with Stages() as stages:
+        state = pipeline.structure(source, stages, shapes=out is not None)
         results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
         if out is not None:
             from workflows.report.page import publish
 
-            results = publish(results, out, stages, artist)
+            results = publish(results, out, stages)
     typer.echo(serialise.dumps(results) if json else text.text(results, out, source.remarks))
 
 

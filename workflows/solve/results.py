@@ -804,6 +804,10 @@ class Surface:
     frame: Floats | None = field(default=None, repr=False)
     mark: Floats | None = field(default=None, repr=False)
 
+    def row(self, number: int) -> int:
+        """Which of the speeds with shapes is nearest to number `number` of the run."""
+        return int(np.argmin(np.abs(np.asarray(self.at) - number)))
+
     def drawn(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in the axes by which the surface is drawn."""
         return vectors if self.frame is None else np.asarray(vectors @ self.frame.T)
