@@ -64,9 +64,7 @@ Reported = TypeVar("Reported", contravariant=True)
 
 
 class StudyReport(Protocol[Reported]):
-    """What the report of a study offers: files besides the page (a regular expression), and three ways to show it."""
-
-    FILES: str
+    """What the report of a study offers: three ways to show it."""
 
     def write(self, result: Reported, out: Path, /) -> object:
         """Write the whole into a folder, or nothing."""
@@ -407,10 +405,10 @@ def _study(
     solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
 ) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned."""
-    from workflows.io import folder
+    from workflows.io import files, folder
 
     if out is not None:
-        folder.check(out, report.FILES)
+        folder.check(out, files.FILES_OF_STUDIES)
     if damper:
         _announce_compiler()
     with Stages() as stages:

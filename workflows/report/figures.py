@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
@@ -23,7 +23,7 @@ from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper, plate_mesh
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Scene, typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
 from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
@@ -754,23 +754,9 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = self._row(surface, rpm)
-        if not 1 <= number <= surface.shapes.shape[1]:
-            raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
-        point = self.results.speeds[surface.at[row]]
-        mode = point.modes[number - 1]
-        title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
-        return ModeView(surface, row, number, title)
-
-    def _row(self, surface: Surface, rpm: float | None) -> int:
-        """Which of the speeds kept is meant."""
-        if rpm is None:
-            return surface.row(middle(self.results.speeds))
-        kept = [self.results.speeds[number].rpm for number in surface.at]
-        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
-        return row
+        row = surface.row(middle(self.results.speeds))
+        row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
+        return ModeView(surface, row, number, mode_title(number, self.results.speeds[surface.at[row]]))
 
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
@@ -784,6 +770,31 @@ class Plots:
             plots.plain([axes])
             plots.coloured(ax or figure, len(self.results.speeds))
             return axes
+
+
+def chosen(
+    surface: Surface, speeds: Sequence[SpeedPoint], row: int, rpm: float | None, number: int, keys: tuple[str, str]
+) -> int:
+    """Which of the speeds kept is meant, `row` where none is named; `number`: of a mode there, from 1.
+
+    Raises:
+        BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
+    """
+    kept = [speeds[number].rpm for number in surface.at]
+    if rpm is not None:
+        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
+        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
+            problem = f"expected a speed with shapes: {', '.join(map(amount, kept))} rpm"
+            raise BadInput(problem, key=keys[0], value=typed(rpm))
+    if not 1 <= number <= surface.shapes.shape[1]:
+        raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
+    return row
+
+
+def mode_title(number: int, point: SpeedPoint) -> str:
+    """A mode at a speed, numbered from 1, in words."""
+    mode = point.modes[number - 1]
+    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
 
 
 def _without(needed: str) -> BadInput:

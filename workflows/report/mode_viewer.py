@@ -115,17 +115,18 @@ def of_surface(
     surface = surface.finer or surface
     drawn = thinned(surface, room.points)
     shapes, behind = _shapes(surface, drawn.kept)
-    found = packed(np.concatenate([shapes, behind])) if len(shapes) else None
-    fit = room.points if found is None else max(_FEWEST, room.bytes // (2 * max(found.rank, 1)))
+    few = [_few(np.concatenate([shapes, behind])[:, :, k]) for k in range(3)] if len(shapes) else []
+    rank = sum(len(along) for along, _ in few)
+    fit = max(_FEWEST, room.bytes // (2 * max(rank, 1))) if few else room.points
     if fit < len(drawn.kept) and fit < room.points:
         return of_surface(surface, speeds, mark, thickness, first, replace(room, points=fit))
     data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
     data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
-    if found is not None:
+    if few:
         data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
         data["first"] = [surface.row(first[0]), first[1]]
-        data["shapes"] = vectors(found)
-    return View(_for_a_page(data), len(surface.points), len(drawn.kept), found is not None)
+        data["shapes"] = vectors(few)
+    return View(_for_a_page(data), len(surface.points), len(drawn.kept), bool(few))
 
 
 def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
@@ -318,28 +319,8 @@ def _inside(points: Floats, edges: Floats) -> npt.NDArray[np.bool_]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Packed:
-    """Shapes (count, n, 3) as sums of vectors: for each direction vectors (r, n) and shares (count, r)."""
-
-    vectors: tuple[Floats, Floats, Floats]
-    shares: tuple[Floats, Floats, Floats]
-
-    @property
-    def rank(self) -> int:
-        """Vectors of all directions."""
-        return sum(len(vectors) for vectors in self.vectors)
-
-
-def packed(shapes: Floats) -> Packed:
-    """The fewest vectors that give shapes (count, n, 3), of which the largest displacements are 1, to half of ERROR."""
-    pairs = [_few(shapes[:, :, k]) for k in range(3)]
-    vectors, shares = zip(*pairs, strict=True)
-    return Packed(vectors, shares)
-
-
 def _few(along: Floats) -> tuple[Floats, Floats]:
-    """Vectors (r, n) and shares (count, r) whose product is `along` (count, n) to half of ERROR."""
+    """The fewest vectors (r, n), and shares (count, r), whose product is `along` (count, n) to half of ERROR."""
     # Of the small matrix of inner products, for singular values below ERROR are of no use: far faster than an SVD.
     left = np.linalg.eigh(along @ along.T)[1][:, ::-1]
     right, rest, rank = left.T @ along, along.copy(), 0
@@ -364,16 +345,17 @@ def base64_of(array: Any) -> str:
     return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
 
 
-def vectors(found: Packed) -> list[dict[str, Any]]:
+def vectors(few: list[tuple[Floats, Floats]]) -> list[dict[str, Any]]:
     """Vectors (scaled by `largest`) and shares (32-bit floats) of each direction, ready for JSON."""
+    largest = [float(np.abs(along).max(initial=0.0)) for along, _ in few]
     return [
         {
             "rank": len(along),
-            "largest": float(np.abs(along).max(initial=0.0)),
-            "vectors": shorts(along, float(np.abs(along).max(initial=0.0))),
+            "largest": most,
+            "vectors": shorts(along, most),
             "shares": base64_of(shares.astype("<f4")),
         }
-        for along, shares in zip(found.vectors, found.shares, strict=True)
+        for (along, shares), most in zip(few, largest, strict=True)
     ]
 
 

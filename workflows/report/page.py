@@ -140,7 +140,7 @@ def render(results: Results, drawings: Drawings) -> str:
         assumptions=remarks.assumptions(results),
         versions=versions(),
         hashes=hashes(results),
-        settings=_settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
+        toml=provenance.as_toml(results.scene, results.effects, results.theory),
         rows=[_row(results, point) for point in results.speeds],
         errors=remarks.worst(results),
         error_parts=remarks.PARTS,
@@ -210,31 +210,6 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "damper": point.damper,
         "lost": None if point.damper is None else remarks.lost_at_most(point.damper),
     }
-
-
-def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
-    """The resolved scene as tables of text, in SI."""
-    top = [(key, _text(value)) for key, value in scene.items() if not isinstance(value, dict)]
-    tables = [("", top)]
-    tables += [
-        (f"[{name}]", [(key, _text(value)) for key, value in table.items()])
-        for name, table in scene.items()
-        if isinstance(table, dict)
-    ]
-    return tables
-
-
-def _text(value: object) -> str:
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_text(item)}' for key, item in value.items())} }}"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, list):
-        items = [_text(item) for item in value]
-        return f"[{', '.join(items[:12])}{', …' if len(items) > 12 else ''}]"
-    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def save(results: Results, folder: str | os.PathLike[str]) -> Path:

@@ -644,6 +644,7 @@ __all__ = [
     "expect",
     "middle",
     "rounded_rpm",
+    "shown_of",
 ]
 
 _WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
@@ -992,7 +993,7 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[i
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    kept = _kept(len(numbers))
+    kept = shown_of(len(numbers))
     unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
@@ -1080,7 +1081,7 @@ def _upright(shapes: Floats) -> Floats:
     return np.asarray(shapes * (np.abs(largest) / largest))
 
 
-def _kept(count: int) -> tuple[int, ...]:
+def shown_of(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
     if count <= SHAPES_AT_MOST:
         return tuple(range(count))
