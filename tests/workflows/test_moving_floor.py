@@ -226,14 +226,13 @@ def test_a_load_that_leans_is_said(paper: Scene) -> None:
 
 @pytest.mark.usefixtures("quickly")
 def test_modes_that_beat_lose_nothing(paper: Scene) -> None:
-    """A ball that never moves, five times as heavy as what carries it: no loss without one, and no word of hits."""
+    """A ball that never moves, five times as heavy as what carries it: no loss without one."""
     heavy = changed(paper, effects=None, rotor__speeds=["10000 rpm"], damper__mass_ratio=5.0, damper__damping_ratio=0)
     heavy = changed(heavy, excitation=None, **ROUGH)
     run = workflows.run(changed(heavy, release={"displacement": ["1 mm", "0 mm"], "cycles": 20}))
     damping = run.speeds[0].damper
     assert (damping.impacts, damping.energy.residual) == (0, pytest.approx(0.0, abs=1e-9))
     assert abs(damping.sdc).max() < 1e-6
-    assert not any("scatter" in note for note in run.notes)
 
 
 @pytest.mark.usefixtures("quickly")

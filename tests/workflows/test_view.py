@@ -17,7 +17,7 @@ import pytest
 
 from tests.limits import HANG
 from tests.workflows.browser import driven, findings, needs_chromium
-from tests.workflows.conftest import NO_VTK, Command, Scene, changed, refused, write
+from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer, window
 from workflows.report.page import load_results
@@ -217,7 +217,6 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     folder = tmp_path_factory.mktemp("turning")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mode_viewer, "COMMAND", NO_VTK)
         patch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
         assert main(["run", str(write(scene, folder / "scene.toml")), "--out", str(folder / "out")]) == 0
     return folder / "out"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import html
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +20,10 @@ from workflows.io import files
 from workflows.io.files import Curve
 from workflows.io.serialise import quantities
 from workflows.report import plots
-from workflows.report.mode_viewer import Artist, Indices, Picture, screen_exists
+from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper, plate_mesh
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Scene, typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
 from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
@@ -678,7 +679,7 @@ class ModeView:
     def screenshot(self, path: str | PathLike[str]) -> Path:
         """Write the picture as PNG; it needs no screen."""
         written = Path(path)
-        written.write_bytes(self._picture.png)
+        written.write_bytes(self._png)
         return written
 
     def plotter(self) -> Any:
@@ -698,23 +699,17 @@ class ModeView:
         return plotter
 
     @cached_property
-    def _picture(self) -> Picture:
-        """Drawn in a process of its own, whose OpenGL may fail."""
-        with Artist() as artist:
-            artist.draw(self.surface, self.surface.at[self.row], self.number)
-            picture = artist.picture()
-        assert picture is not None
-        return picture
+    def _png(self) -> bytes:
+        return mode_picture(self.surface, self.row, self.number)
 
     def __repr__(self) -> str:
         return f"<ModeView: {self.title}>"
 
     def _repr_png_(self) -> bytes:
-        return self._picture.png
+        return self._png
 
     def _repr_html_(self) -> str:
-        words = html.escape(f"{self.title}. {self._picture.remark}".strip())
-        coded = b64encode(self._picture.png).decode()
+        words, coded = html.escape(f"{self.title}."), b64encode(self._png).decode()
         picture = f'<img alt="{words}" style="max-width:40em" src="data:image/png;base64,{coded}">'
         return f"<figure>{picture}<figcaption>{words}</figcaption></figure>"
 
@@ -759,23 +754,9 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = self._row(surface.at, rpm)
-        if not 1 <= number <= surface.shapes.shape[1]:
-            raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
-        point = self.results.speeds[surface.at[row]]
-        mode = point.modes[number - 1]
-        title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
-        return ModeView(surface, row, number, title)
-
-    def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
-        """Which of the speeds kept is meant."""
-        if rpm is None:
-            return int(np.argmin(np.abs(np.asarray(at) - middle(self.results.speeds))))
-        kept = [self.results.speeds[number].rpm for number in at]
-        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
-        return row
+        row = surface.row(middle(self.results.speeds))
+        row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
+        return ModeView(surface, row, number, mode_title(number, self.results.speeds[surface.at[row]]))
 
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
@@ -791,8 +772,59 @@ class Plots:
             return axes
 
 
+def chosen(
+    surface: Surface, speeds: Sequence[SpeedPoint], row: int, rpm: float | None, number: int, keys: tuple[str, str]
+) -> int:
+    """Which of the speeds kept is meant, `row` where none is named; `number`: of a mode there, from 1.
+
+    Raises:
+        BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
+    """
+    kept = [speeds[number].rpm for number in surface.at]
+    if rpm is not None:
+        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
+        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
+            problem = f"expected a speed with shapes: {', '.join(map(amount, kept))} rpm"
+            raise BadInput(problem, key=keys[0], value=typed(rpm))
+    if not 1 <= number <= surface.shapes.shape[1]:
+        raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
+    return row
+
+
+def mode_title(number: int, point: SpeedPoint) -> str:
+    """A mode at a speed, numbered from 1, in words."""
+    mode = point.modes[number - 1]
+    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
+
+
 def _without(needed: str) -> BadInput:
     return BadInput(f"the run has nothing to draw: expected {needed}", key="plot")
+
+
+def mode_picture(surface: Surface, row: int, number: int) -> bytes:
+    """A mode, numbered from 1, in three dimensions above the outline of the plate at rest, as PNG."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    surface = surface.finer or surface
+    left = thinned(surface, POINTS)
+    points, shape = (surface.drawn(each[left.kept]) for each in (surface.points, surface.shapes[row, number - 1]))
+    moved, swing = _swinging(points, shape if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -shape)
+    figure = Figure(figsize=(8, 5), facecolor="none")
+    axes: Any = figure.add_axes((0.0, -0.3, 1.0, 1.6), projection="3d", facecolor="none")
+    colours = colormaps["plasma"](swing[left.triangles].mean(axis=1))
+    faces = Poly3DCollection(moved[left.triangles], facecolors=colours, edgecolors=colours, linewidths=0.4)
+    axes.add_collection3d(faces)
+    axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(np.maximum(high - low, 1e-3 * np.ptp(points)), zoom=0.94)
+    axes.view_init(22, -62)
+    axes.set_axis_off()
+    out = BytesIO()
+    figure.savefig(out)
+    return out.getvalue()
 
 
 def _swinging(points: Floats, shape: Floats) -> tuple[Floats, Floats]:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 import fem
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
-from workflows.formatting import amount, significant, whole
+from workflows.formatting import significant, whole
 from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
@@ -28,7 +28,7 @@ from workflows.scene import load
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
-from workflows.solve.results import Diagram, Floats, Mode, SpeedPoint, Surface, Theory, bare
+from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -103,10 +103,6 @@ def _mm(metres: float) -> str:
     return significant(1e3 * metres, 4) if metres else "0"
 
 
-_SAME = 1e-3
-"""Relative difference up to which two speeds are one."""
-
-
 @dataclass(frozen=True, eq=False)
 class Sight:
     """What is shown.
@@ -164,16 +160,7 @@ def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
         if rpm is not None:
             raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
         return 0, 0
-    kept = [sight.speeds[number].rpm for number in at]
-    row = (len(at) - 1) // 2
-    if rpm is not None:
-        row = min(range(len(at)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            shown = ", ".join(map(amount, kept))
-            raise BadInput(f"expected a speed with shapes: {shown} rpm", key="--rpm", value=typed(rpm))
-    count = sight.surface.shapes.shape[1]
-    if not 1 <= mode <= count:
-        raise BadInput(f"expected a mode from 1 to {count}", key="--mode", value=mode)
+    row = figures.chosen(sight.surface, sight.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
     return at[row], mode - 1
 
 
@@ -357,14 +344,10 @@ def _said(sight: Sight) -> npt.NDArray[np.str_]:
     """Each mode in words, (speeds, modes)."""
     count = sight.surface.shapes.shape[1]
     rows = [
-        [_mode(number, mode, point.rpm) for number, mode in enumerate(point.modes[:count], 1)]
+        [figures.mode_title(number, point) for number in range(1, len(point.modes[:count]) + 1)]
         for point in (sight.speeds[at] for at in sight.surface.at)
     ]
     return np.array(rows, dtype=np.str_)
-
-
-def _mode(number: int, mode: Mode, rpm: float) -> str:
-    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(rpm)} rpm"
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)

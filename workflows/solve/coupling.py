@@ -15,7 +15,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rounded_rpm
+from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rounded_rpm, taken_over
 
 if TYPE_CHECKING:
     import damper
@@ -228,7 +228,7 @@ def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
         raise ValueError("the scene has no [damper]")
     with _placed(source):
         found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+    return list(map(reduced_of, found))
 
 
 def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
@@ -271,20 +271,27 @@ def cavity_modes(
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
     found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
-    return [
-        tuple(
-            CavityMode(
-                number=k + 1,
-                stiffness=float(found.stiffness[n, k]),
-                shape=_both(found.shape[n, :, k]),
-                slope=_both(found.slope[n, :, k]),
-                drawn=_both(found.drawn[n, :, k]),
-                pressed=float(found.pressed[n, k]),
-            )
-            for k in range(found.stiffness.shape[1])
+    return [modes_of(found, n, pressed=found.pressed) for n in range(len(found.stiffness))]
+
+
+def modes_of(found: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
+    """The modes that `fem` finds at a cavity, at its nth speed; `forces` on them by name, (speeds, modes)."""
+    return tuple(
+        CavityMode(
+            number=k + 1,
+            stiffness=float(found.stiffness[n, k]),
+            shape=_both(found.shape[n, :, k]),
+            slope=_both(found.slope[n, :, k]),
+            drawn=_both(found.drawn[n, :, k]),
+            **{name: float(values[n, k]) for name, values in forces.items()},
         )
-        for n in range(found.stiffness.shape[0])
-    ]
+        for k in range(found.stiffness.shape[1])
+    )
+
+
+def reduced_of(found: Any) -> Reduced:
+    """The structure that `fem` finds at a damper's place."""
+    return taken_over(Reduced, found, floor_tilt=found.slope)
 
 
 def _both(pair: np.ndarray) -> tuple[float, float]:

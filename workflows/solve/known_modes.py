@@ -19,17 +19,16 @@ from workflows.scene.damper import Damper
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
+from workflows.solve.coupling import modes_of, reduced_of
 from workflows.solve.results import (
-    SHAPES_AT_MOST,
-    CavityMode,
     Diagram,
     ErrorParts,
     Floats,
     Mode,
-    Reduced,
     SpeedPoint,
     Surface,
     rounded_rpm,
+    shown_of,
 )
 
 if TYPE_CHECKING:
@@ -147,24 +146,12 @@ class SpaceStructure:
             raise BadInput(str(error), file=source.name, key="[damper] direction") from error
         lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
-        reduced = Reduced(found.f1_hz, found.M1, found.K1, found.f2_hz, found.M2, found.K2, found.slope)
-        at_cavity = tuple(
-            CavityMode(
-                number=k + 1,
-                stiffness=float(every.stiffness[0, k]),
-                shape=_both(every.shape[0, :, k]),
-                slope=_both(every.slope[0, :, k]),
-                drawn=_both(every.drawn[0, :, k]),
-                pushed=float(every.pressed[0, k]),
-            )
-            for k in range(every.stiffness.shape[1])
-        )
         return replace(
             point,
             radius=floor.radius,
             load_g=omega**2 * floor.radius / scene.rotor.gravity,
-            reduced=reduced,
-            cavity_modes=at_cavity if effects["structural_modes"].on else (),
+            reduced=reduced_of(found),
+            cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
         )
@@ -219,9 +206,7 @@ class SpaceStructure:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         from fem.modal_model import edges, faces, held
 
-        kept = range(len(speeds))
-        if len(speeds) > SHAPES_AT_MOST:
-            kept = np.unique(np.linspace(0, len(speeds) - 1, SHAPES_AT_MOST).round().astype(int)).tolist()
+        kept = shown_of(len(speeds))
         points, triangles = self.model.points, faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in kept])
         used = np.unique(triangles)
@@ -236,9 +221,7 @@ class SpaceStructure:
         still = held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
-        return Surface(
-            points, ("triangle", triangles), outline, root, shapes, tuple(kept), frame=self._drawing(), mark=mark
-        )
+        return Surface(points, ("triangle", triangles), outline, root, shapes, kept, frame=self._drawing(), mark=mark)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -272,10 +255,6 @@ _STILL = 1e-6
 def _known(pair: Floats) -> tuple[float | None, float | None]:
     one, other = (float(each) if np.isfinite(each) else None for each in pair)
     return one, other
-
-
-def _both(pair: Floats) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])
 
 
 def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:

@@ -644,6 +644,7 @@ __all__ = [
     "expect",
     "middle",
     "rounded_rpm",
+    "shown_of",
 ]
 
 _WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
@@ -803,6 +804,10 @@ class Surface:
     lines: Ints | None = field(default=None, repr=False)
     frame: Floats | None = field(default=None, repr=False)
     mark: Floats | None = field(default=None, repr=False)
+
+    def row(self, number: int) -> int:
+        """Which of the speeds with shapes is nearest to number `number` of the run."""
+        return int(np.argmin(np.abs(np.asarray(self.at) - number)))
 
     def drawn(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in the axes by which the surface is drawn."""
@@ -988,7 +993,7 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[i
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    kept = _kept(len(numbers))
+    kept = shown_of(len(numbers))
     unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
@@ -1076,7 +1081,7 @@ def _upright(shapes: Floats) -> Floats:
     return np.asarray(shapes * (np.abs(largest) / largest))
 
 
-def _kept(count: int) -> tuple[int, ...]:
+def shown_of(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
     if count <= SHAPES_AT_MOST:
         return tuple(range(count))

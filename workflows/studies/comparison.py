@@ -93,9 +93,6 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return found
 
 
-FILES = r"compare\.(json|csv|svg)"
-"""Names of what is written besides the page."""
-
 _QUANTITIES = {
     "load_g": "load g",
     "first_frequency_hz": "first Hz",

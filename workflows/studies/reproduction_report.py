@@ -113,10 +113,6 @@ def write(found: Reproduction, out: Path) -> None:
     write_study(out, contents)
 
 
-FILES = r"reproduce\.(json|csv)|closure\.csv"
-"""Names of what is written besides the page."""
-
-
 def text(found: Reproduction) -> str:
     """The verdicts, a line each, and how many there are of which."""
     lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in found.claims]

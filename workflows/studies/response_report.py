@@ -16,7 +16,7 @@ from fem.rotor import in_rpm
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
 from workflows.io.files import as_json, as_table, finite, write_study
-from workflows.report import plots, remarks, verdict
+from workflows.report import figures, plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way
@@ -112,36 +112,23 @@ _MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not
 """What happens at a crossing, as a mark."""
 
 
+@plots.style()
 def campbell_plot(found: Response) -> str:
-    """Frequencies over speed, the orders asked for, and what happens where they cross."""
-    fastest = max(point.rpm for point in found.results.speeds)
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.3)
-        tracks = files.campbell(found.results)
-        for number, track in enumerate(tracks):
-            axes.plot(track.x, track.y, color=plots.CATEGORIES[number % len(plots.CATEGORIES)], label=track.label)
-        crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
-        top = max((track.y.max() for track in tracks), default=0.0)
-        top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
-        for order in found.excitation.orders:
-            end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=plots.DOTTED)
-            small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
-            axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
-        for through in found.passed:
-            at = through.crossing.rpm, through.crossing.frequency_hz
-            for kind in dict.fromkeys(row.regime for row in rows(found, through)):
-                size = 5 + 2 * list(_MARKS).index(kind)
-                look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ms": size, "zorder": 4}
-                axes.plot(*at, _MARKS[kind], ls="", label=kind, **look)
-        for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
-        axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
-        handles, labels = axes.get_legend_handles_labels()
-        unique = dict(zip(labels, handles, strict=True))
-        if unique:
-            figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
-        return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
+    """The run's diagram with what happens where orders cross modes; empty where the structure is given."""
+    figure = figures.campbell(found.results)
+    if figure is None:
+        return ""
+    (axes,), named = figure.axes, set[str]()
+    for through in found.passed:
+        for kind in dict.fromkeys(row.regime for row in rows(found, through)):
+            look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ls": "", "zorder": 4}
+            label, size = None if kind in named else kind, 5 + 2 * list(_MARKS).index(kind)
+            axes.plot(through.crossing.rpm, through.crossing.frequency_hz, _MARKS[kind], ms=size, label=label, **look)
+            named.add(kind)
+    for crossing, _ in found.idle:
+        axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
+    plots.legend(figure, axes)
+    return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
 def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
@@ -162,30 +149,6 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
         axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
         plots.legend(figure, axes, title=found.excitation.kind)
         return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
-
-
-def ratios(found: Response, through: Through, name: str) -> str:
-    """Amplitude with the ball over the one without, over speed and force: the largest of the answers."""
-    from matplotlib.colors import LinearSegmentedColormap
-
-    with plots.style():
-        figure, (axes,) = plots.canvas(2.6)
-        rpm = in_rpm(through.omega)
-        mean = through.shaped(through.states.mean).max(axis=2)
-        ratio = mean / np.abs(through.shaped(through.states.without))
-        levels = len(through.forces)
-        reach = max(0.02, float(np.abs(np.log10(ratio)).max()))
-        strength = np.log10((ratio[1:] + ratio[:-1]) / 2).T
-        colours = LinearSegmentedColormap.from_list("", [plots.CATEGORIES[0], "#ffffff00", plots.CATEGORIES[1]])
-        rows = np.arange(levels + 1) - 0.5
-        axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
-        axes.set_yticks(range(levels), [significant(force) for force in through.forces])
-        force = f"{found.excitation.kind}, {found.excitation.unit}"
-        axes.set(xlim=(rpm[0], rpm[-1]), xlabel="rotation speed, rpm", ylabel=force)
-        low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
-        axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
-        axes.grid(visible=False)
-        return plots.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
 
 
 def damping(found: Response) -> str:
@@ -210,25 +173,6 @@ def damping(found: Response) -> str:
         axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
         plots.legend(figure, axes, ncols=1)
         return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
-
-
-def path(found: Response, through: Through, name: str) -> str:
-    """The ball in its cavity over some cycles, at the speed and under the force of the largest amplitude."""
-    taken = through.path
-    with plots.style():
-        figure, panels = plots.canvas(2.4, 2)
-        along, place = panels
-        axis = through.axis
-        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], label="ball in its cavity")
-        size = np.abs(taken.structure[:, axis]).max() or 1.0
-        scale = np.abs(taken.ball[:, axis]).max() or 1.0
-        scaled = 1e3 * scale * taken.structure[:, axis] / size
-        along.plot(1e3 * taken.time, scaled, color=plots.MUTED, lw=0.8, label="structure, scaled")
-        along.set(xlabel="time, ms", ylabel="place, mm")
-        along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], lw=0.8)
-        place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
-        return plots.svg(figure, f"path-{name}", "The ball's path in its cavity")
 
 
 def sentences(found: Response) -> list[str]:
@@ -412,10 +356,6 @@ def _damper(found: Response, through: Through) -> dict[str, Any]:
     }
 
 
-FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
-"""What is written beside the usual files, as a regular expression."""
-
-
 def dumps(found: Response) -> str:
     """The machine-readable result."""
     return as_json(document(found))
@@ -431,9 +371,10 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
     contents: dict[str, str | bytes] = {
         "response.json": dumps(found) + "\n",
         "response.nc": bytes(dataset(found).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
-        "campbell.svg": plots.standalone(campbell_plot(found)),
         "report.html": render(found),
     }
+    if drawn := campbell_plot(found):
+        contents["campbell.svg"] = plots.standalone(drawn)
     for number, through in enumerate(found.passed):
         drawn = response(found, through, str(number), shades)
         contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
@@ -469,8 +410,6 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "crossing": through.crossing,
         "rows": mine,
         "response": response(found, through, str(number), shades),
-        "ratios": ratios(found, through, str(number)) if len(through.forces) > 1 else "",
-        "path": path(found, through, str(number)),
         "endured": endured(found.results, through.crossing),
         "beyond": any(is_beyond(found, row) for row in mine),
     }

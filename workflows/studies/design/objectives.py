@@ -462,7 +462,7 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.undriven(points, shaken.orders, source.name)
+        raise engine_orders.unmet(points, shaken.orders, source.name, driven=False)
     return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
 
 

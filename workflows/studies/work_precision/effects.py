@@ -431,10 +431,6 @@ def _flat(row: Switched) -> dict[str, Any]:
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
 
 
-FILES = r"effects\.(json|csv|svg)"
-"""Names of what is written besides the page."""
-
-
 def dumps(found: Switches) -> str:
     """The machine-readable result."""
     return as_json(found.document())
