@@ -337,13 +337,13 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tup
     best = int(np.argmin(np.where(borne, ratio, math.inf)))
     helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     if best in helps:
-        known["range"] = _run(scan, helps, best)
-    most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
+        known["range"] = neighbours(scan, helps, best)
+    most = math.inf if borne.all() else neighbours(scan, np.flatnonzero(borne), 0)[1]
     known |= {"ratio": float(ratio[best]), "level": float(scan[best]), "endured_level": most}
     return known, float(amplitude[best])
 
 
-def _run(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
+def neighbours(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
     """The first and the last of the neighbouring places that one of them belongs to."""
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     mine = next((run for run in runs if one in run), np.array([one]))
