@@ -33,7 +33,7 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     load = omega**2 * rotor.radius / rotor.gravity
-    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, reduced=reduced)
+    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, (), reduced=reduced)
 
 
 def ball_mass(scene: Scene, m2: float) -> float:
