@@ -756,7 +756,10 @@ class Plots:
             raise _without("a plate")
         row = surface.row(middle(self.results.speeds))
         row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
-        return ModeView(surface, row, number, mode_title(number, self.results.speeds[surface.at[row]]))
+        point = self.results.speeds[surface.at[row]]
+        mode = point.modes[number - 1]
+        title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
+        return ModeView(surface, row, number, title)
 
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
@@ -789,12 +792,6 @@ def chosen(
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row
-
-
-def mode_title(number: int, point: SpeedPoint) -> str:
-    """A mode at a speed, numbered from 1, in words."""
-    mode = point.modes[number - 1]
-    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
 
 
 def _without(needed: str) -> BadInput:
