@@ -220,9 +220,7 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
     """
     source = load.load(scene)
     if source.scene.given is not None:
-        raise BadInput(
-            "the table is missing: view needs a plate, a blade or known modes", file=source.name, key="[plate]"
-        )
+        raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
     if rpm is not None:
         source = _at(source, rpm)
     resources.check(source)

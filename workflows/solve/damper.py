@@ -191,8 +191,8 @@ def particle_damper(
     from damper.laws import EXACT, require
 
     given, reduced = scene.damper, point.reduced
-    if given is None or reduced is None:
-        raise ValueError("the scene has no [damper]")
+    assert given is not None
+    assert reduced is not None
     try:
         system = taken_over(
             ParticleDamper,

@@ -46,8 +46,7 @@ def quantity(unit: str, meaning: str, name: str | None = None, **more: Any) -> A
         meaning: in words.
         name: under which it is published, if not that of the field.
         more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
-            `headline`: whether a sweep has a column of it; `short`: what the key of a picture calls it;
-            `unpublished`: whether JSON leaves it out.
+            `headline`: whether a sweep has a column of it; `unpublished`: whether JSON leaves it out.
     """
     return Field(alias=name, description=meaning, json_schema_extra={"unit": unit, **more})
 
@@ -437,11 +436,11 @@ class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
     initial: Annotated[float, quantity("J", "at the release")]
-    final: Annotated[float, quantity("J", "left at the end", short="left")]
-    structure: Annotated[float, quantity("J", "lost to the structure's own damping", short="structure")]
-    rolling: Annotated[float, quantity("J", "lost to rolling resistance", short="rolling")]
-    impact: Annotated[float, quantity("J", "lost in hits of the walls", short="wall hits")]
-    slip: Annotated[float, quantity("J", "lost to slip on the floor", short="slip")]
+    final: Annotated[float, quantity("J", "left at the end")]
+    structure: Annotated[float, quantity("J", "lost to the structure's own damping")]
+    rolling: Annotated[float, quantity("J", "lost to rolling resistance")]
+    impact: Annotated[float, quantity("J", "lost in hits of the walls")]
+    slip: Annotated[float, quantity("J", "lost to slip on the floor")]
     residual: Annotated[float, quantity("J", "not explained by the books")]
 
     @property

@@ -12,7 +12,6 @@ import numpy as np
 
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
-from workflows.errors import BadInput
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -296,7 +295,7 @@ def discretise(
         choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
-        raise BadInput(str(error), file=source.name, key="[plate]") from error
+        raise source.wrong(str(error), "[plate]") from error
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.in_words(source, form, choice.size)
@@ -323,7 +322,7 @@ def with_cavities(source: SceneFile, discrete: Discrete, effects: dict[str, Effe
         try:
             operators = with_cavity(choice.operators, at, damper.cut, depth)
         except PlaceError as error:
-            raise BadInput(str(error), file=source.name, key="[damper] cavity", value=list(damper.cavity)) from error
+            raise source.wrong(str(error), "[damper] cavity", list(damper.cavity)) from error
         choice = replace(choice, operators=operators, states=())
     sides = (2 * damper.radius, *damper.cavity)
     weakens = 1 + 3 * max(sides) / min(sides)  # a round hole in shear takes 4 times its volume, one across it more

@@ -573,8 +573,8 @@ def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) ->
     if MASS in case:
         scene, m2 = study.scene, system.modal_mass
         plate, material = scene.plate, scene.material
-        if plate is None or material is None:
-            raise ValueError("the paper's scene has a plate")
+        assert plate is not None
+        assert material is not None
         whole = material.density * plate_mesh.volume(plate)[0]
         system = replace(system, ball_mass=system.ball_mass * whole / m2)
     return system
