@@ -364,12 +364,8 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
         try:
             operators = with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
         except PlaceError as error:
-<<<<<<< HEAD
             sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
-            raise BadInput(str(error), file=source.name, key="[damper] cavity", value=sides) from error
-=======
-            raise source.wrong(str(error), "[damper] cavity", list(damper.cavity)) from error
->>>>>>> house
+            raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
 
