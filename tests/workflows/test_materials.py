@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 import damper.contact
+import spindamp
 import workflows
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
@@ -191,6 +192,15 @@ def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
     }
     rotor = {"speeds": ["5000 rpm", "15000 rpm"], "radius": "20 cm"}
     return {"structure": {"frequency": "236 Hz", "mass": "0.5 kg"}, "rotor": rotor, "damper": damper, **changes}
+
+
+def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
+    scene = pressed("hardened steel", "4")
+    found = spindamp.sweep(scene, {"damper.restitution": [0.5]}, executor=here).squeeze()
+    for k, point in enumerate(workflows.run(scene).speeds):
+        row = found.isel({"rotor.speeds": k})
+        for name in ("yield_ratio", "hardness_ratio"):
+            assert row[f"contact_{name}"] == getattr(point.contact, name)
 
 
 def test_a_ball_that_flows_has_no_verdict() -> None:

@@ -740,7 +740,10 @@ def mode_picture(surface: Surface, row: int, number: int) -> bytes:
     colours = colormaps["plasma"](swing[left.triangles].mean(axis=1))
     faces = Poly3DCollection(moved[left.triangles], facecolors=colours, edgecolors=colours, linewidths=0.4)
     axes.add_collection3d(faces)
-    axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    if len(left.outline):
+        axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    else:  # a closed surface
+        axes.add_collection3d(Poly3DCollection(points[left.triangles], facecolors="#8a8a8a", alpha=0.2))
     low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.maximum(high - low, 1e-3 * np.ptp(points)), zoom=0.94)
