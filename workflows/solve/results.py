@@ -208,6 +208,22 @@ class OwnFigures(Figures):
             prefix="from_above_",
         ),
     ] = field(repr=False)
+    slow_ramp: Annotated[
+        Figures,
+        part(
+            "the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces"
+            " earlier: typical, not certain",
+            prefix="slow_ramp_",
+        ),
+    ] = field(repr=False)
+    abrupt_start: Annotated[
+        Figures,
+        part(
+            "the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the"
+            " middle; later it may have drifted to a wall, and bounce",
+            prefix="abrupt_start_",
+        ),
+    ] = field(repr=False)
     folds: Annotated[
         Pair,
         quantity(
@@ -236,7 +252,12 @@ class OwnFigures(Figures):
     @classmethod
     def of(cls, measured: damper.Working) -> OwnFigures:
         """Those that were measured."""
-        return taken_over(cls, measured, from_above=taken_over(Figures, measured.descending))
+        ways = {name: getattr(measured, name) or measured for name in OTHER_WAYS}
+        return taken_over(cls, measured, **{name: taken_over(Figures, way) for name, way in ways.items()})
+
+
+OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
+"""Fields of `OwnFigures` that are the same figures for other starts."""
 
 
 @dataclass(frozen=True)
