@@ -103,7 +103,7 @@ def figures(samples: Floats, cutoff: float) -> Working | None:
 def at_bin(curve: Working, best: int) -> Working:
     """The same curve with its peak at one of its points."""
     amplitude, ratio = curve.amplitude, curve.damping_ratio
-    half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
+    half = max(_half(amplitude, ratio, best, -1), curve.cutoff), _half(amplitude, ratio, best, 1)
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
@@ -195,6 +195,14 @@ def resolved(curve: Working, rolls: Floats) -> Working:
     amplitude, ratio = (
         np.concatenate([near, far[beyond]]) for near, far in ((place, curve.amplitude), (ratio, curve.damping_ratio))
     )
+    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+
+
+def continued(curve: Working, other: Working) -> Working:
+    """The same with what another shows beyond its last amplitude."""
+    beyond = other.amplitude > curve.amplitude[-1]
+    amplitude = np.concatenate([curve.amplitude, other.amplitude[beyond]])
+    ratio = np.concatenate([curve.damping_ratio, other.damping_ratio[beyond]])
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 

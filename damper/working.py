@@ -18,7 +18,19 @@ import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, resolved, spread
+from damper.damping_curve import (
+    BINNED,
+    BINS,
+    Working,
+    continued,
+    figures,
+    folded,
+    grown,
+    held_until,
+    nothing,
+    resolved,
+    spread,
+)
 from damper.model import in_plane, inertia_ratio, whole
 from damper.motion import flights, prepare
 from damper.state import nothing_kept
@@ -129,7 +141,7 @@ def working(
         growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": np.vstack(climbs[: len(paces)]), "abrupt_start": begun}
-    others = {name: figures(each, above.cutoff) or nothing(above.cutoff) for name, each in ways.items()}
+    others = {name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()}
     others["from_above"] = growing.descending
     others = {name: resolved(each, rolls) for name, each in others.items()}
     growing = replace(resolved(growing, rolls), **others)

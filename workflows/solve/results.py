@@ -262,7 +262,7 @@ OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
 
 @dataclass(frozen=True)
 class ContactFigures:
-    """The ball at rest on its floor, by Hertz; null where the strength of neither material is known."""
+    """The ball at rest on its floor, by Hertz; null where the strength is not known that decides."""
 
     hertz_radius: Annotated[float, quantity("m", "of the contact, were it elastic")]
     peak_pressure: Annotated[float, quantity("Pa", "at the middle of the contact, were it elastic")]
