@@ -187,8 +187,8 @@ def unknown_floor(results: Results) -> str | None:
     point, most = max(every, key=lambda pair: pair[1].peak_pressure)
     floor, mean = damper.floor_material or (None if material is None else material.name), 2 / 3 * most.peak_pressure
     return (
-        f"What the floor of {floor} bears is not known by that name and was not judged: {at_load(point)} the resting"
-        f" ball presses it with {significant(mean / 1e9, 2)} GPa on average, and below {whole(mean / KGF)} HB it flows."
+        f"Whether the floor of {floor} bears the ball is not known: {at_load(point)} the resting ball presses it with"
+        f" {significant(mean / 1e9, 2)} GPa on average, and a floor of less than {whole(mean / KGF)} HB would flow."
     )
 
 
