@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import fem
-from tests.workflows.conftest import READY, Command, Outcome, Scene, changed, on_mesh, python, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, on_mesh, python, refused, write
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import load, shipped
@@ -198,11 +198,10 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
     assert np.isnan(found.errors).all()
 
 
-MEASURED = f"""
+MEASURED = """
 import pathlib, sys
 from workflows import cli
-from workflows.report import mode_viewer, plots
-mode_viewer.COMMAND = ["-I", "-S", "-c", {READY!r}]
+from workflows.report import plots
 if sys.argv.pop() == "undrawn":
     plots.svg = lambda *_, **__: ""
 status = cli.main(sys.argv[1:])

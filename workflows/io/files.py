@@ -38,6 +38,11 @@ FILES = rf"({TABLE}|{ERRORS}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
+FILES_OF_STUDIES = (
+    r"(accuracy|campbell|closure|compare|design|effects|reproduce|response\w*)\.(json|csv|svg|nc)|best\.toml"
+)
+"""What studies write besides a page, as a regular expression."""
+
 _STILL = 1e-9
 """Part of the largest motion along either axis that counts as none."""
 

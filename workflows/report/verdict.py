@@ -276,7 +276,7 @@ def _alone(results: Results) -> Answer:
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),
-        None if remarks.met(results) and remarks.cavities(results) is None else remarks.sentence(results),
+        None if remarks.met(results) else remarks.sentence(results),
     )
     verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
     return Answer(verdict, tuple(part for part in parts if part))

@@ -550,36 +550,6 @@ def _shape(x: float) -> float:
     return math.cosh(k * x) - math.cos(k * x) - ratio * (math.sinh(k * x) - math.sin(k * x))
 
 
-class CavityMass(NamedTuple):
-    """Mass [kg] that cavities take out of the plate, and the largest relative shift of its first bending frequency."""
-
-    mass: float
-    shift: float
-
-
-def cavity_mass(results: Results) -> CavityMass | None:
-    """What the cavities take out of the plate; None where there are none in it.
-
-    A hole is a negative point mass where the damper is; the stiffness that goes with it hardly counts where the plate
-    hardly bends, as near its tip. Along the radius a cavity holds its ball.
-    """
-    damper, material = results.scene.damper, results.scene.material
-    reduced = [point.reduced for point in results.speeds if point.reduced is not None]
-    if damper is None or material is None or not damper.cut or not reduced:
-        return None
-    mass = material.density * damper.cut
-    if mass >= min(each.M2 for each in reduced):
-        return None  # more than there is: the cavity does not fit, which a remark says
-    return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
-
-
-def _shift(reduced: Reduced, mass: float) -> float:
-    """To first order in the mass: less inertia, and less pull, of which the ball's own mass shows how it stiffens."""
-    ball = reduced.M1 - reduced.M2
-    pull = (reduced.K1 - reduced.K2) / reduced.K2 / ball if ball > 0 else 0.0
-    return mass / 2 * (1 / reduced.M2 - pull)
-
-
 class TableCutOff(NamedTuple):
     """Acceleration over g, and over the load; None where not known. `at_rest`: not of a ring-down."""
 
