@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -209,7 +209,7 @@ def continued(curve: Working, other: Working) -> Working:
 def held_until(curve: Working, amplitude: float) -> Working:
     """The same of a ball at rest that stays so up to an amplitude."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
-    starts = {
+    starts: dict[str, Any] = {
         name: held_until(each, amplitude)
         for name in ("slow_ramp", "abrupt_start")
         if (each := getattr(curve, name)) is not None

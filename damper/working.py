@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -141,7 +141,9 @@ def working(
         growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": np.vstack(climbs[: len(paces)]), "abrupt_start": begun}
-    others = {name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()}
+    others: dict[str, Any] = {
+        name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
+    }
     others["from_above"] = growing.descending
     others = {name: resolved(each, rolls) for name, each in others.items()}
     growing = replace(resolved(growing, rolls), **others)
