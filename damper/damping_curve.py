@@ -103,7 +103,7 @@ def figures(samples: Floats, cutoff: float) -> Working | None:
 def at_bin(curve: Working, best: int) -> Working:
     """The same curve with its peak at one of its points."""
     amplitude, ratio = curve.amplitude, curve.damping_ratio
-    half = max(_half(amplitude, ratio, best, -1), curve.cutoff), _half(amplitude, ratio, best, 1)
+    half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
@@ -216,8 +216,8 @@ def held_until(curve: Working, amplitude: float) -> Working:
     }
     if not ratio.any():
         return replace(nothing(amplitude), from_above=curve.descending, **starts)
-    held = replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts)
-    return at_bin(held, int(np.argmax(ratio)))
+    held = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
+    return replace(held, half=(max(held.half[0], amplitude), held.half[1]))
 
 
 def _bins(amplitude: Floats) -> list[int]:
