@@ -350,7 +350,9 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
         for way, style in _OTHER_WAYS.items() if figures.parted else ():
             other: Figures = getattr(figures, way)
             place = other.amplitude
-            apart = (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN)
+            apart = (
+                (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN) & (other.damping_ratio > 0)
+            )
             axes.plot(1e3 * place[apart], 100 * other.damping_ratio[apart], color=colour, lw=1.0, ls=style)
             top = max(top, 100 * float(other.damping_ratio.max(initial=0.0)))
         if figures.cutoff > 0:
