@@ -219,6 +219,23 @@ def test_a_ball_that_flows_has_no_verdict() -> None:
     assert verdict.startswith("No verdict: the resting ball presses on its floor with ")
 
 
+def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
+    """Plain aluminium has no hardness: the answer names the one that Hertz's mean pressure asks for."""
+    scene = pressed("tungsten carbide", "4")
+    scene["damper"]["floor_material"] = "aluminium"
+    found = workflows.run(scene)
+    assert all(math.isnan(point.contact.hardness_ratio) for point in found.speeds)
+    stiff = 1 / ((1 - 0.22**2) / 630e9 + (1 - 0.3**2) / 70e9)
+    load = KNOWN["tungsten carbide"].density * 4 / 3 * math.pi * 2e-3**3 * found.speeds[1].omega ** 2 * 0.2
+    mean = (6 * load * stiff**2 / (math.pi**3 * 2e-3**2)) ** (1 / 3) / 1.5
+    (said,) = (each for each in answer(found).sentences if "is not known" in each)
+    assert "Whether the floor of aluminium bears the ball is not known: at 15000 rpm" in said
+    assert said.endswith(
+        f"with {mean / 1e9:.2g} GPa on average, and a floor of less than {mean / 9.80665e6:.0f} HB would flow."
+    )
+    assert not any("is not known" in each for each in answer(workflows.run(pressed("steel", "4"))).sentences)
+
+
 @pytest.mark.parametrize(("share", "end"), [(0.9, "still beyond the"), (1.1, "its own dent holds it, which a harder")])
 def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share: float, end: str) -> None:
     """Without a dent it moves from a_r / (w1² |1 - tau|) on, at tau = 1.2: if that is endured, the dent is to blame."""

@@ -272,6 +272,7 @@ def _alone(results: Results) -> Answer:
         *_how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
         *between(results, speaking),
         *way_down(results, speaking),
+        remarks.unknown_floor(results),
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),
