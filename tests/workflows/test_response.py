@@ -128,7 +128,7 @@ def test_an_interpolation_whose_error_is_not_known(known):
 @pytest.mark.usefixtures("undrawn")
 def test_files(known, written):
     names = {path.name for path in written.iterdir()}
-    assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
+    assert {"response.json", "response.nc", "report.html", "response_damping_ratio.csv"} <= names
     with xr.open_dataset(written / "response.nc", engine="h5netcdf") as data:
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
