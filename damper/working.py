@@ -18,7 +18,7 @@ import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, spread
+from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, resolved, spread
 from damper.model import in_plane, inertia_ratio, whole
 from damper.motion import flights, prepare
 from damper.state import nothing_kept
@@ -124,6 +124,7 @@ def working(
         down = samples_of(bare, first, last, _SLOW, max(cycles // _SLOW, 1), threads)
         growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
+    growing = replace(resolved(growing, rolls), from_above=resolved(growing.descending, rolls))
     for curve in (growing, growing.descending):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)

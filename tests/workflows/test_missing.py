@@ -11,6 +11,7 @@ from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
 from workflows.progress import Stages
 from workflows.scene.load import opened
+from workflows.studies.sweep.evaluate import PlateCache
 
 
 def _frequency(scene: Scene) -> float:
@@ -87,3 +88,18 @@ def test_left_out_it_is_part_of_the_error(paper: Scene) -> None:
     assert parts is not None
     assert reduced is not None
     assert parts.cavity_mass == pytest.approx(7850 * 2.5e-3 * 2.4e-3 * 2e-3 / reduced.M2 / 2, rel=0.05)
+
+
+@pytest.mark.usefixtures("quickly")
+def test_plates_that_are_kept_have_the_error_of_each_damper(paper: Scene) -> None:
+    """Cavities that are left out, and of those that count others of the same volume and depth, on one plate."""
+    scene = changed(paper, rotor__speeds=[0], damper__count=1, accuracy={"frequency": 2e-3}, effects=None)
+    small, other = {"damper__cavity": ["2.5 mm", "2.2 mm"]}, {"damper__cavity": ["2.5 mm", "3 mm"]}
+    on = {"effects__cavity_mass": True}
+    wide = on | other | {"damper__radius": "0.8 mm"}
+    scenes = [opened(changed(scene, **each)) for each in ({}, small, {}, on, wide)]
+    cache = PlateCache()
+    kept = [cache.state(each).points[0].modes[0].error_parts for each in scenes]
+    alone = [PlateCache().state(each).points[0].modes[0].error_parts for each in scenes]
+    assert kept == alone
+    assert len({None if each is None else each.cavity_mass for each in alone}) == 4

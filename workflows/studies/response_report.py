@@ -19,7 +19,7 @@ from workflows.io.files import as_json, as_table, finite, write_study
 from workflows.report import figures, plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import HELPS, endured, half_way
+from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
@@ -216,21 +216,38 @@ def confirmed(found: Response, through: Through) -> VibrationReduction:
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
-    useful = [each.level for each in borne if each.endured and each.ratio <= enough]
-    low, high = (min(useful), max(useful)) if useful else (math.nan, math.nan)
-    others = [each.level for each in levels if each.level not in useful]
-    if useful and not any(short.range[0] <= level <= short.range[1] for level in others):
-        low, high = min(low, short.range[0]), max(high, short.range[1])  # comparisons with nan leave the motion's
+    useful = [each.endured and each.ratio <= enough for each in levels]
     return replace(
         short,
         ratio=best.ratio,
         level=best.level,
-        range=(low, high),
+        range=_range(short, levels, useful, best.level),
         moves_from=through.least_force,
         levels=tuple(each for each in levels if each.level in found.asked),
         reason=Reason.NONE,
         detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {found.excitation.unit}",
     )
+
+
+_NEAR = 1.25
+"""How far the best level followed may lie outside an estimated range that is said to be confirmed."""
+
+
+def _range(
+    short: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
+) -> tuple[float, float]:
+    """Levels around the best with at least half of its reduction: the estimated ones, as far as those followed agree.
+
+    Where they do not, levels followed one after the other.
+    """
+    if not any(useful):
+        return math.nan, math.nan
+    followed = np.array([each.level for each in levels])
+    low, high = short.range
+    agree = all(use for level, use in zip(followed, useful, strict=True) if low <= level <= high)
+    if agree and low / _NEAR <= best <= high * _NEAR:  # false where nothing is estimated
+        return min(low, best), max(high, best)
+    return neighbours(followed, np.flatnonzero(useful), int(np.argmin(np.abs(followed - best))))
 
 
 def _at_the_end(through: Through) -> bool:
