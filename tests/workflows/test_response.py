@@ -147,7 +147,7 @@ def test_an_interpolation_whose_error_is_not_known(known):
 @pytest.mark.usefixtures("undrawn")
 def test_files(known, written):
     names = {path.name for path in written.iterdir()}
-    assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
+    assert {"response.json", "response.nc", "report.html", "response_damping_ratio.csv"} <= names
     with xr.open_dataset(written / "response.nc", engine="h5netcdf") as data:
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
@@ -160,7 +160,7 @@ def test_files(known, written):
     assert len(rows) == 60 * 3 * 3
     assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
-    assert text.count("<figure>") == 5
+    assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
     report.write(known, written)  # into its own folder again
 
 
