@@ -1,12 +1,8 @@
-"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration.
-
-More scenes than pytest runs:  python -m tests.damper.test_linear [how many]
-"""
+"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration."""
 
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -145,8 +141,3 @@ def test_a_force_slower_than_the_run_has_no_peaks_yet() -> None:
     for share, peaks in ((0.45, 0), (0.55, 1)):
         force = Harmonic(frequency=share * damper.stuck_frequency / 10, force=(1.0, 0.0))
         assert len(ringdown(damper, (0.0, 0.0), 10, harmonic=force).peak_times) == peaks
-
-
-if __name__ == "__main__":
-    for number in range(int(sys.argv[1]) if len(sys.argv) > 1 else 200):
-        test_against_the_reference(number)
