@@ -374,11 +374,17 @@ def _full() -> Any:
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damper=damping,
         working=results.OwnFigures(
-            **figures, error=0.0, from_above=results.Figures(**figures), folds=(1.0, 2.0), jump=(1.0, 2.0)
+            **figures,
+            error=0.0,
+            from_above=results.Figures(**figures),
+            folds=(1.0, 2.0),
+            jump=(1.0, 2.0),
+            level=results.Figures(**figures),
+            tilt_share=1.0,
+            pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
+            tilted_cutoff_g=1.0,
+            tilted_cutoff_ratio=1.0,
         ),
-        level=results.Figures(**figures),
-        tilted=results.CutOff(1.0, 1.0),
-        pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
     )
 
 
@@ -397,7 +403,7 @@ def test_every_number_of_the_document_is_in_the_data_set() -> None:
 
 
 def test_a_speed_without_a_damper_has_neither_part_nor_columns() -> None:
-    plain = SpeedPoint(omega=1.0, rpm=1.0, radius=1.0, load_g=1.0)
+    plain = SpeedPoint(omega=1.0, rpm=1.0, radius=1.0, load_g=1.0, modes=())
     results = Results(load("structure").scene, {}, (plain,))
     assert workflows.document(results)["speeds"] == [{"rpm": 1.0, "load_g": 1.0, "modes": []}]
     assert set(workflows.dataset(results).variables) == {"rpm", "load_g"}

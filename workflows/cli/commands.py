@@ -286,14 +286,16 @@ def view(
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
     mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write a page instead of opening a window.")
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file, and do not open it.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Show mesh, clamped root, place of the damper and modes.
 
-    A window opens where there is a screen; otherwise a page is written, and its name is printed.
+    A page is written, its name is printed, and a browser opens it where there is a screen.
     """
+    import webbrowser
+
     from workflows.report import mode_viewer, viewer
     from workflows.report.page import writable
     from workflows.scene.load import slug
@@ -318,12 +320,12 @@ def view(
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
-    if out is None and mode_viewer.screen_exists() and viewer.shown(data, first, number, data.title):
-        return
     if remark := viewer.thinned(viewer.view(data, first, number)):
         typer.echo(remark)
     path = out or Path(f"spindamp-view-{slug(data.title)}.html")
     viewer.write(data, path, first, number)
+    if out is None and mode_viewer.screen_exists():
+        webbrowser.open(path.resolve().as_uri())
     typer.echo(f"\nopen {path}")
 
 

@@ -18,7 +18,6 @@ from workflows.errors import BadInput
 from workflows.formatting import amount, significant
 from workflows.io import files
 from workflows.io.files import Curve
-from workflows.io.serialise import quantities
 from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
@@ -26,7 +25,7 @@ from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene, typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,19 +51,6 @@ _MIDDLE = 0.5
 
 _LEAST_SHOWN = 1e-3
 """Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
-
-_REMAINING, *_LOST = ((each.name, each.short) for each in quantities(Energy) if each.short)
-
-_PARTS = (*_LOST, _REMAINING)
-"""Parts of the books and what the record calls them: what was lost, first to the structure, then what is left."""
-
-_COLOURS = (plots.CATEGORIES[5], plots.CATEGORIES[2], plots.CATEGORIES[1], plots.CATEGORIES[3], plots.RULE)
-
-_BAR = 0.7
-"""Height of a bar, of the distance between two."""
-
-_BARS_AT_MOST = 40
-"""Speeds that a picture has bars for."""
 
 _AXES = (plots.CATEGORIES[0], plots.CATEGORIES[2])
 """Along the axes 1 and 2."""
@@ -105,7 +91,6 @@ SHOWN = {
     "velocity": "Velocity of the structure over time",
     "capacity": "Specific damping capacity over acceleration amplitude",
     "working": "Damping ratio by the ball over the amplitude of the vibration",
-    "books": "Where the energy went at each speed, in shares",
     "path": "The ball’s path in its cavity",
 }
 """The figures of a report, and what they show."""
@@ -119,10 +104,9 @@ def report(results: Results) -> dict[str, str]:
         "velocity": velocity(results),
         "capacity": capacity(results),
         "working": damping_ratio(results),
-        "books": books(results),
         "path": cavity_path(results),
     }
-    values = {"campbell": _frequencies, "working": _damping_ratios, "books": _shares}
+    values = {"campbell": _frequencies, "working": _damping_ratios}
     return {
         name: ""
         if figure is None
@@ -162,20 +146,6 @@ def _damping_ratios(results: Results, figure: Figure) -> Iterator[Value]:
         for x, y in zip(1e3 * line.x, 100 * line.y, strict=True):
             if y > 0:
                 yield Value(figure.axes[0], x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
-
-
-def _shares(results: Results, figure: Figure) -> Iterator[Value]:
-    """Shares of the energy at the start, a bar each."""
-    bars = _speeds_shown(results)
-    for axes, parts in zip(figure.axes, _panels(bars), strict=True):
-        for place, (rpm, energy) in enumerate(bars):
-            begun = 0.0
-            for name, label in parts:
-                part = getattr(energy, name)
-                share = 100 * part / energy.initial
-                title = f"{label}, {amount(rpm)} rpm: {share:.6g} %, {part:.6g} J"
-                yield Value(axes, begun + share / 2, place, title, size=(share, _BAR))
-                begun += share
 
 
 def campbell(results: Results, target: Target = PAGE) -> Figure | None:
@@ -417,49 +387,6 @@ def _beside(axes: Axes, limit: float | None) -> None:
         va="bottom",
         color=plots.MUTED,
     )
-
-
-def _speeds_shown(results: Results) -> list[tuple[float, Energy]]:
-    """Speed [rpm] and books of the ring-downs that the figure shows, evenly chosen where there are many."""
-    found = [(p.rpm, p.damper.energy) for p in results.speeds if p.damper and p.damper.energy.initial > 0]
-    if len(found) <= _BARS_AT_MOST:
-        return found
-    return [found[k] for k in np.unique(np.linspace(0, len(found) - 1, _BARS_AT_MOST).round().astype(int))]
-
-
-def _panels(bars: list[tuple[float, Energy]]) -> list[tuple[tuple[str, str], ...]]:
-    """The parts that each panel shows."""
-    return [_PARTS, _PARTS[1:4]] if any(energy.structure > 0.0 for _, energy in bars) else [_PARTS]
-
-
-def books(results: Results) -> Figure | None:
-    """Shares of the energy of the release; below what the structure took, what the ball did on a scale of its own."""
-    bars = _speeds_shown(results)
-    if not bars:
-        return None
-    shown = _panels(bars)
-    figure, drawn = plots.canvas(0.75 + 0.2 * len(bars), len(shown))
-    for axes, parts in zip(drawn, shown, strict=True):
-        _bars(axes, bars, parts)
-        axes.set(xlabel="share of the energy at the start, %")
-    drawn[0].set(xlim=(0, 100))
-    if len(shown) == 2:
-        drawn[0].set(title="All of it")
-        drawn[1].set(title="What the ball took", xlim=(0, max(drawn[1].get_xlim()[1], 1e-6)))
-    plots.legend(figure, drawn[0])
-    return figure
-
-
-def _bars(axes: Axes, bars: list[tuple[float, Energy]], parts: tuple[tuple[str, str], ...]) -> None:
-    places, begun = np.arange(len(bars)), np.zeros(len(bars))
-    colours = dict(zip((name for name, _ in _PARTS), _COLOURS, strict=True))
-    for name, label in parts:
-        shares = np.array([100 * getattr(energy, name) / energy.initial for _, energy in bars])
-        axes.barh(places, shares, _BAR, begun, color=colours[name], label=label)
-        begun += shares
-    axes.set_yticks(places, [f"{amount(rpm)} rpm" for rpm, _ in bars])
-    axes.invert_yaxis()
-    axes.grid(visible=False, axis="y")
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
@@ -756,20 +683,23 @@ class Plots:
             raise _without("a plate")
         row = surface.row(middle(self.results.speeds))
         row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
-        return ModeView(surface, row, number, mode_title(number, self.results.speeds[surface.at[row]]))
+        point = self.results.speeds[surface.at[row]]
+        mode = point.modes[number - 1]
+        title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
+        return ModeView(surface, row, number, title)
 
+    @plots.style()
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
-        with plots.style():
-            figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
-            if figure is None:
-                raise _without(needed)
-            if ax is None:
-                figure.set_facecolor(plots.PAPER)
-            axes = ax or figure.axes[0]
-            plots.plain([axes])
-            plots.coloured(ax or figure, len(self.results.speeds))
-            return axes
+        figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
+        if figure is None:
+            raise _without(needed)
+        if ax is None:
+            figure.set_facecolor(plots.PAPER)
+        axes = ax or figure.axes[0]
+        plots.plain([axes])
+        plots.coloured(ax or figure, len(self.results.speeds))
+        return axes
 
 
 def chosen(
@@ -789,12 +719,6 @@ def chosen(
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row
-
-
-def mode_title(number: int, point: SpeedPoint) -> str:
-    """A mode at a speed, numbered from 1, in words."""
-    mode = point.modes[number - 1]
-    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
 
 
 def _without(needed: str) -> BadInput:

@@ -222,11 +222,13 @@ def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
 def level_floor(results: Results) -> str | None:
     """A scene that keeps the floor level, and what its tilt does to the cut-off, simulated."""
     pairs = [
-        (p.tilted.ratio, d.cutoff_ratio) for p, _, d in ring_downs(results) if p.tilted is not None and p.load_g > 0
+        (ratio, d.cutoff_ratio)
+        for p, _, d in ring_downs(results)
+        if p.working and (ratio := p.working.tilted_cutoff_ratio) is not None and p.load_g > 0
     ]
     if not pairs:
         return None
-    tilted = sorted(ratio for ratio, _ in pairs if ratio is not None)
+    tilted = sorted(ratio for ratio, _ in pairs if not math.isnan(ratio))
     level = sorted(ratio for _, ratio in pairs if ratio is not None)
     text = (
         "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
@@ -237,7 +239,7 @@ def level_floor(results: Results) -> str | None:
     if tilted and level:
         below, not_below = (span(ratios[0], ratios[-1], 3) for ratios in (tilted, level))
         text += f": simulated with the tilt, the ball rests below {below} of the load, and not below {not_below}"
-    never = sum(ratio is None for ratio, _ in pairs)
+    never = sum(math.isnan(ratio) for ratio, _ in pairs)
     where = f"; at {never} of {len(pairs)} loads it never moves" if never else ""
     return f"{text}{where}."
 
@@ -307,7 +309,8 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> str | None:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    pendulum = next((p.pendulum for p, _, _ in ring_downs(results) if p.pendulum is not None and p.load_g > 0), None)
+    swings = (p.working.pendulum for p, _, _ in ring_downs(results) if p.working is not None and p.load_g > 0)
+    pendulum = next(filter(None, swings), None)
     if damper is None or damper.floor_radius is None or pendulum is None:
         return None
     along, across = (significant(order, 3) for order in pendulum.order)
@@ -717,6 +720,24 @@ def frequency_error(results: Results) -> str | None:
     return f"{said} The mesh: {mesh}. {own}"
 
 
+def real_modes(results: Results) -> str | None:
+    """What Coriolis forces do to the mode that the damper feels, where that is more than the accuracy asked for."""
+    if not results.effects["coriolis"].on:
+        return None
+    moved = []
+    for point in results.speeds:
+        flap = next((mode for mode in point.modes if mode.family == "flap"), None)
+        if point.reduced is not None and flap is not None:
+            moved.append(flap.frequency_hz / point.reduced.f2_hz - 1)
+    most = max(moved, key=abs, default=0.0)
+    if abs(most) <= results.scene.accuracy.frequency:
+        return None
+    return (
+        f"Coriolis forces move the first bending mode by {percent(most)} %. What the damper feels (M1, K1,"
+        " M2, K2) is of a real mode, and without them."
+    )
+
+
 def divergence(results: Results) -> str | None:
     """Speeds that have no answer."""
     if results.diagram is None or not results.diagram.lost:
@@ -881,6 +902,7 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     lent,
     _rows,
     at_rest,
+    real_modes,
     veering,
     frequency_error,
 )

@@ -1,19 +1,12 @@
-"""What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, in a window or as a page.
-
-VTK runs in a process of its own, which may abort without a working OpenGL.
-"""
+"""What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
 from __future__ import annotations
 
-import io
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import fem
 from workflows import formatting, pipeline
@@ -227,9 +220,7 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
     """
     source = load.load(scene)
     if source.scene.given is not None:
-        raise BadInput(
-            "the table is missing: view needs a plate, a blade or known modes", file=source.name, key="[plate]"
-        )
+        raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
     if rpm is not None:
         source = _at(source, rpm)
     resources.check(source)
@@ -286,68 +277,6 @@ def of(target: str, rpm: float | None = None) -> Sight:
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
     return sight_of_scene(target, rpm)
-
-
-COMMAND = ["-P", str(Path(__file__).with_name("window.py"))]
-"""What shows the window, as arguments to Python."""
-
-_SCALE = 0.14
-"""Largest displacement drawn, in lengths of the plate."""
-
-
-def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
-    """Show a mode (from 0) at a speed of the run in a window until it is closed; False where that did not work."""
-    try:
-        done = subprocess.run(
-            [sys.executable, *COMMAND], input=archive(sight, first, mode, title), stderr=subprocess.DEVNULL, check=False
-        )
-    except OSError:
-        return False
-    return done.returncode == 0
-
-
-def archive(sight: Sight, first: int, mode: int, title: str) -> bytes:
-    """What the window's program reads: every mode at every speed kept, one of them first."""
-    surface, points = sight.surface, sight.surface.drawn(sight.surface.points)
-    length = float(np.ptp(points[:, :2], axis=0).max())
-    mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0][:3]]).reshape(-1, 3) / length
-    given: dict[str, Any] = {
-        "points": points / length,
-        "cells": surface.cells[1],
-        "outline": surface.outline,
-        "root": surface.root,
-        "mark": mark,
-        "first": (surface.at.index(first), mode) if surface.at else (0, 0),
-        "largest": _SCALE,
-        "title": np.array(title),
-    }
-    out = io.BytesIO()
-    np.savez(out, **given, **_shapes(surface), said=_said(sight))
-    return out.getvalue()
-
-
-def _shapes(surface: Surface) -> dict[str, Any]:
-    """Displacements to be drawn, (speeds, modes, n, 3), and behind them; none of the latter where all is in phase."""
-    behind = surface.behind if surface.behind is not None else np.zeros((0, *surface.shapes.shape[1:]))
-    squares = (surface.shapes**2).sum(axis=-1)
-    if len(behind):
-        squares += (behind**2).sum(axis=-1)
-    largest = np.sqrt(squares.max(axis=-1, initial=0.0))
-    scale = (_SCALE / np.where(largest > 0, largest, 1.0))[..., None, None]
-    return {
-        "shapes": surface.drawn(surface.shapes * scale).astype(np.float32),
-        "behind": (behind * scale[: len(behind)]).astype(np.float32),
-    }
-
-
-def _said(sight: Sight) -> npt.NDArray[np.str_]:
-    """Each mode in words, (speeds, modes)."""
-    count = sight.surface.shapes.shape[1]
-    rows = [
-        [figures.mode_title(number, point) for number in range(1, len(point.modes[:count]) + 1)]
-        for point in (sight.speeds[at] for at in sight.surface.at)
-    ]
-    return np.array(rows, dtype=np.str_)
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)

@@ -33,7 +33,7 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     load = omega**2 * rotor.radius / rotor.gravity
-    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, reduced=reduced)
+    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, (), reduced=reduced)
 
 
 def ball_mass(scene: Scene, m2: float) -> float:
@@ -55,8 +55,7 @@ def structure(
     the plate.
     """
     reduced, tilts = point.reduced, effects["floor_tilt"].on
-    if reduced is None:
-        raise ValueError("the structure is not known at the damper's place")
+    assert reduced is not None
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
     if scene.given is None and (tilts or hollow):
@@ -169,8 +168,8 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
     """
     release, reduced = scene.release, point.reduced
-    if release is None or reduced is None:
-        raise ValueError("the scene has no [release]")
+    assert release is not None
+    assert reduced is not None
     squares = _squares(scene, point)
     if release.displacement is not None:
         found = release.displacement
@@ -210,8 +209,7 @@ def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> t
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
     reduced = point.reduced
-    if reduced is None:
-        raise ValueError("the structure is not known at the damper's place")
+    assert reduced is not None
     first = (2 * math.pi * reduced.f1_hz) ** 2
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
@@ -224,8 +222,7 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
 def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
     damper = source.scene.damper
-    if damper is None:
-        raise ValueError("the scene has no [damper]")
+    assert damper is not None
     with _placed(source):
         found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     return list(map(reduced_of, found))
@@ -254,7 +251,7 @@ def _placed(source: SceneFile) -> Iterator[None]:
         raise plate_mesh.off_the_plate(source, error) from error
     except NoFlapMode as error:
         modes = source.scene.rotor.modes
-        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
+        raise source.wrong(f"{error}: ask for more modes", "[rotor] modes", modes) from error
 
 
 def cavity_modes(

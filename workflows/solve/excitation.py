@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from workflows.errors import BadInput, read_from
+from workflows.errors import read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation
@@ -140,16 +140,16 @@ def checked(source: SceneFile) -> Excitation:
     """
     scene = source.scene
     if scene.damper is None:
-        raise BadInput("the table is missing: response needs a damper", file=source.name, key="[damper]")
+        raise source.wrong("the table is missing: response needs a damper", "[damper]")
     if scene.excitation is None:
         problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
-        raise BadInput(problem, file=source.name, key="[excitation]")
+        raise source.wrong(problem, "[excitation]")
     if scene.damper.formulation == "printed":
         problem = "the printed equations know no force: expected 'consistent'"
-        raise BadInput(problem, file=source.name, key="[damper] formulation", value="printed")
+        raise source.wrong(problem, "[damper] formulation", "printed")
     if len(scene.rotor.speeds) < 2:
         problem = "expected two speeds at least: crossings are looked for from the lowest to the highest"
-        raise BadInput(problem, file=source.name, key="[rotor] speeds")
+        raise source.wrong(problem, "[rotor] speeds")
     return scene.excitation
 
 
@@ -337,13 +337,13 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tup
     best = int(np.argmin(np.where(borne, ratio, math.inf)))
     helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     if best in helps:
-        known["range"] = _run(scan, helps, best)
-    most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
+        known["range"] = neighbours(scan, helps, best)
+    most = math.inf if borne.all() else neighbours(scan, np.flatnonzero(borne), 0)[1]
     known |= {"ratio": float(ratio[best]), "level": float(scan[best]), "endured_level": most}
     return known, float(amplitude[best])
 
 
-def _run(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
+def neighbours(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
     """The first and the last of the neighbouring places that one of them belongs to."""
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     mine = next((run for run in runs if one in run), np.array([one]))

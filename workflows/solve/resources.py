@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workflows.errors import BadInput
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
@@ -126,7 +125,7 @@ def check(source: SceneFile) -> None:
     needed, there = memory(source), available() + _held()
     if needed > there:
         worst = parts(source)[0]
-        raise BadInput(_too_much(needed, there, worst.advice), file=source.name, key=worst.key, value=worst.value)
+        raise source.wrong(_too_much(needed, there, worst.advice), worst.key, worst.value)
 
 
 def sizes(source: SceneFile, decided: ModelChoice, model: str | None) -> Sizes:
@@ -164,9 +163,9 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
         given = source.scene.plate.mesh if source.scene.plate is not None else None
         if given is not None:
             problem = _too_much(needed, there, "coarsen the mesh")
-            raise BadInput(problem, file=source.name, key="[plate] mesh", value=given)
+            raise source.wrong(problem, "[plate] mesh", given)
         problem = _too_much(needed, there, "ask for fewer modes")
-        raise BadInput(problem, file=source.name, key="[rotor] modes", value=modes)
+        raise source.wrong(problem, "[rotor] modes", modes)
     return most
 
 
@@ -189,7 +188,7 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     if needed > there:
         name = None if source.scene.blade is None else source.scene.blade.mesh
         problem = _too_much(needed, there, f"coarsen the mesh, which has {unknowns} unknowns")
-        raise BadInput(problem, file=source.name, key="[blade] mesh", value=name)
+        raise source.wrong(problem, "[blade] mesh", name)
 
 
 def _too_much(needed: float, there: float, advice: str) -> str:

@@ -19,7 +19,6 @@ from pydantic import (
     PlainSerializer,
     WithJsonSchema,
     computed_field,
-    model_serializer,
     model_validator,
 )
 from pydantic_core import core_schema
@@ -47,8 +46,7 @@ def quantity(unit: str, meaning: str, name: str | None = None, **more: Any) -> A
         meaning: in words.
         name: under which it is published, if not that of the field.
         more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
-            `headline`: whether a sweep has a column of it; `short`: what the key of a picture calls it;
-            `unpublished`: whether JSON leaves it out.
+            `headline`: whether a sweep has a column of it; `unpublished`: whether JSON leaves it out.
     """
     return Field(alias=name, description=meaning, json_schema_extra={"unit": unit, **more})
 
@@ -104,6 +102,13 @@ Unknown = Annotated[
     WithJsonSchema({"type": ["number", "null"]}),
 ]
 """A number that may be none that is finite, which is published as null."""
+
+MaybeUnknown = Annotated[
+    float | None,
+    BeforeValidator(lambda value: math.nan if value is None else value),
+    WithJsonSchema({"type": ["number", "null"]}),
+]
+"""The same, left out of files where it is None."""
 
 Pair = tuple[Unknown, Unknown]
 
@@ -187,6 +192,14 @@ class Figures:
         return _columns(CurvePoint, data, "curve")
 
 
+@dataclass(frozen=True)
+class Pendulum:
+    """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
+
+    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
+    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
+
+
 @dataclass(frozen=True, eq=False)
 class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
@@ -227,6 +240,36 @@ class OwnFigures(Figures):
             ends=_ENDS,
         ),
     ]
+    level: Annotated[
+        Figures | None,
+        part(
+            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
+            "level_floor",
+            prefix="level_",
+            headline=False,
+        ),
+    ]
+    tilt_share: Annotated[
+        float,
+        quantity(
+            "1",
+            "share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
+            "floor_tilt_share",
+            headline=True,
+        ),
+    ]
+    pendulum: Annotated[
+        Pendulum | None,
+        part(
+            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
+            prefix="pendulum_",
+        ),
+    ] = None
+    tilted_cutoff_g: Annotated[
+        MaybeUnknown,
+        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
+    ] = None
+    tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1", "that over load_g")] = None
 
     @property
     def parted(self) -> bool:
@@ -234,9 +277,12 @@ class OwnFigures(Figures):
         return self.folds[0] < self.folds[1]
 
     @classmethod
-    def of(cls, measured: damper.Working) -> OwnFigures:
-        """Those that were measured."""
-        return taken_over(cls, measured, from_above=taken_over(Figures, measured.descending))
+    def of(
+        cls, measured: damper.Working, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
+    ) -> OwnFigures:
+        """Those that were measured, with what else is known of the floor."""
+        above = taken_over(Figures, measured.descending)
+        return taken_over(cls, measured, from_above=above, tilt_share=tilt_share, level=level, **more)
 
 
 @dataclass(frozen=True)
@@ -386,34 +432,15 @@ class VibrationReduction:
 
 
 @dataclass(frozen=True)
-class CutOff:
-    """That of a ring-down; None where the ball never moves."""
-
-    g: Annotated[
-        float | None,
-        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
-    ]
-    ratio: Annotated[float | None, quantity("1", "that over load_g")]
-
-
-@dataclass(frozen=True)
-class Pendulum:
-    """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
-
-    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
-    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
-
-
-@dataclass(frozen=True)
 class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
     initial: Annotated[float, quantity("J", "at the release")]
-    final: Annotated[float, quantity("J", "left at the end", short="left")]
-    structure: Annotated[float, quantity("J", "lost to the structure's own damping", short="structure")]
-    rolling: Annotated[float, quantity("J", "lost to rolling resistance", short="rolling")]
-    impact: Annotated[float, quantity("J", "lost in hits of the walls", short="wall hits")]
-    slip: Annotated[float, quantity("J", "lost to slip on the floor", short="slip")]
+    final: Annotated[float, quantity("J", "left at the end")]
+    structure: Annotated[float, quantity("J", "lost to the structure's own damping")]
+    rolling: Annotated[float, quantity("J", "lost to rolling resistance")]
+    impact: Annotated[float, quantity("J", "lost in hits of the walls")]
+    slip: Annotated[float, quantity("J", "lost to slip on the floor")]
     residual: Annotated[float, quantity("J", "not explained by the books")]
 
     @property
@@ -621,7 +648,6 @@ __all__ = [
     "BallPath",
     "CavityMode",
     "ContactFigures",
-    "CutOff",
     "Damping",
     "Diagram",
     "Energy",
@@ -647,12 +673,6 @@ __all__ = [
     "shown_of",
 ]
 
-_WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
-"""What files have within the damper's own figures, and a speed beside them."""
-
-_TILTED = "tilted_cutoff_"
-"""How the names of the cut-off with the tilt left out begin there."""
-
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
@@ -665,20 +685,17 @@ class SpeedPoint:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
         damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
-        level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
-        tilted: cut-off with the tilt that the scene leaves out.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
-        pendulum: of a ball in a hollow floor.
     """
 
     omega: Annotated[float, KEPT]
     rpm: Annotated[float, quantity("rpm", "rotation speed")]
     radius: Annotated[float, KEPT]
     load_g: Annotated[float, quantity("g", "centrifugal acceleration at the damper", headline=True)]
-    modes: Annotated[tuple[Mode, ...], part(along="mode")] = ()
+    modes: Annotated[tuple[Mode, ...], part(along="mode")]
     reduced: Annotated[Reduced | None, part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
     cavity_modes: Annotated[
         tuple[CavityMode, ...],
@@ -705,32 +722,10 @@ class SpeedPoint:
         Verdict | None,
         part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
     ] = None
-    level: Annotated[
-        Figures | None,
-        part(
-            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
-            "level_floor",
-            prefix="level_",
-            headline=False,
-        ),
-    ] = None
-    tilted: CutOff | None = None
     stagger: Annotated[float | None, KEPT] = None
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
-    pendulum: Annotated[
-        Pendulum | None,
-        part(
-            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
-            prefix="pendulum_",
-        ),
-    ] = None
 
-    @computed_field(  # type: ignore[prop-decorator]
-        alias="floor_tilt_share",
-        description="share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
-        json_schema_extra={"unit": "1", "headline": True},
-    )
     @property
     def tilt_share(self) -> float:
         """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
@@ -738,39 +733,10 @@ class SpeedPoint:
             return 0.0
         return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
 
-    @model_serializer(mode="wrap")
-    def _published(self, handler: Any) -> dict[str, Any]:
-        """As files have it: what belongs to the damper's own figures stands there."""
-        found = handler(self)
-        inner = {"level_floor": None} | {name: found.pop(name) for name in _WITHIN if name in found}
-        tilted = found.pop("tilted", {})
-        if "working" in found:
-            found["working"] |= inner | {_TILTED + name: value for name, value in tilted.items()}
-        return {"modes": [], **found}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any) -> Any:
-        if not isinstance(data, Mapping) or not data.get("working"):
-            return data
-        inner = data["working"]
-        tilted = {name.removeprefix(_TILTED): value for name, value in inner.items() if name.startswith(_TILTED)}
-        return {**data, **{name: inner[name] for name in _WITHIN if name in inner}, "tilted": tilted or None}
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: Any) -> dict[str, Any]:
-        """The schema of the same."""
-        fields_alone = {name: each for name, each in core.items() if name != "serialization"}
-        found: dict[str, Any] = handler.resolve_ref_schema(handler(fields_alone))
-        speed = found["properties"]
-        working, tilted = (handler.resolve_ref_schema(speed[name]["anyOf"][0]) for name in ("working", "tilted"))
-        del speed["tilted"]
-        inner = {name: speed.pop(name) for name in _WITHIN}
-        inner |= {_TILTED + name: each for name, each in tilted["properties"].items()}
-        working["properties"] |= inner
-        working["required"] += ["level_floor", "floor_tilt_share"]
-        found["required"] = [*(name for name in found["required"] if name not in _WITHIN), "modes"]
-        return found
+    @property
+    def level(self) -> Figures | None:
+        """The damper's figures on a level floor, where the scene keeps it so."""
+        return None if self.working is None else self.working.level
 
 
 @dataclass(frozen=True, eq=False)

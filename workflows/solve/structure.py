@@ -12,7 +12,6 @@ import numpy as np
 
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
-from workflows.errors import BadInput
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -321,7 +320,7 @@ def discretise(
         choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
-        raise BadInput(str(error), file=source.name, key="[plate]") from error
+        raise source.wrong(str(error), "[plate]") from error
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.in_words(source, form, choice.size)
@@ -366,7 +365,7 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
             operators = with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
         except PlaceError as error:
             sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
-            raise BadInput(str(error), file=source.name, key="[damper] cavity", value=sides) from error
+            raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
 

@@ -19,7 +19,7 @@ from workflows.io.files import as_json, as_table, finite, write_study
 from workflows.report import figures, plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import HELPS, endured, half_way
+from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
@@ -131,48 +131,48 @@ def campbell_plot(found: Response) -> str:
     return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
+@plots.style()
 def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.3)
-        rpm = in_rpm(through.omega)
-        states = through.states
-        least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
-        without = np.abs(through.shaped(states.without))
-        for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
-            axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
-            low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
-            axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
-            for start in range(mean.shape[2]):
-                label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
-                axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
-        axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
-        plots.legend(figure, axes, title=found.excitation.kind)
-        return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
+    figure, (axes,) = plots.canvas(3.3)
+    rpm = in_rpm(through.omega)
+    states = through.states
+    least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
+    without = np.abs(through.shaped(states.without))
+    for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
+        axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
+        low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
+        axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
+        for start in range(mean.shape[2]):
+            label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
+            axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
+    axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
+    plots.legend(figure, axes, title=found.excitation.kind)
+    return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
 
+@plots.style()
 def damping(found: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
     shown = [through for through in found.passed if through.figures.amplitude.size]
     if not shown:
         return ""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.0)
-        for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
-            figures, c = through.figures, through.crossing
-            some = figures.damping_ratio > 0
-            label = f"order {c.order}, {whole(c.rpm)} rpm"
-            axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
-            low, high = (1e3 * end for end in figures.range)
-            if np.isfinite(low) and np.isfinite(high):
-                axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
-        air = [100 * ratio for ratio in AIR]
-        axes.axhspan(*air, color=plots.RULE, lw=0)
-        least = 100 * min(through.figures.peak for through in shown) / 30
-        axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
-        axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-        plots.legend(figure, axes, ncols=1)
-        return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
+    figure, (axes,) = plots.canvas(3.0)
+    for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
+        figures, c = through.figures, through.crossing
+        some = figures.damping_ratio > 0
+        label = f"order {c.order}, {whole(c.rpm)} rpm"
+        axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
+        low, high = (1e3 * end for end in figures.range)
+        if np.isfinite(low) and np.isfinite(high):
+            axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
+    air = [100 * ratio for ratio in AIR]
+    axes.axhspan(*air, color=plots.RULE, lw=0)
+    least = 100 * min(through.figures.peak for through in shown) / 30
+    axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
+    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    plots.legend(figure, axes, ncols=1)
+    return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 
 
 def sentences(found: Response) -> list[str]:
@@ -216,21 +216,38 @@ def confirmed(found: Response, through: Through) -> VibrationReduction:
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
-    useful = [each.level for each in borne if each.endured and each.ratio <= enough]
-    low, high = (min(useful), max(useful)) if useful else (math.nan, math.nan)
-    others = [each.level for each in levels if each.level not in useful]
-    if useful and not any(short.range[0] <= level <= short.range[1] for level in others):
-        low, high = min(low, short.range[0]), max(high, short.range[1])  # comparisons with nan leave the motion's
+    useful = [each.endured and each.ratio <= enough for each in levels]
     return replace(
         short,
         ratio=best.ratio,
         level=best.level,
-        range=(low, high),
+        range=_range(short, levels, useful, best.level),
         moves_from=through.least_force,
         levels=tuple(each for each in levels if each.level in found.asked),
         reason=Reason.NONE,
         detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {found.excitation.unit}",
     )
+
+
+_NEAR = 1.25
+"""How far the best level followed may lie outside an estimated range that is said to be confirmed."""
+
+
+def _range(
+    short: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
+) -> tuple[float, float]:
+    """Levels around the best with at least half of its reduction: the estimated ones, as far as those followed agree.
+
+    Where they do not, levels followed one after the other.
+    """
+    if not any(useful):
+        return math.nan, math.nan
+    followed = np.array([each.level for each in levels])
+    low, high = short.range
+    agree = all(use for level, use in zip(followed, useful, strict=True) if low <= level <= high)
+    if agree and low / _NEAR <= best <= high * _NEAR:  # false where nothing is estimated
+        return min(low, best), max(high, best)
+    return neighbours(followed, np.flatnonzero(useful), int(np.argmin(np.abs(followed - best))))
 
 
 def _at_the_end(through: Through) -> bool:

@@ -18,24 +18,24 @@ _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
 
 
+@plots.style()
 def study_plot(found: ConvergenceStudy, name: str, asked: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.4)
-        _work_precision(axes, found, asked)
-        plots.legend(figure, axes, ncols=1)
-        return plots.svg(figure, name, f"Time against error: {found.quantity}")
+    figure, (axes,) = plots.canvas(3.4)
+    _work_precision(axes, found, asked)
+    plots.legend(figure, axes, ncols=1)
+    return plots.svg(figure, name, f"Time against error: {found.quantity}")
 
 
+@plots.style()
 def overview(studies: list[ConvergenceStudy], asked: float | None) -> str:
     """Some studies side by side."""
-    with plots.style():
-        figure, panels = plots.canvas(4.0, len(studies))
-        for axes, found in zip(panels, studies, strict=True):
-            _work_precision(axes, found, asked)
-            axes.set_title(found.stage)
-            axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
-        return plots.svg(figure, "overview", "Time against error")
+    figure, panels = plots.canvas(4.0, len(studies))
+    for axes, found in zip(panels, studies, strict=True):
+        _work_precision(axes, found, asked)
+        axes.set_title(found.stage)
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
+    return plots.svg(figure, "overview", "Time against error")
 
 
 def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) -> None:
