@@ -113,16 +113,7 @@ def test_a_constant_force_on_the_ball(of_the_load: bool) -> None:
     load, slope, half, e = 2.2e5, 1e-4, 0.049, 0.5
     along = [Mode(mass=1e9, stiffness=1e11, shape=shape) for shape in ((1.0, 0.0), (0.0, 1.0))]
     leans = Mode(mass=1e12, stiffness=1e-12, shape=(0.0, 0.0), slope=(slope, 0.0))
-    damper = ParticleDamper(
-        modal_mass=1e9,
-        stiffness=(1e11, 1e11),
-        ball_mass=1e-3,
-        ball_radius=1e-3,
-        cavity=(2 * half + 2e-3, 0.1),
-        centrifugal_acceleration=load,
-        restitution=e,
-        modes=(*along, leans),
-    )
+    damper = ParticleDamper(1e9, (1e11, 1e11), 1e-3, 1e-3, (2 * half + 2e-3, 0.1), load, e, modes=(*along, leans))
     run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(0.0, 0.0, 1.0), keep_events=True)
     if of_the_load:
         damper = replace(damper, modes=None, lateral_acceleration=(-load * slope, 0.0))

@@ -69,12 +69,12 @@ def test_something_is_free(slow):
 
 def test_a_ball_denser_than_any_solid_is_no_design(slow, here):
     """By its mass, a ball gets denser as it gets smaller: 1 g takes a radius of 2.19 mm of osmium."""
-    scene = changed(slow, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None)
-    found = spindamp.design(changed(scene, design__mass=None, design__ball_diameter=["3 mm", "6 mm"]), executor=here)
+    scene = changed(slow, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None, design__mass=None)
+    found = spindamp.design(changed(scene, design__ball_diameter=["3 mm", "4.5 mm", "6 mm"]), executor=here)
     density = 1e-3 / (4 / 3 * math.pi * found.scene.scene.damper.radius**3)
     assert density <= 22_600.0
     with pytest.raises(BadInput, match=r"no design can be had: the one that comes nearest is 3\.13 times as dense as"):
-        spindamp.design(changed(scene, design__mass=None, design__ball_diameter=["2 mm", "3 mm"]), executor=here)
+        spindamp.design(changed(scene, design__ball_diameter=["2 mm", "2.5 mm", "3 mm"]), executor=here)
 
 
 def test_design_needs_its_table():
