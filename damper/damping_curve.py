@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,6 +57,10 @@ class Working:
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
             peak, or both from what faster sweeps show, or the sweeps up from each other [-].
         from_above: the same on the way down, where a ball in motion keeps bouncing; None: these are of that way.
+        slow_ramp: the same as the mean of the sweeps up from rest, which may bounce before that is certain; None: as
+            `from_above`.
+        abrupt_start: the same of amplitudes that are there at once, the ball at rest in the middle, the structure at a
+            crest, in the thirteenth to 36th cycle; None: as `from_above`.
         folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
             where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
             all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
@@ -72,6 +76,8 @@ class Working:
     half: tuple[float, float]
     error: float
     from_above: Working | None = None
+    slow_ramp: Working | None = None
+    abrupt_start: Working | None = None
     folds: tuple[float, float] = (math.nan, math.nan)
     jump: tuple[float, float] = (math.nan, math.nan)
 
@@ -124,6 +130,7 @@ def grown(above: Working, up: Floats, rolls: Floats, meets: float) -> tuple[Work
         if k <= edge if k in known else k > min(known):
             continue
         if k in known and least > (1 - _PARTED) * known[k][1]:
+            merged[k] = min(merged[k], rolling.get(k, merged[k]), key=lambda point: point[1])
             continue
         merged[k] = place, least
         spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 and k not in rolling else 0.0
@@ -191,13 +198,26 @@ def resolved(curve: Working, rolls: Floats) -> Working:
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 
+def continued(curve: Working, other: Working) -> Working:
+    """The same with what another shows beyond its last amplitude."""
+    beyond = other.amplitude > curve.amplitude[-1]
+    amplitude = np.concatenate([curve.amplitude, other.amplitude[beyond]])
+    ratio = np.concatenate([curve.damping_ratio, other.damping_ratio[beyond]])
+    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+
+
 def held_until(curve: Working, amplitude: float) -> Working:
     """The same of a ball at rest that stays so up to an amplitude."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
-    held = replace(curve, damping_ratio=ratio, cutoff=amplitude)
-    return (
-        at_bin(held, int(np.argmax(ratio))) if ratio.any() else replace(nothing(amplitude), from_above=curve.descending)
-    )
+    starts: dict[str, Any] = {
+        name: held_until(each, amplitude)
+        for name in ("slow_ramp", "abrupt_start")
+        if (each := getattr(curve, name)) is not None
+    }
+    if not ratio.any():
+        return replace(nothing(amplitude), from_above=curve.descending, **starts)
+    held = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
+    return replace(held, half=(max(held.half[0], amplitude), held.half[1]))
 
 
 def _bins(amplitude: Floats) -> list[int]:

@@ -3,10 +3,10 @@
 Random dampers with two steady motions over a range, eight ramps of 0.1 % a cycle up from the cut-off with the ball at
 rest in the middle, and eight down from other places of the ball. Curves are compared over eighths of an octave: the
 largest differences of both branches from the mean of the ramps, whose hits are chaotic, away from the folds; and by how
-much the promise exceeds any one ramp up, over what that shows, or over a hundredth of the peak where that is more: just
-beyond the cut-off a ball takes next to nothing, and a percentage of it means nothing. A fold is the least amplitude,
-midway through a cycle, before the median ramp falls off. `swing` is how far a ball that rolls about the middle swings
-where it is to meet the walls. The reference is `tests.damper.ramps`; a second a damper. `--count N`, `--first SEED`.
+much the promise exceeds any one ramp up, over what that shows, or over 2 % of the peak where that is more: just beyond
+the cut-off a ball takes next to nothing, and a percentage of it means nothing. A fold is the least amplitude, midway
+through a cycle, before the median ramp falls off. `swing` is how far a ball that rolls about the middle swings where it
+is to meet the walls. The reference is `tests.damper.ramps`; a second a damper. `--count N`, `--first SEED`.
 `--designs`: two spaces of `design`, each damper of them held at amplitudes from three starts by the same reference:
 whether the best is the best, and what it was promised.
 """
@@ -27,7 +27,7 @@ from damper import ParticleDamper, Working, working
 from tests.damper.ramps import led
 from workflows.scene.materials import KNOWN
 
-GROWTH, RAMPS = 1.001, 8
+GROWTH, RAMPS, LEAST = 1.001, 8, 0.02
 Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
@@ -47,10 +47,12 @@ def drawn(seed: int) -> ParticleDamper:
     )
 
 
-def followed(cycles: Floats) -> tuple[Floats, Floats]:
+def ramp(damper: ParticleDamper, first: float, last: float, place: float = 0.0) -> tuple[Floats, Floats]:
     """Amplitudes, midway through a cycle, and damping ratios of a ramp."""
-    level, lost = cycles.T
-    return level * np.exp(-lost / 2), lost / (2 * math.pi)
+    cycles = round(abs(math.log(last / first)) / math.log(GROWTH))
+    amplitudes = np.geomspace(first, last, cycles)
+    lost = led(damper, amplitudes, place)
+    return amplitudes * np.exp(-lost / 2), lost / (2 * math.pi)
 
 
 def at(curve: Working, amplitude: Floats) -> Floats:
@@ -74,7 +76,7 @@ def swing(damper: ParticleDamper, amplitude: float) -> float:
     """Half the way of a ball that rolls to and fro at an amplitude in a cavity without end, by what it loses [m]."""
     wide = dataclasses.replace(damper, cavity=(1e3 * amplitude, damper.cavity[1]))
     energy = 0.5 * damper.stiffness[0] * amplitude**2
-    lost = -np.expm1(-2 * led(wide, amplitude, 12)[4:, 1]).mean() * energy
+    lost = -np.expm1(-2 * led(wide, np.full(12, amplitude))[4:]).mean() * energy
     return float(lost / (4 * damper.ball_mass * damper.rolling_threshold))
 
 
@@ -89,10 +91,10 @@ def stretches(paths: list[tuple[Floats, Floats]], curve: Working) -> Floats:
 
 
 def farthest(paths: list[tuple[Floats, Floats]], curve: Working) -> float:
-    """The largest relative difference of a curve from the mean of ramps, in stretches of a hundredth of its peak on."""
+    """The largest relative difference of a curve from the mean of ramps, in stretches of 2 % of its peak on."""
     amplitude, ratio = (np.concatenate(each) for each in zip(*paths, strict=True))
     shown, promised = stretches([(amplitude, ratio)], curve).T
-    return float(np.abs(promised / shown - 1)[shown > 0.01 * curve.peak].max(initial=0.0))
+    return float(np.abs(promised / shown - 1)[shown > LEAST * curve.peak].max(initial=0.0))
 
 
 def compare(seed: int) -> str:
@@ -102,19 +104,18 @@ def compare(seed: int) -> str:
     above, cutoff, (low, high) = found.descending, found.cutoff, found.folds
     if not low < high:
         return f"{seed:3d}  e {damper.restitution:.2f}  one motion throughout"
-    up, down, growth = [], [], math.log(GROWTH)
+    up, down = [], []
     for k in range(RAMPS):
-        first, last = 0.99 * cutoff * GROWTH ** (-0.618 * k), 1.25 * high * 2 ** ((k + 1) / RAMPS)
-        rising = led(damper, first, int(math.log(1.25 * high / first) / growth), GROWTH**2)
-        falling = led(damper, last, int(math.log(last / (0.6 * low)) / growth), GROWTH**-2, 1 - k / RAMPS)
-        up.append(followed(rising[rising[:, 0] > cutoff]))
-        down.append(followed(falling))
+        rising = ramp(damper, 0.99 * cutoff * GROWTH ** (-0.618 * k), 1.25 * high)
+        up.append(part(rising, rising[1] > 0))
+        down.append(ramp(damper, 1.25 * high * 2 ** ((k + 1) / RAMPS), 0.6 * low, 1 - k / RAMPS))
     begins = [path[0][turning(path)] for path in (part(path, path[0] > 1.15 * cutoff) for path in up)]
     stops = [path[0][: turning(path)].min() for path in (part(path, path[0] < 2 * low) for path in down)]
     rolling = [part(path, path[0] < 0.93 * min(*begins, found.jump[0])) for path in up]
-    bouncing = [part(path, (path[0] > 1.08 * low) & (path[0] < 1.2 * high)) for path in down]
+    clear = 1.08 * low * math.exp(math.pi * above.peak)  # by half of what a cycle takes
+    bouncing = [part(path, (path[0] > clear) & (path[0] < 1.2 * high)) for path in down]
     shown, promised = stretches(up, found).T
-    excess = float(((promised - shown) / np.maximum(shown, 0.01 * found.peak)).max())
+    excess = float(((promised - shown) / np.maximum(shown, LEAST * found.peak)).max())
     return (
         f"{seed:3d}  e {damper.restitution:.2f}  rolling {100 * farthest(rolling, found):4.1f} %"
         f"  bouncing {100 * farthest(bouncing, above):4.1f} %"
@@ -139,7 +140,7 @@ def least(damper: ParticleDamper, low: float, high: float) -> float:
     """
 
     def added(amplitude: float, place: float, first: int, last: int, speed: float = 0.0) -> float:
-        return float(led(damper, amplitude, last, place=place, speed=speed)[first:, 1].mean()) / (2 * math.pi)
+        return float(led(damper, np.full(last, amplitude), place, speed)[first:].mean()) / (2 * math.pi)
 
     found = [added(amplitude, place, 40, 160) for amplitude in np.geomspace(low, high, 5) for place in (0.0, 0.5)]
     omega, gap = damper.stuck_frequency, damper.half_gap[0]

@@ -89,19 +89,17 @@ def _ends(last: float, u: float, v: float, s: float, w: float, way: float, given
 
 
 @numba.njit(cache=True)
-def _led(begun: Floats, factor: float, given: Floats, path: Floats) -> None:
+def _led(amplitudes: Floats, s: float, w: float, given: Floats, decrements: Floats) -> None:
     m2, m, k, _, h, e, sticking = given
-    u, v, s, w = begun
-    stuck = m2 + m
-    period, level = 2 * math.pi * math.sqrt(stuck / k), 0.5 * (stuck * v**2 + k * u**2)
-    slowest = 1e-9 * math.sqrt(2 * level / stuck)
+    stuck, u, v = m2 + m, amplitudes[0], 0.0
+    slowest = 1e-9 * math.sqrt(k / stuck) * u
     way = 0.0 if w == 0 else math.copysign(1.0, w)
-    for n in range(len(path)):
-        scale = math.sqrt(level * factor**n / (0.5 * (stuck * v**2 + k * u**2)))
+    for n in range(len(amplitudes)):
+        swing = 0.5 * k * amplitudes[n] ** 2
+        scale = math.sqrt(swing / (0.5 * (stuck * v**2 + k * u**2)))
         u, v = u * scale, v * scale
-        swing = 0.5 * (stuck * v**2 + k * u**2)
         before = 0.5 * (k * u**2 + m2 * v**2 + m * (v + w) ** 2) + 0.2 * m * w**2
-        left = period
+        left = 2 * math.pi * math.sqrt(stuck / k)
         while left > 0:
             if way == 0:
                 lag, heading = _starts(u, v, s, given)
@@ -125,25 +123,21 @@ def _led(begun: Floats, factor: float, given: Floats, path: Floats) -> None:
                     way = 0.0 if w == 0 else math.copysign(1.0, w)
             left -= lag
         after = 0.5 * (k * u**2 + m2 * v**2 + m * (v + w) ** 2) + 0.2 * m * w**2
-        path[n, 0], path[n, 1] = math.sqrt(2 * swing / k), -0.5 * math.log1p((after - before) / swing)
+        decrements[n] = -0.5 * math.log1p((after - before) / swing)
 
 
-def led(
-    damper: ParticleDamper, first: float, cycles: int, factor: float = 1.0, place: float = 0.0, speed: float = 0.0
-) -> Floats:
-    """Amplitude [m] and decrement of each cycle, shape (n, 2), the structure's energy changing by a factor between.
+def led(damper: ParticleDamper, amplitudes: npt.ArrayLike, place: float = 0.0, speed: float = 0.0) -> Floats:
+    """Logarithmic decrement of each cycle, shape (n,) [-].
 
     Args:
         damper: on a level floor, without damping of its own.
-        first: amplitude at the beginning, a crest of the structure [m].
-        cycles: how many.
-        factor: of the energy, from one cycle to the next.
+        amplitudes: that the structure is given before each cycle, the first at a crest, shape (n,) [m].
         place: of the ball at the beginning, over half the clearance.
         speed: of the ball in its cavity then [m/s].
     """
-    half = damper.half_gap[0]
+    half, each = damper.half_gap[0], np.array(amplitudes, dtype=float)
     given = [damper.modal_mass, damper.ball_mass, damper.stiffness[0], damper.rolling_threshold, half]
-    path = np.zeros((cycles, 2))
-    begun = np.array([first, 0.0, place * half, speed])
-    _led(begun, factor, np.array([*given, damper.restitution, damper.sticking_ratio]), path)
-    return path
+    decrements = np.zeros(len(each))
+    given += [damper.restitution, damper.sticking_ratio]
+    _led(each, place * half, speed, np.array(given), decrements)
+    return decrements

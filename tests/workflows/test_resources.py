@@ -136,7 +136,7 @@ def test_the_same_scene_passes_where_there_is_room(
     scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
     source = load(scene)
     decided = choose_model(source, Stages(visible=False))
-    needed = resources.sizes(source, decided, model(source, decided)).memory
+    needed = resources.sizes(source, decided.form, decided.effects, model(source, decided)).memory
     monkeypatch.setattr(resources, "available", lambda: needed)
     assert spindamp("check", scene).status == 0
     monkeypatch.setattr(resources, "available", lambda: 0.99 * needed - resources.BASE)

@@ -27,7 +27,7 @@ from workflows.effects import selection
 from workflows.io import provenance, serialise
 from workflows.scene import quantities
 from workflows.scene.load import load, parse
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint
 from workflows.studies.sweep.evaluate import QUANTITIES
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -375,8 +375,8 @@ def _full() -> Any:
         damper=damping,
         working=results.OwnFigures(
             **figures,
+            **dict.fromkeys(OTHER_WAYS, results.Figures(**figures)),
             error=0.0,
-            from_above=results.Figures(**figures),
             folds=(1.0, 2.0),
             jump=(1.0, 2.0),
             level=results.Figures(**figures),

@@ -347,7 +347,7 @@ def check(
     resources.check(source)
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
-    sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
+    sizes = resources.sizes(source, choice.form, choice.effects, None if choice.form is None else model(source, choice))
     with translated_errors(source):
         space = space_of(source, slowest=True)
     if json:

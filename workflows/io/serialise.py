@@ -25,7 +25,7 @@ from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import parse, unfit
 from workflows.scene.scene import Scene
-from workflows.solve.results import Results, SpeedPoint, VibrationReduction, expect
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -224,7 +224,7 @@ def _quantities(
 _NO_HEADLINES: Any = {
     "modes": True,
     "cavity_modes": True,
-    "working": {"curve": True, "from_above": {"curve"}},
+    "working": {"curve": True} | {way: {"curve"} for way in OTHER_WAYS},
     "level": True,
     "damper": {"cycles"},
 }

@@ -25,7 +25,7 @@ from workflows.scene import paper, plate_mesh
 from workflows.scene.scene import Scene, typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Figures, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +42,9 @@ _CYCLES_AT_MOST = 80
 
 _LEAST_AMPLITUDE = 0.1
 """Part of the least amplitude of any curve at which the axis begins at the latest, whatever ticks lie below it."""
+
+_OTHER_WAYS = {"from_above": (0, (4, 2)), "slow_ramp": (0, (4, 2, 1, 2)), "abrupt_start": (0, (1, 2))}
+"""Lines of damping curves from other starts."""
 
 _MARGIN = 1.1
 """By what the axis goes beyond its ends."""
@@ -339,18 +342,23 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     if not lines:
         return None
     figure, (axes,) = plots.canvas(3.1, target=target)
-    others = files.from_above(results)
-    for line, figures, other, colour in zip(lines, ranges, others, plots.shades(len(lines)), strict=True):
+    top = 100 * limits.AIR[1]
+    for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
-        if other is not None:
-            apart = (other.x > figures.folds[0] / _MARGIN) & (other.x < figures.folds[1] * _MARGIN)
-            axes.plot(1e3 * other.x[apart], 100 * other.y[apart], color=colour, lw=1.0, ls=(0, (4, 2)))
+        for way, style in _OTHER_WAYS.items() if figures.parted else ():
+            other: Figures = getattr(figures, way)
+            place = other.amplitude
+            apart = (
+                (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN) & (other.damping_ratio > 0)
+            )
+            axes.plot(1e3 * place[apart], 100 * other.damping_ratio[apart], color=colour, lw=1.0, ls=style)
+            top = max(top, 100 * float(other.damping_ratio.max(initial=0.0)))
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
-    top = max(*peaks, *(100 * float(other.y.max()) for other in others if other is not None), 100 * limits.AIR[1])
+    top = max(top, *peaks)
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
     axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
     axes.set_xlim(_from_to(lines, ranges))
@@ -740,7 +748,10 @@ def mode_picture(surface: Surface, row: int, number: int) -> bytes:
     colours = colormaps["plasma"](swing[left.triangles].mean(axis=1))
     faces = Poly3DCollection(moved[left.triangles], facecolors=colours, edgecolors=colours, linewidths=0.4)
     axes.add_collection3d(faces)
-    axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    if len(left.outline):
+        axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    else:  # a closed surface
+        axes.add_collection3d(Poly3DCollection(points[left.triangles], facecolors="#8a8a8a", alpha=0.2))
     low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.maximum(high - low, 1e-3 * np.ptp(points)), zoom=0.94)

@@ -19,7 +19,7 @@ from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import beside
-from workflows.scene.materials import KNOWN, OSMIUM, is_too_dense
+from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
 
@@ -162,7 +162,7 @@ def dents(results: Results) -> str | None:
     """What the resting ball does to its floor where that yields, or the floor to the ball."""
     damper, material = results.scene.damper, results.scene.material
     every = [(point, limits.contact(results.scene, point)) for point in results.speeds]
-    pressed = [(point, c) for point, c in every if c is not None and c.yield_ratio > 1 and not c.hardness_ratio >= 1]
+    pressed = [(point, c) for point, c in every if c is not None and c.dent_radius > 0 and not c.hardness_ratio >= 1]
     if not pressed or damper is None:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
@@ -173,6 +173,21 @@ def dents(results: Results) -> str | None:
         " the load at which the weaker of the two yields: it lies in a dent of at most"
         f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
         f" whose rim slopes by at most {significant(most.dent_slope, 2)}."
+    )
+
+
+def unknown_floor(results: Results) -> str | None:
+    """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
+    damper, material, made_of = results.scene.damper, results.scene.material, limits.solids(results.scene)
+    every = [(point, found) for point in results.speeds if (found := limits.contact(results.scene, point)) is not None]
+    every = [(point, found) for point, found in every if not found.hardness_ratio >= 1]
+    if damper is None or made_of is None or not math.isnan(made_of[1].hardness) or not every:
+        return None
+    point, most = max(every, key=lambda pair: pair[1].peak_pressure)
+    floor, mean = damper.floor_material or (None if material is None else material.name), 2 / 3 * most.peak_pressure
+    return (
+        f"Whether the floor of {floor} bears the ball is not known: {at_load(point)} the resting ball presses it with"
+        f" {significant(mean / 1e9, 2)} GPa on average, and a floor of less than {whole(mean / KGF)} HB would flow."
     )
 
 

@@ -121,12 +121,14 @@ class SpaceStructure:
         scene, modes = source.scene, self.modes(omega)
         names, strains = _seen(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
+        left_out = effects["large_deflection"].left_out
+        bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names[: scene.rotor.modes])),
+            modes=tuple(_mode(modes, k, name, turned, bent) for k, name in enumerate(names[: scene.rotor.modes])),
             root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
         )
         damper = scene.damper
@@ -257,7 +259,7 @@ def _known(pair: Floats) -> tuple[float | None, float | None]:
     return one, other
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
+def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None, bent: Floats | None) -> Mode:
     """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
     between = modes.interpolation
     parts = ErrorParts(
@@ -265,7 +267,7 @@ def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mo
         layers=0.0,
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
-        large_deflection=None,
+        large_deflection=None if bent is None else float(bent[k]),
         coriolis=None if turned is None else float(turned[k]),
     )
     return Mode(

@@ -87,10 +87,15 @@ def with_verdicts(results: Results) -> Results:
     """The same results with a verdict at each speed at which the damper has figures."""
     speeds = []
     for point in results.speeds:
-        found = contact(results.scene, point)
-        pressed = replace(point, contact=None if found is None else taken_over(ContactFigures, found))
+        pressed = with_contact(results.scene, point)
         speeds.append(pressed if point.working is None else replace(pressed, verdict=verdict(results, point)))
     return replace(results, speeds=tuple(speeds))
+
+
+def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
+    """A speed with what its load does to ball and floor, where both have a material."""
+    found = contact(scene, point)
+    return point if found is None else replace(point, contact=taken_over(ContactFigures, found))
 
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:
@@ -150,7 +155,7 @@ def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
 
 
 _UNNAMED = (
-    "takes the materials of ball and floor by name, at least one of known strength: expected ball_material and"
+    "takes the materials of ball and floor by name, the floor's of known strength: expected ball_material and"
     " floor_material, or a number"
 )
 

@@ -16,7 +16,7 @@ from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
-    from workflows.solve.model_choice import ModelChoice
+    from workflows.effects.definition import Effect
 
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
@@ -128,18 +128,18 @@ def check(source: SceneFile) -> None:
         raise source.wrong(_too_much(needed, there, worst.advice), worst.key, worst.value)
 
 
-def sizes(source: SceneFile, decided: ModelChoice, model: str | None) -> Sizes:
-    """How large a run of a scene is; `model`: the theory of its plate in `fem`, None without one.
+def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
+    """How large a run of a scene is; `form`, `model`: of its plate, with its theory in `fem`; None without one.
 
     Raises:
         BadInput: its first meshes need more memory than there is.
     """
     scene, needed = source.scene, memory(source)
     speeds, modes, first = len(scene.rotor.speeds), None, None
-    if decided.form is not None and model is not None:
-        large = decided.effects["large_deflection"].on
-        most = most_unknowns(source, decided.form, model, large)
-        modes, first = scene.rotor.modes, int(_first_unknowns(decided.form, model, scene.rotor.modes, most))
+    if form is not None and model is not None:
+        large = effects["large_deflection"].on
+        most = most_unknowns(source, form, model, large)
+        modes, first = scene.rotor.modes, int(_first_unknowns(form, model, scene.rotor.modes, most))
         needed = max(needed, BASE + _beside_the_plate(source) + of_a_plate(model, first, modes, large))
     release = scene.release
     rings = 0 if scene.damper is None or release is None else speeds

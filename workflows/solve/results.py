@@ -221,6 +221,22 @@ class OwnFigures(Figures):
             prefix="from_above_",
         ),
     ] = field(repr=False)
+    slow_ramp: Annotated[
+        Figures,
+        part(
+            "the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces"
+            " earlier: typical, not certain",
+            prefix="slow_ramp_",
+        ),
+    ] = field(repr=False)
+    abrupt_start: Annotated[
+        Figures,
+        part(
+            "the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the"
+            " middle; later it may have drifted to a wall, and bounce",
+            prefix="abrupt_start_",
+        ),
+    ] = field(repr=False)
     folds: Annotated[
         Pair,
         quantity(
@@ -281,13 +297,17 @@ class OwnFigures(Figures):
         cls, measured: damper.Working, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor."""
-        above = taken_over(Figures, measured.descending)
-        return taken_over(cls, measured, from_above=above, tilt_share=tilt_share, level=level, **more)
+        more |= {way: taken_over(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
+        return taken_over(cls, measured, tilt_share=tilt_share, level=level, **more)
+
+
+OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
+"""Fields of `OwnFigures` that are the same figures for other starts."""
 
 
 @dataclass(frozen=True)
 class ContactFigures:
-    """The ball at rest on its floor, by Hertz; null where the strength of neither material is known."""
+    """The ball at rest on its floor, by Hertz; null where the strength is not known that decides."""
 
     hertz_radius: Annotated[float, quantity("m", "of the contact, were it elastic")]
     peak_pressure: Annotated[float, quantity("Pa", "at the middle of the contact, were it elastic")]

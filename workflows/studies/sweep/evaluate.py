@@ -274,7 +274,7 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     if point is None or point.reduced is None:
         raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, state.effects, point)
-    _fill(row, point)
+    _fill(row, limits.with_contact(scene, point))
     row["ball_mass"] = damper.ball_mass
     return DamperCase(number, state, point, damper, coupling.released_at(scene, point, damper))
 
