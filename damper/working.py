@@ -302,7 +302,8 @@ def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
 
     s'' = -share u'' - beta a_r sgn s' with a turn every half period: at each the structure's velocity is
     pi beta a_r / (2 share omega) towards its crest. Where that is more than it has, or the ball is driven too little
-    there to turn at once, it pauses: it begins at rest.
+    there to turn at once, it pauses: it begins at rest. With a ball so heavy that the structure
+    does not move evenly this may be beyond the wall: it begins there.
     """
     share = damper.inertia_ratio * (1 - damper.tilt_share[0])
     omega, push = damper.stuck_frequency, damper.inertia_ratio * damper.rolling_threshold
@@ -311,6 +312,7 @@ def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
         return 0.0, 0.0
     way, wait = math.copysign(1.0, share), math.asin(ahead) / omega
     place = abs(share) * amplitude * (ahead * wait * omega - 1) - 0.5 * push * wait**2
+    place = max(place, -damper.half_gap[0])
     return way * place, way * (abs(share) * amplitude * omega * ahead - push * wait)
 
 
