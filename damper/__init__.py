@@ -18,7 +18,7 @@ from damper.laws import LawViolation
 from damper.model import Formulation, Harmonic, Mode, ParticleDamper
 from damper.motion import EnergyBooks, Outcome, RingDown
 from damper.ringdown import History, ringdown, sample
-from damper.starts import Start
+from damper.starts import Start, moves_from
 from damper.steady_state import Forced, Regime, forced
 from damper.working import working
 
@@ -47,6 +47,7 @@ __all__ = [
     "capacity",
     "forced",
     "intrinsic_sdc",
+    "moves_from",
     "ringdown",
     "ringdowns",
     "sample",

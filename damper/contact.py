@@ -50,6 +50,8 @@ class Solid:
 class Contact:
     """A ball under a load on its floor; what the strength of the weaker solid decides is nan where it is not known.
 
+    It is not known either where that of the floor is not, and the ball bears the load: floors are the softer, mostly.
+
     Attributes:
         hertz_radius: of the contact, were it elastic [m].
         peak_pressure: at its middle [Pa].
@@ -105,9 +107,11 @@ def resting(load: float, radius: float, ball: Solid, floor: Solid, floor_radius:
     strength, hardness = _strengths(ball, floor)
     a = (3 * load * relative / (4 * stiff)) ** (1 / 3)
     peak = 2 * a * stiff / (math.pi * relative)
-    yields = (peak / (ONSET * strength)) ** 3
-    dent = 0.0 if yields <= 1 else math.sqrt(load / (math.pi * hardness))
-    return Contact(a, peak, yields, 2 / 3 * peak / hardness, dent, dent**2 / (2 * radius), dent / radius)
+    yields, flows = (peak / (ONSET * strength)) ** 3, 2 / 3 * peak / hardness
+    yields = math.nan if math.isnan(floor.yield_strength) and yields <= 1 else yields
+    flows = math.nan if math.isnan(floor.hardness) and flows < 1 else flows
+    dent = 0.0 if yields <= 1 else math.nan if math.isnan(flows) else math.sqrt(load / (math.pi * hardness))
+    return Contact(a, peak, yields, flows, dent, dent**2 / (2 * radius), dent / radius)
 
 
 def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radius: float = math.inf) -> float:
@@ -130,7 +134,7 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
     """
     found, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
     strength, hardness = _strengths(ball, floor)
-    if math.isnan(strength + hardness):
+    if math.isnan(strength + hardness + found.dent_radius):
         return math.nan
     if found.yield_ratio <= 1:
         return 0.0
@@ -154,7 +158,7 @@ _PLASTIC = 40.0
 
 
 def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
-    """Speed of a hit on a flat wall from which on the contact yields [m/s]; nan where no strength is known.
+    """Speed of a hit on a flat wall from which on the contact yields [m/s]; nan where the wall's strength is not known.
 
     (1/2) m v² = (2/5) N_y d_y: Hertz's work up to first yield, with the load N_y and the approach d_y there.
 
@@ -165,7 +169,7 @@ def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
         wall: that of the wall.
     """
     stiff = modulus(ball, wall)
-    peak = ONSET * _strengths(ball, wall)[0]
+    peak = ONSET * (_strengths(ball, wall)[0] if wall.yield_strength > 0 else math.nan)
     a = math.pi * radius * peak / (2 * stiff)
     load, approach = 2 / 3 * peak * math.pi * a**2, a**2 / radius
     return math.sqrt(0.8 * load * approach / mass)

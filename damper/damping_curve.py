@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,9 +23,14 @@ BINNED = 0.01
 _LEAST_STAY = 1.0
 """Cycles that must have been spent in a bin for it to have a point of the curve."""
 
+_CLOSE = 3
+"""Bins above the cut-off in which a rolling ball's own amplitudes are points of the curve.
+
+The damping rises there from nothing, by a power of the amplitude: its mean over a bin is more than in its middle.
+"""
+
 _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
-
 
 _STEP = 1e-6
 """Relative width of the step from one motion to another."""
@@ -52,6 +57,10 @@ class Working:
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
             peak, or both from what faster sweeps show, or the sweeps up from each other [-].
         from_above: the same on the way down, where a ball in motion keeps bouncing; None: these are of that way.
+        slow_ramp: the same as the mean of the sweeps up from rest, which may bounce before that is certain; None: as
+            `from_above`.
+        abrupt_start: the same of amplitudes that are there at once, the ball at rest in the middle, the structure at a
+            crest, in the thirteenth to 36th cycle; None: as `from_above`.
         folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
             where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
             all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
@@ -67,6 +76,8 @@ class Working:
     half: tuple[float, float]
     error: float
     from_above: Working | None = None
+    slow_ramp: Working | None = None
+    abrupt_start: Working | None = None
     folds: tuple[float, float] = (math.nan, math.nan)
     jump: tuple[float, float] = (math.nan, math.nan)
 
@@ -119,6 +130,7 @@ def grown(above: Working, up: Floats, rolls: Floats, meets: float) -> tuple[Work
         if k <= edge if k in known else k > min(known):
             continue
         if k in known and least > (1 - _PARTED) * known[k][1]:
+            merged[k] = min(merged[k], rolling.get(k, merged[k]), key=lambda point: point[1])
             continue
         merged[k] = place, least
         spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 and k not in rolling else 0.0
@@ -163,13 +175,49 @@ def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats, me
     return replace(curve, from_above=above, folds=folds, jump=(min(joins), max(joins)))
 
 
+def resolved(curve: Working, rolls: Floats) -> Working:
+    """The same with the amplitudes of a ball that rolls about the middle next to the cut-off, where it shows that.
+
+    Args:
+        curve: figures of either way.
+        rolls: samples of that ball.
+    """
+    last = curve.cutoff * 2 ** (_CLOSE / BINS)
+    below = rolls[rolls[:, :2].sum(axis=1) < 2 * math.log(last)] if last > 0 else rolls[:0]
+    if not below.size:
+        return curve
+    held = np.array([below[below[:, 2] == number, :2].mean(axis=0) for number in np.unique(below[:, 2])])
+    place, ratio = np.exp(held.mean(axis=1)), (held[:, 0] - held[:, 1]) / (2 * math.pi)
+    shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
+    if abs(ratio[-1] - shown) > _PARTED * shown:
+        return curve
+    beyond = curve.amplitude > last
+    amplitude, ratio = (
+        np.concatenate([near, far[beyond]]) for near, far in ((place, curve.amplitude), (ratio, curve.damping_ratio))
+    )
+    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+
+
+def continued(curve: Working, other: Working) -> Working:
+    """The same with what another shows beyond its last amplitude."""
+    beyond = other.amplitude > curve.amplitude[-1]
+    amplitude = np.concatenate([curve.amplitude, other.amplitude[beyond]])
+    ratio = np.concatenate([curve.damping_ratio, other.damping_ratio[beyond]])
+    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+
+
 def held_until(curve: Working, amplitude: float) -> Working:
     """The same of a ball at rest that stays so up to an amplitude."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
-    held = replace(curve, damping_ratio=ratio, cutoff=amplitude)
-    return (
-        at_bin(held, int(np.argmax(ratio))) if ratio.any() else replace(nothing(amplitude), from_above=curve.descending)
-    )
+    starts: dict[str, Any] = {
+        name: held_until(each, amplitude)
+        for name in ("slow_ramp", "abrupt_start")
+        if (each := getattr(curve, name)) is not None
+    }
+    if not ratio.any():
+        return replace(nothing(amplitude), from_above=curve.descending, **starts)
+    held = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
+    return replace(held, half=(max(held.half[0], amplitude), held.half[1]))
 
 
 def _bins(amplitude: Floats) -> list[int]:
@@ -198,7 +246,8 @@ def _largest(parted: dict[int, float]) -> tuple[int, int] | None:
 def _turn(curve: Working, samples: Floats, region: tuple[int, int]) -> float:
     """Amplitude at which a sweep changes from the lower of two motions to the upper, in or beside a region [m].
 
-    That splits it best: below it more cycles lose less than midway between the two, above it more lose more.
+    That splits it best: below it more cycles lose less than midway between the two, above it more lose more. The upper
+    one goes on below where some of the sweeps down have left it.
     """
     place = 0.5 * (samples[:, 0] + samples[:, 1])
     inside = (place >= (region[0] - 1) * _WIDTH) & (place < (region[1] + 2) * _WIDTH)
@@ -207,6 +256,7 @@ def _turn(curve: Working, samples: Floats, region: tuple[int, int]) -> float:
     if not place.size:
         return math.exp((region[1] + 1) * _WIDTH)
     upper, lower = (np.interp(place, np.log(each.amplitude), each.damping_ratio) for each in (curve.descending, curve))
+    upper = np.maximum.accumulate(upper[::-1])[::-1]
     rise = np.concatenate([[0.0], np.cumsum(2 * lost / (upper + lower) - 1)])
     return float(math.exp(place[min(int(np.argmin(rise)), len(place) - 1)]))
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from damper.equations import Structures, Systems
     from damper.model import Floats, Harmonic, Parameters, ParticleDamper, Records
+    from damper.motion import Flights
 
 Complex = npt.NDArray[np.complexfloating]
 
@@ -67,6 +68,27 @@ class Motions:
     power: Floats
 
 
+def moves_from(damper: ParticleDamper, harmonics: Sequence[Harmonic]) -> Floats:
+    """Factors by which harmonics may grow until the ball cannot stay at rest.
+
+    Args:
+        damper: what is driven.
+        harmonics: what drives it, n of them.
+
+    Returns:
+        Factors of shape (n,) [-]; inf where the ball cannot move. Along either axis of the cavity.
+    """
+    rows, f = _driven(damper, harmonics)
+    return _moves_from(rows, locked(f.systems).drive)
+
+
+def _driven(damper: ParticleDamper, harmonics: Sequence[Harmonic]) -> tuple[Parameters, Flights]:
+    """A damper's rows and its equations, one for each harmonic."""
+    rows = np.repeat(damper.parameters, len(harmonics))
+    kinds(damper, rows[:1], harmonics[0])
+    return rows, flights(damper, rows, prepare(rows, np.zeros((len(rows), 5, 2)), 1.0, 1.0), tuple(harmonics))
+
+
 def motions_of(
     damper: ParticleDamper,
     harmonics: Sequence[Harmonic],
@@ -76,22 +98,18 @@ def motions_of(
     longest: int,
 ) -> Motions:
     """One damper under several harmonics, numbered from `first` on, each from every start."""
-    rows = np.repeat(damper.parameters, len(harmonics))
-    kinds(damper, rows[:1], harmonics[0])
-    p = prepare(rows, np.zeros((len(rows), 5, 2)), 1.0, 1.0)
-    f = flights(damper, rows, p, tuple(harmonics))
+    rows, f = _driven(damper, harmonics)
     answer, order = locked(f.systems), f.systems.order
     weights = _weights(damper, rows, probe)
     runs = np.zeros(len(rows), DRIVEN)
     runs["run"] = f.runs
     runs["envelope"], begun = _traces(f.systems, answer, rows, weights[order], longest)
     runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * begun.cavity.max(axis=1)
-    movable = moves_from(rows, answer.drive)
     parts = {
         "runs": runs,
         "linear": (answer.z * weights[order]).sum(axis=1),
         "without": without_ball(structures_by(damper, rows), harmonics) @ weights[:-2],
-        "moves_from": movable,
+        "moves_from": _moves_from(rows, answer.drive),
         "power": np.stack([answer.power_in, answer.power_lost], axis=1),
     }
     repeated = {name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()}
@@ -230,7 +248,7 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
     return alone
 
 
-def moves_from(rows: Parameters, drive: Floats) -> Floats:
+def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
     left = rolling_threshold(rows)[:, None] - np.abs(rows["lateral_acceleration"])
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)

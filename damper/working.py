@@ -12,13 +12,25 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import BINNED, BINS, Working, figures, folded, grown, held_until, nothing, spread
+from damper.damping_curve import (
+    BINNED,
+    BINS,
+    Working,
+    continued,
+    figures,
+    folded,
+    grown,
+    held_until,
+    nothing,
+    resolved,
+    spread,
+)
 from damper.model import in_plane, inertia_ratio, whole
 from damper.motion import flights, prepare
 from damper.state import nothing_kept
@@ -43,6 +55,9 @@ _SLOW = 3
 
 _APART = (math.sqrt(5) - 1) / 2
 """Cycles by which sweeps up begin apart, no two by a whole number: where a rolling ball meets a wall goes by that."""
+
+_HELD = 24
+"""Cycles for which amplitudes that are there at once are held, once the ball has found its motion."""
 
 _AROUND = 0.97, 1.5
 """Ends of the sweeps up of balls that roll about the middle, over the amplitude at which these must meet the walls."""
@@ -117,14 +132,22 @@ def working(
         climbs += [samples_up(bare, first, last, _CLIMBS, pace, threads, rolls=True) for pace in paces]
     for number, climb in enumerate(climbs):
         climb[:, 2] += number * _CLIMBS
-    samples = np.vstack([samples, *climbs, rolls])
+    begun = samples_at(bare, low, high, threads)
+    samples = np.vstack([samples, *climbs, rolls, begun])
     growing, region = grown(above, np.vstack(climbs), rolls, meets)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(cycles // _SLOW, 1), threads)
         growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
-    for curve in (growing, growing.descending):
+    ways = {"slow_ramp": np.vstack(climbs[: len(paces)]), "abrupt_start": begun}
+    others: dict[str, Any] = {
+        name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
+    }
+    others["from_above"] = growing.descending
+    others = {name: resolved(each, rolls) for name, each in others.items()}
+    growing = replace(resolved(growing, rolls), **others)
+    for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
     if bare.break_away == 0:
@@ -235,6 +258,13 @@ def samples_up(
     ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
     cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
     return _rows(damper, _ramped(damper, start, (ball[0], ball[1]), cycles, 4 ** (1 / stay), threads))
+
+
+def samples_at(damper: ParticleDamper, low: float, high: float, threads: int | None) -> Floats:
+    """The same at amplitudes that are there at once and held, the ball at rest in the middle."""
+    amplitude = np.geomspace(low, high, max(math.ceil(BINS * math.log2(high / low)), 2))
+    still = np.zeros((2, len(amplitude)))
+    return _rows(damper, _ramped(damper, amplitude, (still[0], still[1]), SETTLING + _HELD, 1.0, threads))
 
 
 def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float]:

@@ -8,16 +8,18 @@ Davidson's method; `rounding` estimates what double precision leaves uncertain. 
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from scipy.sparse import csc_array
+    from scipy.sparse import csc_array, csr_array
 
 Array = NDArray[np.float64]
 
@@ -72,20 +74,73 @@ class Factor:
         return np.asarray(self.lu.solve(right))
 
     @cached_property
-    def negative(self) -> int:
+    def negative_pivots(self) -> int | None:
         """How many negative eigenvalues the matrix has: as many as negative pivots (Sylvester).
 
-        SuperLU gives its pivots with a copy of the whole factor: of a large one those are counted that are among the
-        inverse's largest, as they are where a matrix has just become indefinite.
+        None of a large factor, of which SuperLU gives its pivots with a copy of the whole.
         """
-        if self.lu.nnz <= LARGE:
-            return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0)) if self.lu.nnz <= LARGE else None
+
+    @cached_property
+    def negative(self) -> int:
+        """The same; of a large factor those that are among the inverse's largest, as they are at first."""
+        if self.negative_pivots is not None:
+            return self.negative_pivots
         from scipy.sparse import eye_array
 
         n = self.lu.shape[0]
         one = eye_array(n, format="csc")
         found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE)
         return int(np.count_nonzero(found < 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class PardisoFactor(Factor):
+    """A symmetric indefinite factor L D L' of Intel's PARDISO, through pypardiso.
+
+    upper: the matrix's upper triangle, by rows.
+    """
+
+    upper: csr_array
+
+    def solve(self, right: Array) -> Array:
+        """Solution for one (n,) or several (n, k) right-hand sides."""
+        self.lu.set_phase(33)
+        return np.asarray(self.lu._call_pardiso(self.upper, np.asfortranarray(right)))
+
+    @cached_property
+    def negative_pivots(self) -> int:
+        """How many negative eigenvalues the matrix has."""
+        return int(self.lu.get_iparm(23))
+
+
+def has_pardiso() -> bool:
+    """Whether pypardiso is installed, with which matrices whose order is given are factorised."""
+    return find_spec("pypardiso") is not None
+
+
+PARDISO = {1: 1, 2: 2, 5: 1, 10: 13, 18: -1, 21: 1, 24: 1}
+"""Parameters (`iparm`, from 1): no defaults, the order given, pivots perturbed from 1e-13 on, Bunch and Kaufman's."""
+
+
+def _pardiso(matrix: csc_array) -> PardisoFactor:
+    """Factor of a symmetric matrix in the order of its unknowns."""
+    from pypardiso import PyPardisoSolver
+    from pypardiso.pardiso_wrapper import PyPardisoError
+    from scipy.sparse import csr_array, triu
+
+    upper = csr_array(triu(matrix, format="csr"))
+    lu = PyPardisoSolver(mtype=-2)
+    lu.iparm[[number - 1 for number in PARDISO]] = list(PARDISO.values())
+    lu.perm = np.arange(1, upper.shape[0] + 1, dtype=np.int32)
+    lu.set_phase(12)
+    try:
+        lu._call_pardiso(upper, np.zeros((upper.shape[0], 1)))
+    except PyPardisoError as error:
+        raise SingularMatrix(str(error)) from None
+    factor = PardisoFactor(lu, upper)
+    weakref.finalize(factor, lu.free_memory, everything=True)
+    return factor
 
 
 class Solver(Protocol):
@@ -151,11 +206,13 @@ class Nearby:
 def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
     """Factor of a symmetric matrix, (n, n).
 
-    ordered: its unknowns are in an order that leaves the factor thin.
+    ordered: its unknowns are in an order that leaves the factor thin; PARDISO then makes it, where it is installed.
 
     Raises:
         SingularMatrix: it is singular.
     """
+    if ordered and has_pardiso():
+        return _pardiso(matrix)
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}

@@ -140,10 +140,12 @@ def solve_real(
         check_rest(operators)
         raise Divergence(omega, 0.0, body=body) from None
     values, vectors = lanczos(factor, operators.mass, count, tolerance)
-    if factor.negative:
+    negative = factor.negative_pivots
+    negative = int((values < 0.0).sum()) if negative is None else negative
+    if negative:
         check_rest(operators)
         value = lowest(stiffness, operators.mass, values, operators.factorise)
-        raise Divergence(omega, value, factor.negative, body)
+        raise Divergence(omega, value, negative, body)
     if np.finfo(float).eps * values[-1] > max(tolerance**2, CONVERGED) * values[0]:
         values, vectors = _undrowned(operators, stiffness, values, tolerance)
     known = _known(values)

@@ -191,9 +191,16 @@ def test_a_newcomer_finds_it_in_one_try(question):
 
 
 def test_every_path_that_the_architecture_names_exists():
-    text = (DOCS / "architecture.md").read_text(encoding="utf-8")
-    for path in re.findall(r"`((?:fem|damper|workflows|tests)/[\w/.]+)`", text):
-        assert _there(path) is not None, path
+    for page in (DOCS / "architecture.md", ROOT / "CONTRIBUTING.md"):
+        text = page.read_text(encoding="utf-8")
+        for path in re.findall(r"`((?:fem|damper|workflows|tests)/[\w/.]+)`", text):
+            assert _there(path) is not None, path
+        for name in re.findall(r"`(\w+\.py)`", text):
+            assert any(
+                path
+                for room in ("", "fem", "damper", "workflows", "tests")
+                for path in (ROOT / room).glob(f"**/{name}" if room else name)
+            ), name
     for question, places in rows_of_architecture().items():
         assert list(_named(places)), question
 

@@ -88,7 +88,7 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
 
     if source.scene.given is not None:
         problem = "the table is missing: modes are those of a plate, or of [structure] modes"
-        raise BadInput(problem, file=source.name, key="[plate]")
+        raise source.wrong(problem, "[plate]")
     real = source.changed(effects=source.scene.effects.model_copy(update={"coriolis": False}))
     solver = StructureSolver(real, stages)
     if solver.space is not None:
@@ -115,9 +115,7 @@ def plate_only(source: SceneFile) -> SceneFile:
         BadInput: it has no plate.
     """
     if source.scene.given is not None:
-        raise BadInput(
-            "the table is missing: campbell needs a plate, a blade or known modes", file=source.name, key="[plate]"
-        )
+        raise source.wrong("the table is missing: campbell needs a plate, a blade or known modes", "[plate]")
     damper = source.scene.damper
     if source.scene.plate is not None and damper is not None and damper.cut:
         source = replace(source, remarks=(*source.remarks, UNCUT))
@@ -131,7 +129,7 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
         BadInput: it has no damper, or nothing spins so fast.
     """
     if source.scene.damper is None:
-        raise BadInput("the table is missing: ringdown needs a damper", file=source.name, key="[damper]")
+        raise source.wrong("the table is missing: ringdown needs a damper", "[damper]")
     speeds = sorted(source.scene.rotor.speeds)
     omega = speeds[(len(speeds) - 1) // 2]
     if rpm is not None:

@@ -67,7 +67,7 @@ class Budget:
 
     @property
     def rough_shift(self) -> float:
-        """The same where the plate is known as a beam only."""
+        """The same where the plate is known as a beam only, or the mesh is given and has most of the error."""
         return 0.1 * self.frequency
 
     @property

@@ -57,7 +57,7 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
-        raw = raw_mesh(path, meshio, "mid-surface")
+        raw = raw_mesh(path, meshio)
         mesh, points = _surface(raw)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
@@ -78,20 +78,19 @@ def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float
     return found
 
 
-def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
+def raw_mesh(path: Path, reader: ModuleType) -> Any:
     """What meshio, or a package with its calls, reads of a file, whose words it keeps for itself.
 
     Args:
         path: of the file.
         reader: the package.
-        meshed: what of a geometry is to be meshed, in words.
 
     Raises:
         MeshError: it cannot be read.
     """
     said = io.StringIO()
     try:
-        _check_kind(path, meshed)
+        _check_kind(path)
         _check_named_files(path)
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return reader.read(path)
@@ -109,15 +108,17 @@ def raw_mesh(path: Path, reader: ModuleType, meshed: str) -> Any:
         raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
 
 
-_GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES"}
+GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES", ".brep": "BREP"}
+"""Geometry that is to be meshed, by the ending of its files."""
+
 _BULK = b"BEGIN BULK"
 
 
-def _check_kind(path: Path, meshed: str) -> None:
+def _check_kind(path: Path) -> None:
     """Refuse geometry without a mesh, and a part of a Nastran file that readers would search to its end."""
-    kind = _GEOMETRY.get(path.suffix.lower())
+    kind = GEOMETRY.get(path.suffix.lower())
     if kind is not None:
-        raise MeshError(f"{kind} is geometry without a mesh: mesh its {meshed} (with Gmsh, say) and give that file")
+        raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
         raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
     if path.suffix.lower() in (".bdf", ".nas", ".fem") and _BULK not in path.read_bytes().upper():

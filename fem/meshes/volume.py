@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.meshes.cells import cell
 from fem.meshes.planform import MeshError
-from fem.meshes.read import raw_mesh
+from fem.meshes.read import GEOMETRY, raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -204,10 +204,6 @@ def _inside(kind: str) -> Array:
     return np.asarray(np.vstack([middle, middle + 0.57 * (nodes - middle)]))
 
 
-GEOMETRY = (".step", ".stp", ".iges", ".igs", ".brep")
-"""Endings of files of geometry, which is to be meshed."""
-
-
 def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None) -> VolumeMesh:
     """Read a volume mesh, or mesh geometry by tetrahedra of second order (with Gmsh, where it is installed).
 
@@ -227,7 +223,7 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
             return _of_raw(_meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
-        return _of_raw(raw_mesh(path, meshlane, "volume"), scale)
+        return _of_raw(raw_mesh(path, meshlane), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
 
@@ -259,7 +255,7 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.model.mesh.generate(3)
         with tempfile.TemporaryDirectory() as folder:
             gmsh.write(str(Path(folder) / "volume.msh"))
-            return raw_mesh(Path(folder) / "volume.msh", meshlane, "volume")
+            return raw_mesh(Path(folder) / "volume.msh", meshlane)
     except MeshError:
         raise
     except Exception as error:  # gmsh raises plain ones

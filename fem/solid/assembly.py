@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
     from fem.linalg import Factor, Solver
+    from fem.modes import Modes
     from fem.solid.blade import Blade
 
     Array = NDArray[np.float64]
@@ -302,8 +303,8 @@ class SolidOperators:
     load: Array
     masses: Array
     geometric: None = field(default=None, init=False)
-    prestress: None = field(default=None, init=False)
     known: list[Factor] = field(default_factory=list, init=False, repr=False)
+    solved: list[Modes] = field(default_factory=list, init=False, repr=False)
 
     theory = "solid"
 
@@ -380,12 +381,29 @@ class SolidOperators:
             self.known[:] = [factor]
         return factor
 
+    @cached_property
+    def prestress(self) -> Array | None:
+        """The displacement (n,) per Omega² to first order; None with large deflection, which finds its own."""
+        return None if self.effects.large_deflection else self.solver(self.stiffness).solve(self.load)
+
     def at(self, omega: float) -> csc_array:
-        """K(Omega), (n, n), without the stress that the load leaves: `tangent` has it."""
-        if self.softening is None:
-            return self.stiffness
-        total: csc_array = (self.stiffness - omega**2 * self.softening).tocsc()
+        """K(Omega), (n, n), under the linear prestress in the shape that it leaves, as CalculiX has it without NLGEOM.
+
+        With large deflection without either: `tangent` has them.
+        """
+        total = self.stiffness
+        if self.prestress is not None and omega != 0.0:
+            state = omega**2 * self.prestress
+            total = self.stressed(state).stiffness(self.stressed(np.zeros_like(state)).ahead(state))
+        if self.softening is not None:
+            total = (total - omega**2 * self.softening).tocsc()
         return total
+
+    def with_deflection(self, large: bool) -> SolidOperators:
+        """The same with large deflection or without, and the factor that is known."""
+        found = replace(self, effects=replace(self.effects, large_deflection=large))
+        found.known[:] = self.known
+        return found
 
 
 def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool = False) -> SolidOperators:

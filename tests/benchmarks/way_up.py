@@ -1,10 +1,14 @@
 """Both ways through the amplitudes against an integrator that shares no code: `python -m tests.benchmarks.way_up`.
 
-Random dampers with two steady motions over a range, ramps of 0.1 % a cycle up from the cut-off with the ball at rest in
-the middle, and down again; how far a ball that rolls about the middle swings where it is to meet the walls; and by how
-much the published curve exceeds the ramp up anywhere. The reference is that of the tests; some 20 s a damper.
-`--count N`, `--first SEED`. `--designs`: two spaces of `design`, each damper of them held at amplitudes from three
-starts by the same reference: whether the best is the best, and what it was promised.
+Random dampers with two steady motions over a range, eight ramps of 0.1 % a cycle up from the cut-off with the ball at
+rest in the middle, and eight down from other places of the ball. Curves are compared over eighths of an octave: the
+largest differences of both branches from the mean of the ramps, whose hits are chaotic, away from the folds; and by how
+much the promise exceeds any one ramp up, over what that shows, or over 2 % of the peak where that is more: just beyond
+the cut-off a ball takes next to nothing, and a percentage of it means nothing. A fold is the least amplitude, midway
+through a cycle, before the median ramp falls off. `swing` is how far a ball that rolls about the middle swings where it
+is to meet the walls. The reference is `tests.damper.ramps`; a second a damper. `--count N`, `--first SEED`.
+`--designs`: two spaces of `design`, each damper of them held at amplitudes from three starts by the same reference:
+whether the best is the best, and what it was promised.
 """
 
 from __future__ import annotations
@@ -13,7 +17,6 @@ import argparse
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -21,12 +24,12 @@ import numpy.typing as npt
 
 import spindamp
 from damper import ParticleDamper, Working, working
-from tests.damper.digits import ramp
+from tests.damper.ramps import led
 from workflows.scene.materials import KNOWN
 
-GROWTH = 1.001
-SAMPLES = 128
+GROWTH, RAMPS, LEAST = 1.001, 8, 0.02
 Floats = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 
 def drawn(seed: int) -> ParticleDamper:
@@ -44,12 +47,12 @@ def drawn(seed: int) -> ParticleDamper:
     )
 
 
-def followed(cycles: Iterator[tuple[float, float]], last: float, *, rising: bool) -> tuple[Floats, Floats]:
-    """Amplitudes, midway through a cycle, and damping ratios of a ramp, averaged over 12 cycles."""
-    path = list(itertools.takewhile(lambda cycle: (cycle[0] < last) is rising, cycles))
-    level, lost = np.array(path).T
-    mean = np.convolve(lost / (2 * math.pi), np.ones(12) / 12, "valid")
-    return (level * np.exp(-lost / 2))[6 : 6 + len(mean)], mean
+def ramp(damper: ParticleDamper, first: float, last: float, place: float = 0.0) -> tuple[Floats, Floats]:
+    """Amplitudes, midway through a cycle, and damping ratios of a ramp."""
+    cycles = round(abs(math.log(last / first)) / math.log(GROWTH))
+    amplitudes = np.geomspace(first, last, cycles)
+    lost = led(damper, amplitudes, place)
+    return amplitudes * np.exp(-lost / 2), lost / (2 * math.pi)
 
 
 def at(curve: Working, amplitude: Floats) -> Floats:
@@ -58,55 +61,69 @@ def at(curve: Working, amplitude: Floats) -> Floats:
     return ratio
 
 
-def turning(path: tuple[Floats, Floats]) -> float:
-    """The amplitude at which a ramp goes over from one motion to another: where its losses change most in 24 cycles."""
-    change = np.abs(np.log(path[1][24:] / np.maximum(path[1][:-24], 1e-12)))
-    return float(path[0][int(np.argmax(change)) + 12])
+def turning(path: tuple[Floats, Floats]) -> int:
+    """The cycle at which a ramp goes over from one motion to another: where its losses change most in 24 cycles."""
+    mean = np.convolve(path[1], np.ones(12) / 12, "valid")
+    return int(np.argmax(np.abs(np.log(mean[24:] / np.maximum(mean[:-24], 1e-12))))) + 18
+
+
+def part(path: tuple[Floats, Floats], where: Mask) -> tuple[Floats, Floats]:
+    """Some cycles of a ramp."""
+    return path[0][where], path[1][where]
 
 
 def swing(damper: ParticleDamper, amplitude: float) -> float:
     """Half the way of a ball that rolls to and fro at an amplitude in a cavity without end, by what it loses [m]."""
     wide = dataclasses.replace(damper, cavity=(1e3 * amplitude, damper.cavity[1]))
-    lost = [decrement for _, decrement in itertools.islice(ramp(wide, amplitude, 0.0, 1.0, SAMPLES), 4, 12)]
     energy = 0.5 * damper.stiffness[0] * amplitude**2
-    return float(-np.expm1(-2 * np.array(lost)).mean()) * energy / (4 * damper.ball_mass * damper.rolling_threshold)
+    lost = -np.expm1(-2 * led(wide, np.full(12, amplitude))[4:]).mean() * energy
+    return float(lost / (4 * damper.ball_mass * damper.rolling_threshold))
 
 
-def excess(curve: Working, path: tuple[Floats, Floats]) -> float:
-    """The most by which a curve promises more than a ramp shows, over stretches of an eighth of an octave.
+def stretches(paths: list[tuple[Floats, Floats]], curve: Working) -> Floats:
+    """Damping ratios of ramps and of a curve, means over eighths of an octave of 20 cycles at least, shape (n, 2)."""
+    means = []
+    for amplitude, shown in paths:
+        number = np.floor(8 * np.log2(amplitude))
+        each = [number == k for k in np.unique(number)]
+        means += [(shown[here].mean(), at(curve, amplitude[here]).mean()) for here in each if here.sum() >= 20]
+    return np.array(means).reshape(-1, 2)
 
-    Over what is shown, or a twentieth of the peak where that is more, as just beyond the cut-off.
-    """
-    part = np.where(path[0] > curve.amplitude[0], np.floor(8 * np.log2(path[0])), -math.inf)
-    stretches = [part == k for k in np.unique(part)[1:-1]]
-    pairs = [(float(path[1][each].mean()), float(at(curve, path[0][each]).mean())) for each in stretches]
-    return max((promise - shown) / max(shown, 0.05 * curve.peak) for shown, promise in pairs)
+
+def farthest(paths: list[tuple[Floats, Floats]], curve: Working) -> float:
+    """The largest relative difference of a curve from the mean of ramps, in stretches of 2 % of its peak on."""
+    amplitude, ratio = (np.concatenate(each) for each in zip(*paths, strict=True))
+    shown, promised = stretches([(amplitude, ratio)], curve).T
+    return float(np.abs(promised / shown - 1)[shown > LEAST * curve.peak].max(initial=0.0))
 
 
 def compare(seed: int) -> str:
-    """A damper's line: folds and the largest difference of either branch from the reference, away from the folds."""
+    """A damper's line: differences from eight ramps up and eight down, the largest in any stretch; folds; excess."""
     damper = drawn(seed)
     found = working(damper, threads=1)
-    above = found.descending
-    low, high = found.folds
+    above, cutoff, (low, high) = found.descending, found.cutoff, found.folds
     if not low < high:
         return f"{seed:3d}  e {damper.restitution:.2f}  one motion throughout"
-    top = 1.25 * high
-    up = followed(ramp(damper, 0.99 * found.cutoff, 0.0, GROWTH**2, SAMPLES), top, rising=True)
-    down = followed(ramp(damper, top, 1.0, GROWTH**-2, SAMPLES), 0.85 * low, rising=False)
-    begun = up[0] > 0.9 * low
-    stops, begins = turning(down), turning((up[0][begun], up[1][begun]))
-    lower, upper = (up[0] > 1.1 * low) & (up[0] < 0.93 * min(begins, found.jump[0])), down[0] > 1.08 * low
-    errors = [
-        abs(float(np.mean(path[1][where] / at(curve, path[0][where]) - 1))) if where.any() else math.nan
-        for path, curve, where in ((up, found, lower), (down, above, upper))
-    ]
+    up, down = [], []
+    for k in range(RAMPS):
+        rising = ramp(damper, 0.99 * cutoff * GROWTH ** (-0.618 * k), 1.25 * high)
+        up.append(part(rising, rising[1] > 0))
+        down.append(ramp(damper, 1.25 * high * 2 ** ((k + 1) / RAMPS), 0.6 * low, 1 - k / RAMPS))
+    begins = [path[0][turning(path)] for path in (part(path, path[0] > 1.15 * cutoff) for path in up)]
+    stops = [path[0][: turning(path)].min() for path in (part(path, path[0] < 2 * low) for path in down)]
+    rolling = [part(path, path[0] < 0.93 * min(*begins, found.jump[0])) for path in up]
+    clear = 1.08 * low * math.exp(math.pi * above.peak)  # by half of what a cycle takes
+    bouncing = [part(path, (path[0] > clear) & (path[0] < 1.2 * high)) for path in down]
+    shown, promised = stretches(up, found).T
+    excess = float(((promised - shown) / np.maximum(shown, LEAST * found.peak)).max())
     return (
-        f"{seed:3d}  e {damper.restitution:.2f}  rolling {100 * errors[0]:5.2f} %  bouncing {100 * errors[1]:5.2f} %"
-        f"  stops {1e3 * low:8.4f} mm, reference {100 * (stops / low - 1):+5.1f} %"
-        f"  sure {1e3 * high:8.4f} mm, swing {100 * (swing(damper, high) / damper.half_gap[0] - 1):+5.1f} %"
-        f"  begins {1e3 * found.jump[0]:8.4f} to {1e3 * found.jump[1]:8.4f} mm, reference {1e3 * begins:8.4f}"
-        f"  excess {100 * excess(found, up):+5.1f} %"
+        f"{seed:3d}  e {damper.restitution:.2f}  rolling {100 * farthest(rolling, found):4.1f} %"
+        f"  bouncing {100 * farthest(bouncing, above):4.1f} %"
+        f"  stops {1e3 * low:7.4f} mm, ramps {100 * (np.median(stops) / low - 1):+4.1f} %"
+        f"  sure {1e3 * high:7.4f} mm, swing {100 * (swing(damper, high) / damper.half_gap[0] - 1):+4.1f} %"
+        f"  begins {1e3 * found.jump[0]:7.4f} to {1e3 * found.jump[1]:7.4f} mm,"
+        f" ramps {1e3 * min(begins):7.4f} to {1e3 * max(begins):7.4f}"
+        f"  excess {100 * excess:+4.1f} %"
     )
 
 
@@ -123,8 +140,7 @@ def least(damper: ParticleDamper, low: float, high: float) -> float:
     """
 
     def added(amplitude: float, place: float, first: int, last: int, speed: float = 0.0) -> float:
-        cycles = itertools.islice(ramp(damper, amplitude, place, 1.0, SAMPLES, speed), first, last)
-        return float(np.mean([lost for _, lost in cycles])) / (2 * math.pi)
+        return float(led(damper, np.full(last, amplitude), place, speed)[first:].mean()) / (2 * math.pi)
 
     found = [added(amplitude, place, 40, 160) for amplitude in np.geomspace(low, high, 5) for place in (0.0, 0.5)]
     omega, gap = damper.stuck_frequency, damper.half_gap[0]

@@ -145,3 +145,14 @@ def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match="less than that of the floor"):
         resting(1.0, 2e-3, STEEL, STEEL, floor_radius=1e-3)
     assert math.isnan(resting(1.0, 2e-3, STEEL, STEEL).yield_ratio)
+
+
+def test_a_floor_of_unknown_strength_is_not_said_to_bear_a_hard_ball() -> None:
+    """What the ball bears says nothing of it; where the ball itself flows, no floor mends that."""
+    hard, soft = Solid(630e9, 0.22, 4.9e9, 15e9), Solid(16e9, 0.44, 11e6, 45e6)
+    for floor, known in ((STEEL, False), (Solid(210e9, 0.3, 2e9, 7e9), True)):
+        pressed = resting(100.0, 2e-3, hard, floor)
+        figures = (pressed.yield_ratio, pressed.hardness_ratio, pressed.dent_radius, pressed.dent_slope)
+        assert [math.isfinite(each) for each in figures] == [known] * 4
+        assert math.isfinite(yield_speed(1e-3, 2e-3, hard, floor)) is known
+    assert resting(100.0, 2e-3, soft, STEEL).hardness_ratio > 1

@@ -8,7 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper import Forced, Formulation, Harmonic, Mode, ParticleDamper, Regime, Start, forced, ringdown, sample
+from damper import (
+    Forced,
+    Formulation,
+    Harmonic,
+    Mode,
+    ParticleDamper,
+    Regime,
+    Start,
+    forced,
+    moves_from,
+    ringdown,
+    sample,
+)
 from tests.compiler import needs_compiler, some
 from tests.damper.reference import Reference
 from tests.damper.scenes import paper
@@ -81,15 +93,16 @@ def test_a_ball_that_only_creeps_is_periodic(excess: float) -> None:
     assert (found.error < 1e-5 * found.mean).all()
 
 
-def test_locked_on_several_modes_and_a_moving_base() -> None:
-    """Against a solution of the matrices M + m Phi'Phi, C, K, assembled here."""
+@pytest.mark.parametrize(("frequency", "first"), [(1.3, 0), (2.3, 1)])
+def test_locked_on_several_modes_and_a_moving_base(frequency: float, first: int) -> None:
+    """Against a solution of the matrices M + m Phi'Phi, C, K, assembled here; either axis moves the ball first."""
     modes = (
         Mode(0.8, 1.1, (1.0, 0.3), damping_ratio=0.01, drawn=(0.7, -0.2)),
         Mode(1.7, 9.0, (-0.6, 1.2), damping_ratio=0.02, drawn=(0.1, 0.4)),
         Mode(0.5, 20.0, (0.9, 0.4), damping_ratio=0.03, drawn=(0.3, 0.6)),
     )
     damper = ParticleDamper(0.8, (1.1, 1.1), 0.1, 1.0, (2.4, 2.4), 10.0, 0.5, rolling_friction=10.0, modes=modes)
-    harmonic = Harmonic(1.3, (0.4, -0.1), (0.2, 0.0, 0.3), (0.05, 0.2), 0.4)
+    harmonic = Harmonic(frequency, (0.4, -0.1), (0.2, 0.0, 0.3), (0.05, 0.2), 0.4)
     weights = (0.2, -1.0, 3.0)
     found = forced(damper, [harmonic], [Start.UP], probe=weights)
     shape, drawn = (np.array([getattr(m, name) for m in modes]).T for name in ("shape", "participation"))
@@ -103,6 +116,11 @@ def test_locked_on_several_modes_and_a_moving_base() -> None:
             stiffness - nu**2 * (mass + ball * shape.T @ shape) + 1j * nu * dashpot, push - ball * base @ shape
         )
         assert abs(answer[0] - np.array(weights) @ q * np.exp(0.4j)) <= 1e-12 * abs(answer[0])
+        if ball:
+            shaken = np.abs(base - nu**2 * shape @ q)
+    assert np.argmax(shaken) == first
+    assert moves_from(damper, [harmonic]) == pytest.approx(damper.rolling_threshold / shaken.max(), rel=1e-9)
+    assert found.moves_from == moves_from(damper, [harmonic])
 
 
 @needs_compiler

@@ -17,7 +17,7 @@ from fem.modes import solve_real
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, named_root, root_at
 from fem.solid.mesh_error import mesh_errors
-from fem.solid.sweep import SolvedBlade, sweep_blade
+from fem.solid.sweep import SolvedBlade, deflection_shifts, sweep_blade
 from fem.statics import tangent, unbalanced
 from meshes import make
 
@@ -230,6 +230,59 @@ def test_coriolis_shifts_of_calculix():
     shifts = 100.0 * sweep.coriolis_shifts(rpm(11800))
     np.testing.assert_allclose(shifts[[1, 5]], [0.191, 0.123], rtol=0.15)
     assert shifts[[0, 3, 6, 7]].max() < 0.02
+
+
+def test_a_linear_prestress_is_that_of_calculix_without_nlgeom():
+    """*STATIC without NLGEOM, then *STEP, PERTURBATION, on the same mesh at 5900 rpm: to all digits printed."""
+    operators, omega = blade("P1_fan", (12, 6, 1)).with_deflection(large=False), rpm(5900)
+    expected = [156.359109, 463.434107, 648.566255, 1102.382207, 1524.142890, 1727.612795, 2046.663262, 2261.642702]
+    modes = solve_real(operators, omega, operators.at(omega), 8, np.zeros_like(operators.load))
+    np.testing.assert_allclose(modes.frequencies_hz, expected, rtol=1e-6)
+    alone = sweep_blade(operators, np.array([omega]), 8)
+    np.testing.assert_allclose(alone.modes(omega)[0], modes.eigenvalues, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", BLADES)
+def test_what_a_linear_prestress_leaves_out_is_covered(name):
+    """Against modes about the equilibrium, at all speeds at which the estimate is one."""
+    large, state, known = blade(name, (8, 4, 1)), None, 0
+    for (other, speed), (f, u) in references().items():
+        for part in (0.25, 0.5, 1.0) if other == name and speed else ():
+            omega, linear = rpm(speed) * part, large.with_deflection(large=False)
+            estimate = deflection_shifts(linear, omega, 8)
+            if estimate is None:
+                continue
+            (before,) = linear.solved
+            state = equilibrium(large, omega, state)
+            after = solve_real(large, omega, tangent(large, omega, state), 8, state)
+            moved = np.abs(after.frequencies_hz / before.frequencies_hz[:8] - 1.0)
+            assert (moved <= estimate + u / f).all(), (speed * part, moved, estimate)
+            known += 1
+    assert known
+
+
+def test_between_speeds_a_linear_prestress_is_as_good_as_is_said():
+    operators = blade("P3_turbine", (8, 4, 1)).with_deflection(large=False)
+    speeds = rpm(np.linspace(0.0, 11200.0, 40))
+    sweep = sweep_blade(operators, speeds, 6, tolerance=1e-5)
+    for omega in speeds[[5, 17, 33]]:
+        alone = solve_real(operators, omega, operators.at(omega), 6, np.zeros_like(operators.load))
+        off = np.abs(np.sqrt(sweep.modes(omega)[0] / alone.eigenvalues) - 1.0)
+        assert (off <= sweep.errors).all()
+
+
+def test_pardiso_solves_as_superlu_does():
+    """And counts as many negative pivots, of an indefinite matrix too."""
+    pytest.importorskip("pypardiso")
+    operators = blade("P1_fan", (8, 4, 1))
+    right = np.random.default_rng(0).standard_normal((operators.load.size, 3))
+    for omega in (0.0, 2000.0):
+        matrix = tangent(operators, omega, np.zeros_like(operators.load))
+        factor, other = linalg.factorise(matrix, ordered=True), linalg.factorise(matrix)
+        assert isinstance(factor, linalg.PardisoFactor)
+        assert factor.negative == other.negative
+        np.testing.assert_allclose(factor.solve(right), other.solve(right), rtol=1e-7, atol=1e-9 * np.abs(right).max())
+        np.testing.assert_allclose(factor.solve(right[:, 0]), factor.solve(right)[:, 0], rtol=1e-9)
 
 
 def broken():

@@ -19,17 +19,13 @@ from filelock import FileLock
 
 from tests.limits import HANG
 from workflows.cli.main import main
-from workflows.report import figures, mode_viewer
+from workflows.report import figures
 from workflows.scene.load import SHIPPED
 from workflows.solve import damper
 from workflows.studies.sweep import executor
 from workflows.studies.sweep.evaluate import QUICK
 
 Scene = dict[str, Any]
-
-READY = f"import sys; sys.stdin.buffer.read(); sys.stdout.buffer.write({mode_viewer.PNG!r})"
-NO_VTK = ["-I", "-S", "-c", READY]
-"""What Python does with a ready picture in place of drawing one by VTK."""
 
 
 @dataclass(frozen=True)
@@ -74,12 +70,6 @@ def spindamp(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
         return Outcome(status, found.out, found.err)
 
     return call
-
-
-@pytest.fixture(autouse=True)
-def picture_of_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ready picture in place of the process with VTK; `finished` and the tests of the picture have the real one."""
-    monkeypatch.setattr(mode_viewer, "COMMAND", NO_VTK)
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report import text as summary
-from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, assumptions, beyond, stretch
+from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, beyond, stretch
 from workflows.report.verdict import answer, of_orders
 from workflows.scene.scene import Excitation
 from workflows.solve import limits
@@ -339,8 +339,6 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     assert np.nanmin(rung.sdc) < 0, "the ball gives back"
     peak = own.from_above.peak
     assert rung.peak_sdc > 2 * -math.expm1(-4 * math.pi * peak)
-    (said,) = (note for note in found.notes if "a cycle of the ring-down loses up to" in note)
-    assert f"more than the {100 * -math.expm1(-4 * math.pi * peak):.2g} % of a steady vibration" in said
     last = 1e3 * rung.cutoff_g * found.scene.rotor.gravity / (2 * math.pi * 213) ** 2
     assert last < 0.8e3 * own.cutoff
     assert f"below {1e3 * own.cutoff:.2g} mm (one in motion goes on down to {last:.2g} mm)" in text(found)
@@ -592,8 +590,7 @@ def test_the_weight_is_remarked_on_down_from_10_g(rpm: float, share: float | Non
     """Weight over load: 1/load in g."""
     found = at(rpm, 3500)
     notes = [note for note in found.notes if "weight" in note]
-    taken = [text for text, _ in assumptions(found) if "weight" in text]
-    assert len(notes) == len(taken) == (share is not None)
+    assert len(notes) == (share is not None)
     if share is not None:
         assert 1 / load(rpm) == pytest.approx(share, abs=1e-3)
         assert f"{100 / load(rpm):.2g} % of the load at {rpm} rpm" in notes[0]

@@ -155,6 +155,30 @@ def test_eight_gigabytes_hold_a_blade_or_it_is_refused(folder, monkeypatch):
         resources.check_blade(source, 300_000)
 
 
+TURBINE = make.Airfoil(0.07, 0.04, 0.006, 0.9, 0.6, edge=0.4, pretwist=18, camber=28, hub_radius=0.22)
+
+
+def test_a_stiff_blade_calls_for_no_newton(folder, monkeypatch):
+    """A turbine's blade at 11 200 rpm: large deflection moves it by 0.006 %, which stands beside each frequency."""
+    make.write_inp(folder / "turbine.inp", make.solid(TURBINE, (8, 4, 1), 4.0), "turbine")
+    speeds, mesh = "'5600 rpm', '11200 rpm'", ("fan.inp", "turbine.inp")
+    linear = scene(folder, SCENE, speeds, change=mesh)
+    stages = Stages(visible=False)
+    monkeypatch.setattr("fem.solid.sweep.equilibrium", None)
+    found = pipeline.structure(linear, stages)
+    effect = found.effects["large_deflection"]
+    assert not effect.on
+    assert re.match(r"at 11200 rpm it moves frequencies by up to 0\.0\d+ %, less than a tenth of the", effect.why)
+    slow, fast = (point.modes[0].error_parts.large_deflection for point in found.points)
+    assert 0.0 < slow < fast == effect.left_out.shifts[0, 0] < 5e-4
+    monkeypatch.undo()
+    asked = scene(folder, SCENE + "[effects]\nlarge_deflection = true\n", speeds, change=mesh)
+    for one, other in zip(found.points, pipeline.structure(asked, stages).points, strict=True):
+        for mode, exact in zip(one.modes, other.modes, strict=True):
+            off = abs(mode.frequency_hz / exact.frequency_hz - 1.0)
+            assert off <= mode.error_parts.large_deflection + mode.error_parts.basis + exact.error_parts.basis
+
+
 def test_plate_and_blade_exclude_each_other():
     with pytest.raises(BadInput, match=r"\[plate\]: expected a \[blade\] or this: leave one out"):
         parse({"blade": {"mesh": "a.inp"}, "plate": {}, "rotor": {"speeds": [1.0]}})

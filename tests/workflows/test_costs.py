@@ -179,7 +179,7 @@ def test_the_damper_ladder(accuracy: dict[str, Any]) -> None:
 
 def test_the_structures_own_damping_hides_nothing() -> None:
     """The error of a step is that of the ball's energy, as rolling and impacts have it in the books."""
-    damper, shown = scenes.paper(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0)
+    damper, shown = scenes.paper(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0, ())
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
         patch.setattr(timing, "TOO_LONG", 0.0)
         patch.setattr(studies, "METHODS", {})

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 import damper.contact
+import spindamp
 import workflows
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.effects import selection
@@ -193,6 +194,15 @@ def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
     return {"structure": {"frequency": "236 Hz", "mass": "0.5 kg"}, "rotor": rotor, "damper": damper, **changes}
 
 
+def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
+    scene = pressed("hardened steel", "4")
+    found = spindamp.sweep(scene, {"damper.restitution": [0.5]}, executor=here).squeeze()
+    for k, point in enumerate(workflows.run(scene).speeds):
+        row = found.isel({"rotor.speeds": k})
+        for name in ("yield_ratio", "hardness_ratio"):
+            assert row[f"contact_{name}"] == getattr(point.contact, name)
+
+
 def test_a_ball_that_flows_has_no_verdict() -> None:
     """Lead of 6 mm at 5000 rpm becomes a flat of 0.7 mm radius; steel of 4 mm lies in a dent, and is said to."""
     (slow, fast) = workflows.run(pressed("lead", "6")).speeds
@@ -207,6 +217,23 @@ def test_a_ball_that_flows_has_no_verdict() -> None:
     assert f"of at most {1e3 * dent:.2g} mm radius" in said
     verdict = answer(workflows.run(pressed("lead", "6"))).verdict
     assert verdict.startswith("No verdict: the resting ball presses on its floor with ")
+
+
+def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
+    """Plain aluminium has no hardness: the answer names the one that Hertz's mean pressure asks for."""
+    scene = pressed("tungsten carbide", "4")
+    scene["damper"]["floor_material"] = "aluminium"
+    found = workflows.run(scene)
+    assert all(math.isnan(point.contact.hardness_ratio) for point in found.speeds)
+    stiff = 1 / ((1 - 0.22**2) / 630e9 + (1 - 0.3**2) / 70e9)
+    load = KNOWN["tungsten carbide"].density * 4 / 3 * math.pi * 2e-3**3 * found.speeds[1].omega ** 2 * 0.2
+    mean = (6 * load * stiff**2 / (math.pi**3 * 2e-3**2)) ** (1 / 3) / 1.5
+    (said,) = (each for each in answer(found).sentences if "is not known" in each)
+    assert "Whether the floor of aluminium bears the ball is not known: at 15000 rpm" in said
+    assert said.endswith(
+        f"with {mean / 1e9:.2g} GPa on average, and a floor of less than {mean / 9.80665e6:.0f} HB would flow."
+    )
+    assert not any("is not known" in each for each in answer(workflows.run(pressed("steel", "4"))).sentences)
 
 
 @pytest.mark.parametrize(("share", "end"), [(0.9, "still beyond the"), (1.1, "its own dent holds it, which a harder")])

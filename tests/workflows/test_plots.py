@@ -14,10 +14,7 @@ from PIL import Image
 
 import workflows
 from workflows.io import files
-from workflows.report import mode_viewer, plots
-
-DRAWN = mode_viewer.COMMAND
-"""The program that draws by VTK, for which other tests have a ready picture."""
+from workflows.report import plots
 
 
 @pytest.fixture(scope="module")
@@ -107,8 +104,7 @@ def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
 def test_a_notebook_shows_a_mode_as_a_picture(
     results: workflows.Results, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Drawn by VTK where no screen is, and of the mode that was asked for."""
-    monkeypatch.setattr(mode_viewer, "COMMAND", DRAWN)
+    """Also where no screen is, and of the mode that was asked for."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sys.platform", "linux")
@@ -118,18 +114,10 @@ def test_a_notebook_shows_a_mode_as_a_picture(
     page = pictures[1]._repr_html_()
     assert b64encode(pictures[1]._repr_png_()).decode() in page
     assert f"mode 2, {results.speeds[0].modes[1].family}, {results.speeds[0].modes[1].frequency_hz:.2f} Hz" in page
-    assert "Drawn without VTK" not in page
     path = pictures[1].screenshot(tmp_path / "mode.png")
     assert path.read_bytes() == pictures[1]._repr_png_()
     with pytest.raises(workflows.BadInput, match="no screen to open a window on: expected screenshot"):
         pictures[1].show()
-
-
-def test_a_mode_drawn_without_vtk_says_so(results: workflows.Results, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mode_viewer, "COMMAND", ["-c", "raise SystemExit(3)"])
-    view = results.plot.mode(1, rpm=0)
-    assert Image.open(BytesIO(view._repr_png_())).size[0] > 300
-    assert "Drawn without VTK, which found no working OpenGL here (exit status 3)." in view._repr_html_()
 
 
 def test_what_is_not_there_is_said(results: workflows.Results) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import fem
-from tests.workflows.conftest import READY, Command, Outcome, Scene, changed, on_mesh, python, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, on_mesh, python, refused, write
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import load, shipped
@@ -136,7 +136,7 @@ def test_the_same_scene_passes_where_there_is_room(
     scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
     source = load(scene)
     decided = choose_model(source, Stages(visible=False))
-    needed = resources.sizes(source, decided, model(source, decided)).memory
+    needed = resources.sizes(source, decided.form, decided.effects, model(source, decided)).memory
     monkeypatch.setattr(resources, "available", lambda: needed)
     assert spindamp("check", scene).status == 0
     monkeypatch.setattr(resources, "available", lambda: 0.99 * needed - resources.BASE)
@@ -198,11 +198,10 @@ def test_a_large_mesh_of_bricks_is_not_split_to_tell_its_error(monkeypatch: pyte
     assert np.isnan(found.errors).all()
 
 
-MEASURED = f"""
+MEASURED = """
 import pathlib, sys
 from workflows import cli
-from workflows.report import mode_viewer, plots
-mode_viewer.COMMAND = ["-I", "-S", "-c", {READY!r}]
+from workflows.report import plots
 if sys.argv.pop() == "undrawn":
     plots.svg = lambda *_, **__: ""
 status = cli.main(sys.argv[1:])

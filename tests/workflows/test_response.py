@@ -21,7 +21,7 @@ from workflows.report import remarks
 from workflows.scene.load import SHIPPED, opened
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
-from workflows.solve.results import Mode, SpeedPoint
+from workflows.solve.results import ForceLevel, Mode, SpeedPoint
 from workflows.studies import response as study
 from workflows.studies import response_report as report
 from workflows.studies.design import objectives
@@ -93,6 +93,25 @@ def test_a_known_structure(known):
 def test_the_short_way_stands_beside(known):
     for row in study.rows(known):
         assert abs(row.difference) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("estimated", "followed", "useful", "best", "expected"),
+    [
+        ((0.655, 1.67), [0.2, 0.71, 5.0], [True, True, False], 0.71, (0.655, 1.67)),  # 0.4 takes less than half of it
+        ((0.655, 1.67), [0.65, 0.71, 5.0], [True, True, False], 0.65, (0.65, 1.67)),
+        ((0.5, 3.0), [0.6, 1.0, 2.0, 4.0], [True, True, False, True], 1.0, (0.6, 1.0)),  # contradicted at 2
+        ((0.5, 3.0), [5.0, 7.0], [True, False], 5.0, (5.0, 5.0)),
+        ((math.nan, math.nan), [1.0, 2.0, 5.0], [False, True, True], 5.0, (2.0, 5.0)),
+        ((0.5, 3.0), [1.0, 2.0], [False, False], 1.0, (math.nan, math.nan)),
+    ],
+)
+def test_the_range_holds_at_the_levels_followed(known, estimated, followed, useful, best, expected):
+    """Between levels followed free vibration speaks, unless one of them contradicts it."""
+    (short,) = known.results.reductions
+    levels = [ForceLevel(level, 1.0, 0.0, True) for level in followed]
+    found = report._range(dataclasses.replace(short, range=estimated), levels, useful, best)
+    assert found == pytest.approx(expected, nan_ok=True)
 
 
 def test_document(known):

@@ -27,7 +27,7 @@ from workflows.effects import selection
 from workflows.io import provenance, serialise
 from workflows.scene import quantities
 from workflows.scene.load import load, parse
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint
 from workflows.studies.sweep.evaluate import QUANTITIES
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -385,11 +385,17 @@ def _full() -> Any:
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damper=damping,
         working=results.OwnFigures(
-            **figures, error=0.0, from_above=results.Figures(**figures), folds=(1.0, 2.0), jump=(1.0, 2.0)
+            **figures,
+            **dict.fromkeys(OTHER_WAYS, results.Figures(**figures)),
+            error=0.0,
+            folds=(1.0, 2.0),
+            jump=(1.0, 2.0),
+            level=results.Figures(**figures),
+            tilt_share=1.0,
+            pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
+            tilted_cutoff_g=1.0,
+            tilted_cutoff_ratio=1.0,
         ),
-        level=results.Figures(**figures),
-        tilted=results.CutOff(1.0, 1.0),
-        pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
     )
 
 
@@ -408,7 +414,7 @@ def test_every_number_of_the_document_is_in_the_data_set() -> None:
 
 
 def test_a_speed_without_a_damper_has_neither_part_nor_columns() -> None:
-    plain = SpeedPoint(omega=1.0, rpm=1.0, radius=1.0, load_g=1.0)
+    plain = SpeedPoint(omega=1.0, rpm=1.0, radius=1.0, load_g=1.0, modes=())
     results = Results(load("structure").scene, {}, (plain,))
     assert workflows.document(results)["speeds"] == [{"rpm": 1.0, "load_g": 1.0, "modes": []}]
     assert set(workflows.dataset(results).variables) == {"rpm", "load_g"}
@@ -510,8 +516,8 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
     names |= {*point["damper"]["cycles"][0], *(f"energy_{part}" for part in point["damper"]["energy"])}
     own = point["working"]
     names |= {*_flat(own), *(f"level_{name}" for name in _flat(own["level_floor"]))}
-    names |= {f"from_above_{name}" for name in _flat(own["from_above"])}
-    names |= {f"{floor}_{name}" for floor in ("level", "from_above") for name in ("amplitude", "damping_ratio")}
+    names |= {f"{way}_{name}" for way in OTHER_WAYS for name in _flat(own[way])}
+    names |= {f"{floor}_{name}" for floor in ("level", *OTHER_WAYS) for name in ("amplitude", "damping_ratio")}
     names |= {f"error_{part}" for part in point["modes"][0]["error_parts"]}
     names |= {f"working_{name}" for name in ("error", "amplitude", "damping_ratio")}
     names |= {f"verdict_{name}" for name in _flat(point["verdict"])}
@@ -522,9 +528,8 @@ def test_names_are_those_of_the_json(finished: Path, document: dict[str, Any]) -
 
 def _flat(figures: dict[str, Any]) -> list[str]:
     """Names of numbers; what is low and high has two."""
-    plain = {
-        name: value for name, value in figures.items() if name not in ("curve", "level_floor", "error", "from_above")
-    }
+    others = ("curve", "level_floor", "error", *OTHER_WAYS)
+    plain = {name: value for name, value in figures.items() if name not in others}
     return [
         name + end for name, value in plain.items() for end in (("_low", "_high") if isinstance(value, list) else ("",))
     ]

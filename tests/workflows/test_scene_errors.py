@@ -291,14 +291,6 @@ def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width:
     assert remarks.wide(found) is None
 
 
-@pytest.mark.parametrize(("change", "said"), [(-1.1e-7, False), (2e-6, True)])
-def test_a_stiffness_that_rounding_changes_is_no_remark(change: float, said: bool) -> None:
-    reduced = SimpleNamespace(K1=1 + change, K2=1.0)
-    scene = SimpleNamespace(plate=object(), accuracy=SimpleNamespace(frequency=1e-3))
-    found: Any = SimpleNamespace(scene=scene, speeds=[SimpleNamespace(reduced=reduced)])
-    assert (remarks.stiffness_with_ball(found) is not None) is said
-
-
 @pytest.mark.parametrize(
     ("text", "value"),
     [("6.9 1/m", 6.9), ("6.9 rad/m", 6.9), ("0.4 deg/mm", 6.98131700798), ("400 deg/m", 6.98131700798), (3, 3.0)],
@@ -321,10 +313,8 @@ def test_a_range_is_quoted_as_it_was_typed(typed):
 
 
 def test_the_weight_left_out_is_said(structure):
-    for rpm, said in (("0 rpm", True), ("4000 rpm", False)):
-        scene = changed(structure, rotor__speeds=[rpm], release__cycles=2)
-        found = remarks.assumptions(pipeline.run(scene))
-        assert any("weight is left out: at 0 rpm" in text for text, _ in found) is said
+    found = remarks.assumptions(pipeline.run(changed(structure, release__cycles=2)))
+    assert any("weight is left out" in text for text, _ in found)
 
 
 def test_balls_as_heavy_as_the_structure_are_taken(structure):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -65,9 +64,7 @@ Reported = TypeVar("Reported", contravariant=True)
 
 
 class StudyReport(Protocol[Reported]):
-    """What the report of a study offers: files besides the page (a regular expression), and three ways to show it."""
-
-    FILES: str
+    """What the report of a study offers: three ways to show it."""
 
     def write(self, result: Reported, out: Path, /) -> object:
         """Write the whole into a folder, or nothing."""
@@ -289,14 +286,16 @@ def view(
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
     mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write a page instead of opening a window.")
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file, and do not open it.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Show mesh, clamped root, place of the damper and modes.
 
-    A window opens where there is a screen; otherwise a page is written, and its name is printed.
+    A page is written, its name is printed, and a browser opens it where there is a screen.
     """
+    import webbrowser
+
     from workflows.report import mode_viewer, viewer
     from workflows.report.page import writable
     from workflows.scene.load import slug
@@ -321,12 +320,12 @@ def view(
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
-    if out is None and mode_viewer.screen_exists() and viewer.shown(data, first, number, data.title):
-        return
     if remark := viewer.thinned(viewer.view(data, first, number)):
         typer.echo(remark)
     path = out or Path(f"spindamp-view-{slug(data.title)}.html")
     viewer.write(data, path, first, number)
+    if out is None and mode_viewer.screen_exists():
+        webbrowser.open(path.resolve().as_uri())
     typer.echo(f"\nopen {path}")
 
 
@@ -348,7 +347,7 @@ def check(
     resources.check(source)
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
-    sizes = resources.sizes(source, choice, None if choice.form is None else model(source, choice))
+    sizes = resources.sizes(source, choice.form, choice.effects, None if choice.form is None else model(source, choice))
     with translated_errors(source):
         space = space_of(source, slowest=True)
     if json:
@@ -375,28 +374,21 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     from workflows import pipeline
     from workflows.io import files, folder, serialise
     from workflows.report import text
-    from workflows.report.mode_viewer import Artist
     from workflows.report.remarks import remarked
     from workflows.solve import resources
-    from workflows.solve.results import middle
 
     resources.check(source)
     if out is not None:
         folder.check(out, files.FILES)
     if source.scene.damper is not None:
         _announce_compiler()
-    with ExitStack() as stack:
-        stages = stack.enter_context(Stages())
-        drawn = out is not None and source.scene.given is None
-        artist = stack.enter_context(Artist()) if drawn else None
-        state = pipeline.structure(source, stages, shapes=drawn)
-        if artist is not None and state.surface is not None:
-            artist.draw(state.surface, middle(state.points))
+    with Stages() as stages:
+        state = pipeline.structure(source, stages, shapes=out is not None)
         results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
         if out is not None:
             from workflows.report.page import publish
 
-            results = publish(results, out, stages, artist)
+            results = publish(results, out, stages)
     typer.echo(serialise.dumps(results) if json else text.text(results, out, source.remarks))
 
 
@@ -415,10 +407,10 @@ def _study(
     solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
 ) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned."""
-    from workflows.io import folder
+    from workflows.io import files, folder
 
     if out is not None:
-        folder.check(out, report.FILES)
+        folder.check(out, files.FILES_OF_STUDIES)
     if damper:
         _announce_compiler()
     with Stages() as stages:

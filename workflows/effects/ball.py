@@ -36,8 +36,8 @@ class Beam(NamedTuple):
 def beam_like(scene: Scene, form: Planform | None) -> Beam:
     """The cantilever of a scene's plate, with its point mass."""
     plate, material = scene.plate, scene.material
-    if plate is None or material is None:
-        raise ValueError("the scene has no plate")
+    assert plate is not None
+    assert material is not None
     if form is None and plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
     length, width = (plate.length, plate.width) if form is None else form.sides

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from fem.meshes.mesh_sequence import Planform
 from workflows.effects import ball, plate
 from workflows.effects.definition import NO_DAMPER, Called, Case, Effect
@@ -21,14 +23,23 @@ OF_THE_DAMPER = tuple(name for name, kind in EFFECTS.items() if kind.of == "damp
 
 
 SOLID = {name: Called(True, "solid blades have it") for name in OF_THE_PLATE} | {
-    "large_deflection": Called(True, "solid blades are solved about the state that the load leaves"),
+    "large_deflection": Called(True, "the load bends and untwists a blade"),
     "coriolis": Called(False, "of solid blades it is estimated alone, as an error of each frequency"),
 }
-"""What is settled for a solid blade."""
+"""What is settled for a solid blade; large deflection by its state where that is solved."""
 
 
-def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...] = NAMES) -> dict[str, Called]:
-    """Whether the scene calls for each effect, and why (not). `form`: the planform of a plate from a mesh."""
+def called_for(
+    scene: Scene,
+    form: Planform | None = None,
+    names: tuple[str, ...] = NAMES,
+    settled: Mapping[str, Called] | None = None,
+) -> dict[str, Called]:
+    """Whether the scene calls for each effect, and why (not).
+
+    form: the planform of a plate from a mesh. settled: of a solid blade, beyond `SOLID`.
+    """
+    solid = {} if scene.blade is None else SOLID | dict(settled or {})
     found: dict[str, Called] = {}
     on: dict[str, bool] = {}
     for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
@@ -36,7 +47,7 @@ def called_for(scene: Scene, form: Planform | None = None, names: tuple[str, ...
         if EFFECTS[name].of == "damper" and scene.damper is None:
             found[name] = NO_DAMPER
         else:
-            found[name] = EFFECTS[name].called_for(case) if scene.blade is None or name not in SOLID else SOLID[name]
+            found[name] = solid[name] if name in solid else EFFECTS[name].called_for(case)
         asked = getattr(scene.effects, name)
         on[name] = found[name].called if asked == "auto" else asked is True
     return {name: found[name] for name in names}
@@ -47,8 +58,10 @@ def of(source: SceneFile) -> dict[str, Effect]:
     return resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
 
 
-def resolve(scene: Scene, file: str | None = None, form: Planform | None = None) -> dict[str, Effect]:
-    """Every effect of the scene, decided. `form`: its planform, needed where that is a mesh.
+def resolve(
+    scene: Scene, file: str | None = None, form: Planform | None = None, settled: Mapping[str, Called] | None = None
+) -> dict[str, Effect]:
+    """Every effect of the scene, decided. `form`: its planform, needed where that is a mesh; settled: see `called_for`.
 
     Raises:
         BadInput: the scene insists on an effect that its own values rule out.
@@ -58,7 +71,7 @@ def resolve(scene: Scene, file: str | None = None, form: Planform | None = None)
         if (refusal := kind.refused(scene)) is not None:
             raise BadInput(refusal.problem, file=file, key=refusal.key, value=refusal.value)
     decided = {}
-    for name, (called, why, moves) in called_for(scene, form).items():
+    for name, (called, why, moves) in called_for(scene, form, settled=settled).items():
         asked = getattr(scene.effects, name)
         if asked == "auto":
             decided[name] = Effect(called, why, None if called else moves)
@@ -73,7 +86,7 @@ def _check_plate(scene: Scene, file: str | None) -> None:
     """The effects of a plate need one: a structure's frequency is taken as it is given."""
     for name in OF_THE_PLATE if scene.plate is None else ():
         asked = getattr(scene.effects, name)
-        if scene.blade is not None and asked != "auto" and asked is not SOLID[name].called:
+        if scene.blade is not None and name != "large_deflection" and asked not in ("auto", SOLID[name].called):
             raise BadInput(f"{SOLID[name].why}: leave this out", file=file, key=f"[effects] {name}", value=asked)
         if scene.blade is None and asked is True:
             raise BadInput("the scene has no plate", file=file, key=f"[effects] {name}", value=True)

@@ -17,7 +17,7 @@ from workflows.io import provenance
 from workflows.io.folder import replacing
 from workflows.io.serialise import Column, columns, keep
 from workflows.solve.engine_orders import branches
-from workflows.solve.results import Figures, Floats, Mode, Results, SpeedPoint, Surface, expect
+from workflows.solve.results import OTHER_WAYS, Figures, Floats, Mode, Results, SpeedPoint, Surface, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -30,11 +30,18 @@ ERRORS = "frequency_errors"
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
 
-_OF_A_SPEED = r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above)?)_[\d.e+]+rpm"
+_OF_A_SPEED = (
+    r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above|_slow_ramp|_abrupt_start)?)_[\d.e+]+rpm"
+)
 
 FILES = rf"({TABLE}|{ERRORS}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
+
+FILES_OF_STUDIES = (
+    r"(accuracy|campbell|closure|compare|design|effects|reproduce|response\w*)\.(json|csv|svg|nc)|best\.toml"
+)
+"""What studies write besides a page, as a regular expression."""
 
 _STILL = 1e-9
 """Part of the largest motion along either axis that counts as none."""
@@ -116,12 +123,13 @@ def damping_ratio(results: Results) -> list[Curve]:
     return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
 
 
-def from_above(results: Results) -> list[Curve | None]:
-    """The same on the way down, for each of these; None where it does not differ."""
-    figures = [(p, p.working) for p in results.speeds if p.working is not None and p.working.amplitude.size]
+def of_other_starts(results: Results) -> list[Curve]:
+    """The same from other starts, where the way down differs."""
     return [
-        _damping_curve("damping_ratio_from_above", point, own.from_above) if own.parted else None
-        for point, own in figures
+        _damping_curve(f"damping_ratio_{way}", point, getattr(own, way))
+        for point in results.speeds
+        if (own := point.working) is not None and own.amplitude.size and own.parted
+        for way in OTHER_WAYS
     ]
 
 
@@ -133,8 +141,7 @@ def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
 def every(results: Results) -> list[Curve]:
     """All curves of a run."""
     history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    descending = [curve for curve in from_above(results) if curve is not None]
-    return campbell(results) + history + capacity(results) + damping_ratio(results) + descending
+    return campbell(results) + history + capacity(results) + damping_ratio(results) + of_other_starts(results)
 
 
 def speed_tag(point: SpeedPoint) -> str:

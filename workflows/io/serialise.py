@@ -25,7 +25,7 @@ from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import parse, unfit
 from workflows.scene.scene import Scene
-from workflows.solve.results import Results, SpeedPoint, VibrationReduction, expect
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -160,7 +160,6 @@ class Quantity:
         path: keys that lead to it in published data; where one leads to a list, the next is that list's dimension.
         end: which number of a pair it is.
         headline: whether sweeps have a column of it.
-        short: what the key of a picture calls it.
     """
 
     name: str
@@ -171,7 +170,6 @@ class Quantity:
     dims: tuple[str, ...]
     end: int | None
     headline: bool
-    short: str
 
     def of(self, published: Mapping[str, Any]) -> Any:
         """Its value in a record that has one; None where a record on the way is not there."""
@@ -216,7 +214,6 @@ def _quantities(
                 dims=dims,
                 end=end,
                 headline=headline and said.get("headline", False),
-                short=said.get("short", ""),
             )
     for key, said, inner in parts:
         along = (said["along"],) if "along" in said else ()
@@ -227,7 +224,7 @@ def _quantities(
 _NO_HEADLINES: Any = {
     "modes": True,
     "cavity_modes": True,
-    "working": {"curve": True, "from_above": {"curve"}},
+    "working": {"curve": True} | {way: {"curve"} for way in OTHER_WAYS},
     "level": True,
     "damper": {"cycles"},
 }

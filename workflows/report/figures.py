@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import html
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,15 +18,14 @@ from workflows.errors import BadInput
 from workflows.formatting import amount, significant
 from workflows.io import files
 from workflows.io.files import Curve
-from workflows.io.serialise import quantities
 from workflows.report import plots
-from workflows.report.mode_viewer import Artist, Indices, Picture, screen_exists
+from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper, plate_mesh
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Scene, typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Energy, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Figures, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,6 +43,9 @@ _CYCLES_AT_MOST = 80
 _LEAST_AMPLITUDE = 0.1
 """Part of the least amplitude of any curve at which the axis begins at the latest, whatever ticks lie below it."""
 
+_OTHER_WAYS = {"from_above": (0, (4, 2)), "slow_ramp": (0, (4, 2, 1, 2)), "abrupt_start": (0, (1, 2))}
+"""Lines of damping curves from other starts."""
+
 _MARGIN = 1.1
 """By what the axis goes beyond its ends."""
 
@@ -51,19 +54,6 @@ _MIDDLE = 0.5
 
 _LEAST_SHOWN = 1e-3
 """Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
-
-_REMAINING, *_LOST = ((each.name, each.short) for each in quantities(Energy) if each.short)
-
-_PARTS = (*_LOST, _REMAINING)
-"""Parts of the books and what the record calls them: what was lost, first to the structure, then what is left."""
-
-_COLOURS = (plots.CATEGORIES[5], plots.CATEGORIES[2], plots.CATEGORIES[1], plots.CATEGORIES[3], plots.RULE)
-
-_BAR = 0.7
-"""Height of a bar, of the distance between two."""
-
-_BARS_AT_MOST = 40
-"""Speeds that a picture has bars for."""
 
 _AXES = (plots.CATEGORIES[0], plots.CATEGORIES[2])
 """Along the axes 1 and 2."""
@@ -104,7 +94,6 @@ SHOWN = {
     "velocity": "Velocity of the structure over time",
     "capacity": "Specific damping capacity over acceleration amplitude",
     "working": "Damping ratio by the ball over the amplitude of the vibration",
-    "books": "Where the energy went at each speed, in shares",
     "path": "The ball’s path in its cavity",
 }
 """The figures of a report, and what they show."""
@@ -118,10 +107,9 @@ def report(results: Results) -> dict[str, str]:
         "velocity": velocity(results),
         "capacity": capacity(results),
         "working": damping_ratio(results),
-        "books": books(results),
         "path": cavity_path(results),
     }
-    values = {"campbell": _frequencies, "working": _damping_ratios, "books": _shares}
+    values = {"campbell": _frequencies, "working": _damping_ratios}
     return {
         name: ""
         if figure is None
@@ -161,20 +149,6 @@ def _damping_ratios(results: Results, figure: Figure) -> Iterator[Value]:
         for x, y in zip(1e3 * line.x, 100 * line.y, strict=True):
             if y > 0:
                 yield Value(figure.axes[0], x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
-
-
-def _shares(results: Results, figure: Figure) -> Iterator[Value]:
-    """Shares of the energy at the start, a bar each."""
-    bars = _speeds_shown(results)
-    for axes, parts in zip(figure.axes, _panels(bars), strict=True):
-        for place, (rpm, energy) in enumerate(bars):
-            begun = 0.0
-            for name, label in parts:
-                part = getattr(energy, name)
-                share = 100 * part / energy.initial
-                title = f"{label}, {amount(rpm)} rpm: {share:.6g} %, {part:.6g} J"
-                yield Value(axes, begun + share / 2, place, title, size=(share, _BAR))
-                begun += share
 
 
 def campbell(results: Results, target: Target = PAGE) -> Figure | None:
@@ -368,18 +342,23 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     if not lines:
         return None
     figure, (axes,) = plots.canvas(3.1, target=target)
-    others = files.from_above(results)
-    for line, figures, other, colour in zip(lines, ranges, others, plots.shades(len(lines)), strict=True):
+    top = 100 * limits.AIR[1]
+    for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
-        if other is not None:
-            apart = (other.x > figures.folds[0] / _MARGIN) & (other.x < figures.folds[1] * _MARGIN)
-            axes.plot(1e3 * other.x[apart], 100 * other.y[apart], color=colour, lw=1.0, ls=(0, (4, 2)))
+        for way, style in _OTHER_WAYS.items() if figures.parted else ():
+            other: Figures = getattr(figures, way)
+            place = other.amplitude
+            apart = (
+                (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN) & (other.damping_ratio > 0)
+            )
+            axes.plot(1e3 * place[apart], 100 * other.damping_ratio[apart], color=colour, lw=1.0, ls=style)
+            top = max(top, 100 * float(other.damping_ratio.max(initial=0.0)))
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
-    top = max(*peaks, *(100 * float(other.y.max()) for other in others if other is not None), 100 * limits.AIR[1])
+    top = max(top, *peaks)
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
     axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
     axes.set_xlim(_from_to(lines, ranges))
@@ -416,49 +395,6 @@ def _beside(axes: Axes, limit: float | None) -> None:
         va="bottom",
         color=plots.MUTED,
     )
-
-
-def _speeds_shown(results: Results) -> list[tuple[float, Energy]]:
-    """Speed [rpm] and books of the ring-downs that the figure shows, evenly chosen where there are many."""
-    found = [(p.rpm, p.damper.energy) for p in results.speeds if p.damper and p.damper.energy.initial > 0]
-    if len(found) <= _BARS_AT_MOST:
-        return found
-    return [found[k] for k in np.unique(np.linspace(0, len(found) - 1, _BARS_AT_MOST).round().astype(int))]
-
-
-def _panels(bars: list[tuple[float, Energy]]) -> list[tuple[tuple[str, str], ...]]:
-    """The parts that each panel shows."""
-    return [_PARTS, _PARTS[1:4]] if any(energy.structure > 0.0 for _, energy in bars) else [_PARTS]
-
-
-def books(results: Results) -> Figure | None:
-    """Shares of the energy of the release; below what the structure took, what the ball did on a scale of its own."""
-    bars = _speeds_shown(results)
-    if not bars:
-        return None
-    shown = _panels(bars)
-    figure, drawn = plots.canvas(0.75 + 0.2 * len(bars), len(shown))
-    for axes, parts in zip(drawn, shown, strict=True):
-        _bars(axes, bars, parts)
-        axes.set(xlabel="share of the energy at the start, %")
-    drawn[0].set(xlim=(0, 100))
-    if len(shown) == 2:
-        drawn[0].set(title="All of it")
-        drawn[1].set(title="What the ball took", xlim=(0, max(drawn[1].get_xlim()[1], 1e-6)))
-    plots.legend(figure, drawn[0])
-    return figure
-
-
-def _bars(axes: Axes, bars: list[tuple[float, Energy]], parts: tuple[tuple[str, str], ...]) -> None:
-    places, begun = np.arange(len(bars)), np.zeros(len(bars))
-    colours = dict(zip((name for name, _ in _PARTS), _COLOURS, strict=True))
-    for name, label in parts:
-        shares = np.array([100 * getattr(energy, name) / energy.initial for _, energy in bars])
-        axes.barh(places, shares, _BAR, begun, color=colours[name], label=label)
-        begun += shares
-    axes.set_yticks(places, [f"{amount(rpm)} rpm" for rpm, _ in bars])
-    axes.invert_yaxis()
-    axes.grid(visible=False, axis="y")
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
@@ -678,7 +614,7 @@ class ModeView:
     def screenshot(self, path: str | PathLike[str]) -> Path:
         """Write the picture as PNG; it needs no screen."""
         written = Path(path)
-        written.write_bytes(self._picture.png)
+        written.write_bytes(self._png)
         return written
 
     def plotter(self) -> Any:
@@ -698,23 +634,17 @@ class ModeView:
         return plotter
 
     @cached_property
-    def _picture(self) -> Picture:
-        """Drawn in a process of its own, whose OpenGL may fail."""
-        with Artist() as artist:
-            artist.draw(self.surface, self.surface.at[self.row], self.number)
-            picture = artist.picture()
-        assert picture is not None
-        return picture
+    def _png(self) -> bytes:
+        return mode_picture(self.surface, self.row, self.number)
 
     def __repr__(self) -> str:
         return f"<ModeView: {self.title}>"
 
     def _repr_png_(self) -> bytes:
-        return self._picture.png
+        return self._png
 
     def _repr_html_(self) -> str:
-        words = html.escape(f"{self.title}. {self._picture.remark}".strip())
-        coded = b64encode(self._picture.png).decode()
+        words, coded = html.escape(f"{self.title}."), b64encode(self._png).decode()
         picture = f'<img alt="{words}" style="max-width:40em" src="data:image/png;base64,{coded}">'
         return f"<figure>{picture}<figcaption>{words}</figcaption></figure>"
 
@@ -759,40 +689,77 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = self._row(surface.at, rpm)
-        if not 1 <= number <= surface.shapes.shape[1]:
-            raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key="number", value=number)
+        row = surface.row(middle(self.results.speeds))
+        row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
         title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
         return ModeView(surface, row, number, title)
 
-    def _row(self, at: tuple[int, ...], rpm: float | None) -> int:
-        """Which of the speeds kept is meant."""
-        if rpm is None:
-            return int(np.argmin(np.abs(np.asarray(at) - middle(self.results.speeds))))
-        kept = [self.results.speeds[number].rpm for number in at]
-        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            raise BadInput(f"expected a speed with shapes: {', '.join(map(amount, kept))}", key="rpm", value=rpm)
-        return row
-
+    @plots.style()
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
-        with plots.style():
-            figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
-            if figure is None:
-                raise _without(needed)
-            if ax is None:
-                figure.set_facecolor(plots.PAPER)
-            axes = ax or figure.axes[0]
-            plots.plain([axes])
-            plots.coloured(ax or figure, len(self.results.speeds))
-            return axes
+        figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
+        if figure is None:
+            raise _without(needed)
+        if ax is None:
+            figure.set_facecolor(plots.PAPER)
+        axes = ax or figure.axes[0]
+        plots.plain([axes])
+        plots.coloured(ax or figure, len(self.results.speeds))
+        return axes
+
+
+def chosen(
+    surface: Surface, speeds: Sequence[SpeedPoint], row: int, rpm: float | None, number: int, keys: tuple[str, str]
+) -> int:
+    """Which of the speeds kept is meant, `row` where none is named; `number`: of a mode there, from 1.
+
+    Raises:
+        BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
+    """
+    kept = [speeds[number].rpm for number in surface.at]
+    if rpm is not None:
+        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
+        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
+            problem = f"expected a speed with shapes: {', '.join(map(amount, kept))} rpm"
+            raise BadInput(problem, key=keys[0], value=typed(rpm))
+    if not 1 <= number <= surface.shapes.shape[1]:
+        raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
+    return row
 
 
 def _without(needed: str) -> BadInput:
     return BadInput(f"the run has nothing to draw: expected {needed}", key="plot")
+
+
+def mode_picture(surface: Surface, row: int, number: int) -> bytes:
+    """A mode, numbered from 1, in three dimensions above the outline of the plate at rest, as PNG."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    surface = surface.finer or surface
+    left = thinned(surface, POINTS)
+    points, shape = (surface.drawn(each[left.kept]) for each in (surface.points, surface.shapes[row, number - 1]))
+    moved, swing = _swinging(points, shape if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -shape)
+    figure = Figure(figsize=(8, 5), facecolor="none")
+    axes: Any = figure.add_axes((0.0, -0.3, 1.0, 1.6), projection="3d", facecolor="none")
+    colours = colormaps["plasma"](swing[left.triangles].mean(axis=1))
+    faces = Poly3DCollection(moved[left.triangles], facecolors=colours, edgecolors=colours, linewidths=0.4)
+    axes.add_collection3d(faces)
+    if len(left.outline):
+        axes.add_collection3d(Line3DCollection(points[left.outline], color="#8a8a8a", linewidth=1.2))
+    else:  # a closed surface
+        axes.add_collection3d(Poly3DCollection(points[left.triangles], facecolors="#8a8a8a", alpha=0.2))
+    low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(np.maximum(high - low, 1e-3 * np.ptp(points)), zoom=0.94)
+    axes.view_init(22, -62)
+    axes.set_axis_off()
+    out = BytesIO()
+    figure.savefig(out)
+    return out.getvalue()
 
 
 def _swinging(points: Floats, shape: Floats) -> tuple[Floats, Floats]:

@@ -1,23 +1,18 @@
-"""The modes in motion in a page (templates/viewer.js), and the still picture beneath: surface and shapes as plain data.
+"""The modes in motion in a page (templates/viewer.js): surface and shapes as plain data.
 
 A surface with more points than a page has room for is thinned, its edges kept; shapes are packed as sums of few vectors
-of 16-bit numbers. The still picture comes from VTK in a process of its own, or else from matplotlib.
+of 16-bit numbers.
 """
 
 from __future__ import annotations
 
 import base64
-import contextlib
-import io
 import json
 import os
-import subprocess
 import sys
 from collections import defaultdict
 from dataclasses import dataclass, replace
-from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -25,10 +20,6 @@ import numpy.typing as npt
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 POINTS = 1200
 """Points of a surface in a page that has more to show."""
@@ -52,17 +43,6 @@ _AT_ONCE = 2_000_000
 
 ERROR = 1e-3
 """Largest departure of a packed displacement, in parts of the shape's largest."""
-
-PATIENCE = 20.0
-"""Seconds to wait for VTK once everything else is done."""
-
-COMMAND = ["-P", str(Path(__file__).with_name("mode_picture.py"))]
-"""What draws, as arguments to Python; -P: modules in the user's folder are not taken for the ones meant."""
-
-PNG = b"\x89PNG"
-
-_SCALE = 0.25
-"""Largest displacement drawn, in lengths of the plate."""
 
 
 @dataclass(frozen=True)
@@ -135,17 +115,18 @@ def of_surface(
     surface = surface.finer or surface
     drawn = thinned(surface, room.points)
     shapes, behind = _shapes(surface, drawn.kept)
-    found = packed(np.concatenate([shapes, behind])) if len(shapes) else None
-    fit = room.points if found is None else max(_FEWEST, room.bytes // (2 * max(found.rank, 1)))
+    few = [_few(np.concatenate([shapes, behind])[:, :, k]) for k in range(3)] if len(shapes) else []
+    rank = sum(len(along) for along, _ in few)
+    fit = max(_FEWEST, room.bytes // (2 * max(rank, 1))) if few else room.points
     if fit < len(drawn.kept) and fit < room.points:
         return of_surface(surface, speeds, mark, thickness, first, replace(room, points=fit))
     data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
     data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
-    if found is not None:
+    if few:
         data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
-        data["first"] = [int(np.argmin(np.abs(np.asarray(surface.at) - first[0]))), first[1]]
-        data["shapes"] = vectors(found)
-    return View(_for_a_page(data), len(surface.points), len(drawn.kept), found is not None)
+        data["first"] = [surface.row(first[0]), first[1]]
+        data["shapes"] = vectors(few)
+    return View(_for_a_page(data), len(surface.points), len(drawn.kept), bool(few))
 
 
 def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
@@ -338,28 +319,8 @@ def _inside(points: Floats, edges: Floats) -> npt.NDArray[np.bool_]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Packed:
-    """Shapes (count, n, 3) as sums of vectors: for each direction vectors (r, n) and shares (count, r)."""
-
-    vectors: tuple[Floats, Floats, Floats]
-    shares: tuple[Floats, Floats, Floats]
-
-    @property
-    def rank(self) -> int:
-        """Vectors of all directions."""
-        return sum(len(vectors) for vectors in self.vectors)
-
-
-def packed(shapes: Floats) -> Packed:
-    """The fewest vectors that give shapes (count, n, 3), of which the largest displacements are 1, to half of ERROR."""
-    pairs = [_few(shapes[:, :, k]) for k in range(3)]
-    vectors, shares = zip(*pairs, strict=True)
-    return Packed(vectors, shares)
-
-
 def _few(along: Floats) -> tuple[Floats, Floats]:
-    """Vectors (r, n) and shares (count, r) whose product is `along` (count, n) to half of ERROR."""
+    """The fewest vectors (r, n), and shares (count, r), whose product is `along` (count, n) to half of ERROR."""
     # Of the small matrix of inner products, for singular values below ERROR are of no use: far faster than an SVD.
     left = np.linalg.eigh(along @ along.T)[1][:, ::-1]
     right, rest, rank = left.T @ along, along.copy(), 0
@@ -384,16 +345,17 @@ def base64_of(array: Any) -> str:
     return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
 
 
-def vectors(found: Packed) -> list[dict[str, Any]]:
+def vectors(few: list[tuple[Floats, Floats]]) -> list[dict[str, Any]]:
     """Vectors (scaled by `largest`) and shares (32-bit floats) of each direction, ready for JSON."""
+    largest = [float(np.abs(along).max(initial=0.0)) for along, _ in few]
     return [
         {
             "rank": len(along),
-            "largest": float(np.abs(along).max(initial=0.0)),
-            "vectors": shorts(along, float(np.abs(along).max(initial=0.0))),
+            "largest": most,
+            "vectors": shorts(along, most),
             "shares": base64_of(shares.astype("<f4")),
         }
-        for along, shares in zip(found.vectors, found.shares, strict=True)
+        for (along, shares), most in zip(few, largest, strict=True)
     ]
 
 
@@ -402,134 +364,3 @@ def screen_exists() -> bool:
     if sys.platform in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A PNG picture, and a remark where it is not the usual one."""
-
-    png: bytes
-    remark: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class ModeShape:
-    """What is drawn: points (n, 3) in lengths of the plate, cells (m, 3 or 4), outline (k, 2), displacement (n, 3).
-
-    `thick`: whether it is a mid-surface, to be drawn with a thickness.
-    """
-
-    points: Floats
-    cells: np.ndarray
-    outline: np.ndarray
-    shape: Floats
-    thick: np.ndarray
-
-
-def _extent(points: Floats) -> float:
-    return float(np.ptp(points, axis=0).max())
-
-
-class Artist:
-    """Draws while the run goes on: started early, fed the shape when it is known, asked for the picture last."""
-
-    def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._shape: ModeShape | None = None
-        self._failure = ""
-
-    def __enter__(self) -> Self:
-        try:
-            self._process = subprocess.Popen(
-                [sys.executable, *COMMAND], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-            )
-        except OSError as error:
-            self._failure = str(error)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-            for stream in (self._process.stdin, self._process.stdout):
-                if stream is not None:
-                    with contextlib.suppress(OSError):  # what it had not read yet
-                        stream.close()
-
-    def draw(self, surface: Surface, speed: int, mode: int = 1) -> None:
-        """Hand over a mode, numbered from 1, at the speed nearest to number `speed` of the run."""
-        row = int(np.argmin(np.abs(np.asarray(surface.at) - speed)))
-        shape, points = surface.drawn(surface.shapes[row, mode - 1]), surface.drawn(surface.points)
-        largest = float(np.linalg.norm(shape, axis=1).max()) or 1.0
-        sign = 1.0 if shape[np.argmax(np.abs(shape[:, 2])), 2] >= 0 else -1.0
-        thick = surface.frame is None
-        low, length = (0.0, float(np.ptp(points[:, 0]))) if thick else (points.min(axis=0), _extent(points))
-        moved = sign * _SCALE * shape / largest
-        self._shape = ModeShape((points - low) / length, surface.cells[1], surface.outline, moved, np.array(thick))
-        archive = io.BytesIO()
-        np.savez(archive, **vars(self._shape))
-        if self._process is not None and self._process.stdin is not None:
-            stdin, self._process.stdin = self._process.stdin, None
-            try:
-                stdin.write(archive.getvalue())
-            except OSError:
-                self._failure = "the drawing process ended early"
-            with contextlib.suppress(OSError):
-                stdin.close()
-
-    def picture(self) -> Picture | None:
-        """The picture; None where no shape was handed over."""
-        if self._shape is None:
-            return None
-        png = b"" if self._failure else self._wait()
-        if png:
-            return Picture(png)
-        remark = f"Drawn without VTK, which found no working OpenGL here ({self._failure})."
-        return Picture(_png(_plain(self._shape)), remark)
-
-    def _wait(self) -> bytes:
-        """What VTK has drawn; where it has not, `_failure` says why."""
-        png = b""
-        if self._process is None:
-            self._failure = "it did not start"
-            return png
-        try:
-            png = self._process.communicate(timeout=PATIENCE)[0]
-        except subprocess.TimeoutExpired:
-            self._failure = f"no picture within {PATIENCE:.0f} s"
-            return png
-        if self._process.returncode != 0:
-            self._failure, png = f"exit status {self._process.returncode}", b""
-        elif not png.startswith(PNG):
-            self._failure, png = "no picture", b""
-        return png
-
-
-def _plain(drawn: ModeShape) -> Figure:
-    from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-
-    figure = Figure(figsize=(8, 4.6), facecolor="none")
-    axes: Any = figure.add_subplot(projection="3d", facecolor="none")
-    points, moved = drawn.points, drawn.points + drawn.shape
-    lift = np.linalg.norm(drawn.shape, axis=1)[drawn.cells].mean(axis=1)
-    faces = Poly3DCollection(moved[drawn.cells], array=lift, cmap="plasma", edgecolor="#ffffff60", linewidth=0.4)
-    axes.add_collection3d(faces)
-    axes.add_collection3d(Line3DCollection(points[drawn.outline], color="#8a8a8a", linewidth=1.2))
-    low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(np.maximum(high - low, 1e-3), zoom=1.5)
-    axes.view_init(22, -62)
-    axes.set_axis_off()
-    return figure
-
-
-def _png(figure: Figure) -> bytes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    out = io.BytesIO()
-    canvas: Any = FigureCanvasAgg(figure)
-    canvas.print_png(out)
-    return out.getvalue()

@@ -5,8 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +18,7 @@ from workflows.io.folder import check, replacing, whole_file
 from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
-from workflows.report.mode_viewer import Artist, Picture, View
+from workflows.report.mode_viewer import View
 from workflows.report.text import shown
 from workflows.scene import paper
 from workflows.solve import limits
@@ -110,19 +108,21 @@ _MODES_AT_MOST = 7
 
 @dataclass(frozen=True)
 class Drawings:
-    """The pictures of a report: SVG elements by name (empty where there is nothing to draw) and the mode shape."""
+    """The pictures of a report: SVG elements by name (empty for nothing to draw), a mode as PNG and in motion."""
 
     figures: dict[str, str]
     css: str
-    shape: Picture | None = None
-    view: View | None = None
+    shape: bytes | None
+    view: View | None
 
 
 def draw(results: Results) -> Drawings:
     """Make the figures; the slow part of a report."""
+    surface, css = results.surface, plots.shades_css(len(results.speeds))
     with plots.style():
         drawn = figures.report(results)
-    return Drawings(drawn, plots.shades_css(len(results.speeds)), view=mode_viewer.view(results))
+        shape = None if surface is None else figures.mode_picture(surface, surface.row(middle(results.speeds)), 1)
+    return Drawings(drawn, css, shape, mode_viewer.view(results))
 
 
 def render(results: Results, drawings: Drawings) -> str:
@@ -140,13 +140,13 @@ def render(results: Results, drawings: Drawings) -> str:
         assumptions=remarks.assumptions(results),
         versions=versions(),
         hashes=hashes(results),
-        settings=_settings(provenance.resolved_scene(results.scene, results.effects, results.theory)),
+        toml=provenance.as_toml(results.scene, results.effects, results.theory),
         rows=[_row(results, point) for point in results.speeds],
         errors=remarks.worst(results),
         error_parts=remarks.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
         orders=verdict.of_orders(results),
-        tilts=any(p.tilted for p in results.speeds),
+        tilts=any(p.working and p.working.tilted_cutoff_ratio is not None for p in results.speeds),
         first_notes=remarks.FIRST,
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         air=limits.AIR,
@@ -161,8 +161,7 @@ def render(results: Results, drawings: Drawings) -> str:
         playing=data(results) if drawings.figures["path"] else "",
         playing_script=script("player.js"),
         stretch=_stretch(results),
-        shape=None if shape is None else base64.b64encode(shape.png).decode(),
-        shape_remark="" if shape is None else shape.remark,
+        shape=None if shape is None else base64.b64encode(shape).decode(),
         shape_point=results.speeds[middle(results.speeds)] if results.surface is not None else None,
         view=drawings.view,
         script=script("viewer.js"),
@@ -213,31 +212,6 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
     }
 
 
-def _settings(scene: dict[str, Any]) -> list[tuple[str, list[tuple[str, str]]]]:
-    """The resolved scene as tables of text, in SI."""
-    top = [(key, _text(value)) for key, value in scene.items() if not isinstance(value, dict)]
-    tables = [("", top)]
-    tables += [
-        (f"[{name}]", [(key, _text(value)) for key, value in table.items()])
-        for name, table in scene.items()
-        if isinstance(table, dict)
-    ]
-    return tables
-
-
-def _text(value: object) -> str:
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_text(item)}' for key, item in value.items())} }}"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, list):
-        items = [_text(item) for item in value]
-        return f"[{', '.join(items[:12])}{', …' if len(items) > 12 else ''}]"
-    return f'"{value}"' if isinstance(value, str) else str(value)
-
-
 def save(results: Results, folder: str | os.PathLike[str]) -> Path:
     """Write all that `spindamp run` writes into a folder, which is replaced whole or not at all; returns the folder.
 
@@ -249,8 +223,7 @@ def save(results: Results, folder: str | os.PathLike[str]) -> Path:
     out = _path("save", "folder", folder)
     try:
         target = check(out, files.FILES)
-        with artist(results) as drawing:
-            publish(results, out, Stages(visible=False, spent=results.timings), drawing)
+        publish(results, out, Stages(visible=False, spent=results.timings))
     except BadInput as error:
         raise BadInput(error.problem, key="folder", value=str(out)) from error
     return target
@@ -266,9 +239,7 @@ def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
     expect(results, "save_report")
     _path("save_report", "file", path)
     writable(path)
-    with artist(results) as drawing:
-        drawings = _drawn(results, drawing)
-    return put(path, render(results, drawings))
+    return put(path, render(results, draw(results)))
 
 
 def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
@@ -297,23 +268,6 @@ def load_results(folder: str | os.PathLike[str]) -> Results:
     return shown(serialise.read(folder))
 
 
-@contextmanager
-def artist(results: Results) -> Iterator[Artist | None]:
-    """Who draws the first mode at the speed shown, where there is a plate."""
-    if results.surface is None:
-        yield None
-        return
-    with Artist() as drawing:
-        drawing.draw(results.surface, middle(results.speeds))
-        yield drawing
-
-
-def _drawn(results: Results, artist: Artist | None) -> Drawings:
-    """The pictures of a report; the artist is asked last, who draws in a process of its own meanwhile."""
-    drawings = draw(results)
-    return drawings if artist is None else replace(drawings, shape=artist.picture())
-
-
 def _path(who: str, what: str, given: object) -> Path:
     if not isinstance(given, str | os.PathLike):
         raise TypeError(f"{who} takes the name of a {what} second, got {type(given).__name__}")
@@ -337,7 +291,7 @@ def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
     return target
 
 
-def publish(results: Results, out: Path, stages: Stages, artist: Artist | None = None) -> Results:
+def publish(results: Results, out: Path, stages: Stages) -> Results:
     """Write a run into `out` and return it with its final times.
 
     Raises:
@@ -350,7 +304,7 @@ def publish(results: Results, out: Path, stages: Stages, artist: Artist | None =
             if results.surface is not None:
                 files.write_vtu(results.surface, results, folder / "modes.vtu")
         with stages("report"):
-            drawings = _drawn(results, artist)
+            drawings = draw(results)
         # The times of the last two files cannot stand in them: they are left out, some hundredths of a second.
         finished = replace(results, timings=stages.timings())
         (folder / "report.html").write_text(render(finished, drawings), encoding="utf-8")

@@ -110,7 +110,6 @@ class Value:
         x, y: its place, in the units of the axes.
         title: what it says.
         mode: the speed kept and the mode, both from 0, that it leads to in the viewer; None: it leads nowhere.
-        size: width and height of the bar around the place, in the units of the axes; None for a point.
     """
 
     axes: Axes
@@ -118,7 +117,6 @@ class Value:
     y: float
     title: str
     mode: tuple[int, int] | None = None
-    size: tuple[float, float] | None = None
 
 
 @contextmanager
@@ -288,20 +286,10 @@ def _titles(figure: Figure, values: Iterable[Value]) -> str:
         box = value.axes.bbox
         if not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
             continue
-        place = (round(x / _APART), round(y / _APART), value.size is None)
-        if place in taken and value.size is None:
+        if (place := (round(x / _APART), round(y / _APART))) in taken:
             continue
         taken.add(place)
         shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
-        if value.size is not None:
-            half = value.size[0] / 2, value.size[1] / 2
-            (x0, y0), (x1, y1) = value.axes.transData.transform(
-                [(value.x - half[0], value.y - half[1]), (value.x + half[0], value.y + half[1])]
-            )
-            wide, high = abs(x1 - x0), abs(y1 - y0)
-            shape = (
-                f'<rect x="{min(x0, x1):.1f}" y="{height - max(y0, y1):.1f}" width="{wide:.1f}" height="{high:.1f}"/>'
-            )
         tag = "g" if value.mode is None else f'a href="#plate" data-mode="{value.mode[0]},{value.mode[1]}"'
         shapes.append(f"<{tag}><title>{html.escape(value.title)}</title>{shape}</{tag[0]}>")
     if not shapes:

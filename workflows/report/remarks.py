@@ -19,9 +19,8 @@ from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import beside
-from workflows.scene.materials import KNOWN, OSMIUM, is_too_dense
+from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
-from workflows.solve.damper import particle_damper
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
 
 PRINTED = "the equations as printed do not conserve energy"
@@ -163,7 +162,7 @@ def dents(results: Results) -> str | None:
     """What the resting ball does to its floor where that yields, or the floor to the ball."""
     damper, material = results.scene.damper, results.scene.material
     every = [(point, limits.contact(results.scene, point)) for point in results.speeds]
-    pressed = [(point, c) for point, c in every if c is not None and c.yield_ratio > 1 and not c.hardness_ratio >= 1]
+    pressed = [(point, c) for point, c in every if c is not None and c.dent_radius > 0 and not c.hardness_ratio >= 1]
     if not pressed or damper is None:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
@@ -174,6 +173,21 @@ def dents(results: Results) -> str | None:
         " the load at which the weaker of the two yields: it lies in a dent of at most"
         f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
         f" whose rim slopes by at most {significant(most.dent_slope, 2)}."
+    )
+
+
+def unknown_floor(results: Results) -> str | None:
+    """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
+    damper, material, made_of = results.scene.damper, results.scene.material, limits.solids(results.scene)
+    every = [(point, found) for point in results.speeds if (found := limits.contact(results.scene, point)) is not None]
+    every = [(point, found) for point, found in every if not found.hardness_ratio >= 1]
+    if damper is None or made_of is None or not math.isnan(made_of[1].hardness) or not every:
+        return None
+    point, most = max(every, key=lambda pair: pair[1].peak_pressure)
+    floor, mean = damper.floor_material or (None if material is None else material.name), 2 / 3 * most.peak_pressure
+    return (
+        f"Whether the floor of {floor} bears the ball is not known: {at_load(point)} the resting ball presses it with"
+        f" {significant(mean / 1e9, 2)} GPa on average, and a floor of less than {whole(mean / KGF)} HB would flow."
     )
 
 
@@ -223,11 +237,13 @@ def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
 def level_floor(results: Results) -> str | None:
     """A scene that keeps the floor level, and what its tilt does to the cut-off, simulated."""
     pairs = [
-        (p.tilted.ratio, d.cutoff_ratio) for p, _, d in ring_downs(results) if p.tilted is not None and p.load_g > 0
+        (ratio, d.cutoff_ratio)
+        for p, _, d in ring_downs(results)
+        if p.working and (ratio := p.working.tilted_cutoff_ratio) is not None and p.load_g > 0
     ]
     if not pairs:
         return None
-    tilted = sorted(ratio for ratio, _ in pairs if ratio is not None)
+    tilted = sorted(ratio for ratio, _ in pairs if not math.isnan(ratio))
     level = sorted(ratio for _, ratio in pairs if ratio is not None)
     text = (
         "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
@@ -238,7 +254,7 @@ def level_floor(results: Results) -> str | None:
     if tilted and level:
         below, not_below = (span(ratios[0], ratios[-1], 3) for ratios in (tilted, level))
         text += f": simulated with the tilt, the ball rests below {below} of the load, and not below {not_below}"
-    never = sum(ratio is None for ratio, _ in pairs)
+    never = sum(math.isnan(ratio) for ratio, _ in pairs)
     where = f"; at {never} of {len(pairs)} loads it never moves" if never else ""
     return f"{text}{where}."
 
@@ -308,7 +324,8 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> str | None:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    pendulum = next((p.pendulum for p, _, _ in ring_downs(results) if p.pendulum is not None and p.load_g > 0), None)
+    swings = (p.working.pendulum for p, _, _ in ring_downs(results) if p.working is not None and p.load_g > 0)
+    pendulum = next(filter(None, swings), None)
     if damper is None or damper.floor_radius is None or pendulum is None:
         return None
     along, across = (significant(order, 3) for order in pendulum.order)
@@ -326,23 +343,6 @@ def pendulum(results: Results) -> str | None:
     return (
         f"{text}, for small ways: the cavity lets it go {significant(reach, 2)} radii of its path, and beyond"
         f" {_LINEAR:g} of one its frequency falls by more than a percent, which is left out."
-    )
-
-
-def scattered(results: Results) -> str | None:
-    """Energy that hits leave in modes beyond those that the release sets going."""
-    shares = []
-    for point, _, damping in ring_downs(results):
-        leaders = {m.number for axis in range(2) if (m := coupling.leading(point.cavity_modes, axis)) is not None}
-        rest = sum(e for number, e in damping.modal_energies.items() if number not in leaders)
-        if damping.energy.initial > 0 and damping.impacts > 0:
-            shares.append((rest / damping.energy.initial, point.rpm))
-    share, rpm = max(shares, default=(0.0, 0.0))
-    if share <= results.scene.accuracy.damping:
-        return None
-    return (
-        f"Hits scatter energy into modes that do not lead the motion: {percent(share)} % of the initial"
-        f" energy is left there at the end at {whole(rpm)} rpm."
     )
 
 
@@ -431,9 +431,6 @@ def as_it_moves(results: Results) -> str:
     return "As the structure moves" if results.scene.given is not None else f"As the {carrier(results)} bends"
 
 
-_MORE = 1.1
-"""A cycle's loss over that of the answer from which it is said why; cycles differ by some percent."""
-
 _LIGHT = 10.0
 """Load over g down from which the ball's weight is worth a word: a tenth of it."""
 
@@ -489,28 +486,12 @@ def lent(results: Results) -> str | None:
             f" {percent(share)} % in a cycle and gives it back later. The table leaves that out; the curve"
             " over amplitude has it, as the paper's definition does."
         )
-    found = [(_share(d), steady, p) for p, _, d in ring_downs(results) if p.load_g > 0 and (steady := _steady(p)) > 0]
-    most = max(found, key=lambda each: each[0] / each[1], default=None)
-    if most is None or most[0] <= _MORE * most[1]:
-        return None
-    share, steady, point = most
-    ball, mean = (percent(each) for each in (share, steady))
-    return (
-        f"At {whole(point.rpm)} rpm a cycle of the ring-down loses up to {ball} % to the ball, more than the {mean} %"
-        " of a steady vibration at its best: a cycle's capacity counts all that the ball took from the structure in it,"
-        " also what it gives back later; the answer counts what is lost for good."
-    )
+    return None
 
 
 def _share(damping: Damping) -> float:
     """The most that the ball takes in a cycle, without what the structure's own damping loses."""
     return 0.0 if damping.peak_sdc is None else 1 - (1 - damping.peak_sdc) / (1 - damping.intrinsic_sdc)
-
-
-def _steady(point: SpeedPoint) -> float:
-    """What a bouncing ball loses in a cycle of a steady vibration at most, on the floor of the ring-down."""
-    own = point.level or (None if point.working is None else point.working.from_above)
-    return 0.0 if own is None or not own.peak > 0 else limits.energy_loss(own.peak)
 
 
 def assumptions(results: Results) -> list[tuple[str, str]]:
@@ -548,7 +529,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
             ("Several balls move in step, each in a cavity of its own.", "ours"),
-            *_weight(results),
+            ("The ball's weight is left out.", "ours"),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
         ]
         consistent = (
@@ -569,16 +550,6 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         if scene.damper is not None and scene.damper.damping_ratio:
             found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
     return found
-
-
-def _weight(results: Results) -> list[tuple[str, str]]:
-    """What is left out that a structure shows at rest, or where it turns slowly."""
-    if all(point.load_g > 0 for point in results.speeds):
-        said = weight(results)
-        return [] if said is None else [(said, "ours")]
-    return [
-        ("The ball's weight is left out: at 0 rpm nothing presses it to its floor, and nothing resists it.", "ours")
-    ]
 
 
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
@@ -624,40 +595,10 @@ def met(results: Results) -> bool:
     return all(mode.whole <= results.scene.accuracy.frequency for mode in worst(results))
 
 
-def sentence(results: Results) -> str | None:
-    """How far the frequencies can be trusted, and what no error counts in; None if the errors are not known."""
-    said = errors(results)
-    return None if said is None else " ".join(part for part in (said, cavities(results)) if part)
-
-
-_NOTABLE_SHIFT = 1e-3
-"""Relative shift of a frequency from which on it is worth a word, whatever the accuracy."""
-
-
 def carrier(results: Results) -> str:
     """What carries the damper, in a word."""
     scene = results.scene
     return "blade" if scene.blade is not None else "plate" if scene.plate is not None else "structure"
-
-
-def cavities(results: Results) -> str | None:
-    """What the frequencies leave out: the material of the cavities; None where that is nothing, or hardly anything."""
-    hole, damper = limits.cavity_mass(results), results.scene.damper
-    if results.scene.effects.cavity_mass is not False or hole is None or damper is None:
-        return None
-    if abs(hole.shift) <= min(_NOTABLE_SHIFT, results.scene.accuracy.frequency):
-        return None
-    cut = "its cavity is cut" if damper.count == 1 else f"its {damper.count} cavities are cut"
-    return (
-        f"The frequencies are those of the {carrier(results)} before {cut}: without that metal"
-        f" ({significant(1e3 * hole.mass, 2)} g) {_its_frequency(results)} is up to about"
-        f" {percent(abs(hole.shift))} % {'higher' if hole.shift > 0 else 'lower'}."
-    )
-
-
-def _its_frequency(results: Results) -> str:
-    led = _led_by(results)
-    return "the first bending frequency" if led is None else f"the frequency of its mode {led[0]}"
 
 
 def _led_by(results: Results) -> tuple[int, SpeedPoint] | None:
@@ -683,7 +624,7 @@ def other_mode(results: Results) -> str | None:
     )
 
 
-def errors(results: Results) -> str | None:
+def sentence(results: Results) -> str | None:
     """The whole error of the first frequency and of the worst, what most of that is, and what would mend it."""
     modes = worst(results)
     if not modes:
@@ -744,9 +685,6 @@ def _largest(mode: Worst) -> str:
     return ", ".join(f"{said} {percent(sizes[said])} %" for said in shown)
 
 
-_NO_REMARKS = 1e-3
-"""Part of the accuracy asked for below which a change is rounding's, or nobody's concern."""
-
 _WIDE = 2.0
 """Width over length of a mesh from which on it is asked whether it is meant."""
 
@@ -777,20 +715,6 @@ def wide(results: Results) -> str | None:
     )
 
 
-def stiffness_with_ball(results: Results) -> str | None:
-    """By how much K1 differs from K2."""
-    reduced = [point.reduced for point in results.speeds if point.reduced is not None]
-    if results.scene.plate is None or not reduced:
-        return None
-    change = max((r.K1 / r.K2 - 1 for r in reduced), key=abs)
-    if abs(change) < _NO_REMARKS * results.scene.accuracy.frequency:
-        return None
-    return (
-        f"With the ball stuck to it, the plate's effective stiffness changes by up to {percent(change)} %"
-        " (K1 against K2), mostly by the ball's own centrifugal pull; the damper uses K1."
-    )
-
-
 def frequency_error(results: Results) -> str | None:
     """How far the frequencies can be trusted, and by what they are off."""
     if results.diagram is None or results.theory is None:
@@ -807,7 +731,7 @@ def frequency_error(results: Results) -> str | None:
     mesh, said = results.diagram.mesh, sentence(results)
     if said is None:
         unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
-        return " ".join(part for part in (unknown, cavities(results), own) if part)
+        return f"{unknown} {own}"
     return f"{said} The mesh: {mesh}. {own}"
 
 
@@ -916,50 +840,6 @@ def _books(results: Results) -> str | None:
     return f"Up to {percent(abs(worst))} % of the initial energy {what}{why}."
 
 
-def _work_bound(results: Results) -> str | None:
-    from damper import work_bound
-
-    if limits.is_printed(results):
-        return None  # the bound rests on conservation of energy
-    bounds = []
-    for point, _, damping in ring_downs(results):
-        if damping.cutoff_g:
-            system = particle_damper(results.scene, results.effects, point)
-            amplitude = damping.cutoff_g * results.scene.rotor.gravity / system.stuck_frequency**2
-            bound = work_bound(system, amplitude)
-            bounds.append((bound, point.rpm))
-    if all(bound > 1 for bound, _ in bounds):
-        return None  # nothing takes more than all there is
-    values = [f"{f'{percent(bound)} %' if bound <= 1 else 'no bound'} at {whole(rpm)} rpm" for bound, rpm in bounds]
-    ends = values if len(values) == 1 else [values[0], values[-1]]
-    return (
-        "However often it bounces, the ball can take at most 4 (m_p/M2) (clearance/amplitude) of a cycle's energy, both"
-        " axes taken together and to leading order in m_p/M2; this is largest at the cut-off:"
-        f" {', '.join(ends)}. Any damping beyond that is the structure's own."
-    )
-
-
-def _assumed_damping(results: Results) -> str | None:
-    damper, rung = results.scene.damper, ring_downs(results)
-    if damper is None or damper.damping_ratio == 0 or not rung:
-        return None
-    share = significant(100 * rung[0][2].intrinsic_sdc)
-    return (
-        f"The structure's own damping, ζ = {damper.damping_ratio:g}, is an input and alone loses {share} % in a cycle;"
-        " the specific damping capacity includes it, as the paper's definition does."
-    )
-
-
-def _effective_ball(results: Results) -> str | None:
-    """The paper speaks of one ball, of an effective mass; its plate here carries as many as there can be."""
-    damper = results.scene.damper
-    if damper is None or damper.count == 1 or not any(paper.row(results.scene, p.load_g) for p in results.speeds):
-        return None
-    alone = replace(results, scene=results.scene.model_copy(update={"damper": damper.model_copy(update={"count": 1})}))
-    dense = too_dense(alone)
-    return None if dense is None else f"Of {damper.count} balls, where the paper has one: {dense[0]}."
-
-
 def _rows(results: Results) -> str | None:
     """Cavities that do not lie side by side: the innermost ones feel less load and less motion."""
     plate, damper = results.scene.plate, results.scene.damper
@@ -1009,16 +889,6 @@ def _release_stress(results: Results) -> str | None:
     )
 
 
-def _two_axes(results: Results) -> str | None:
-    if results.scene.plate is None or not any(damping.release[1] for _, _, damping in ring_downs(results)):
-        return None
-    if results.effects["structural_modes"].on:
-        return None
-    lags = [mode.frequency_hz for point in results.speeds for mode in point.modes if mode.family == "lag"]
-    known = f"; this plate's first lag mode is at about {significant(min(lags))} Hz" if lags else ""
-    return f"As in the paper, both axes have the frequency of the first bending mode{known}."
-
-
 FIRST = 5
 """Remarks beside the answer; the rest stand at the end."""
 
@@ -1037,22 +907,16 @@ REMARKS: tuple[Callable[[Results], str | None], ...] = (
     still_across,
     root_stress,
     _rolling,
-    _assumed_damping,
     _held,
     _nothing_released,
-    _effective_ball,
     _release_stress,
-    _work_bound,
     pendulum,
     turning_floor,
     sideways,
-    scattered,
     modes_left_out,
     lent,
     _rows,
     at_rest,
-    _two_axes,
-    stiffness_with_ball,
     real_modes,
     veering,
     frequency_error,

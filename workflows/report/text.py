@@ -118,7 +118,7 @@ def shown(results: Results) -> Shown:
 def brief(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
     found = verdict.answer(results)
-    said = remarks.errors(results)
+    said = remarks.sentence(results)
     more = () if results.reductions else found.sentences[:1]  # a crossing's next sentences are on single levels
     lines = [_head(results), " ".join((f"{found.verdict}.", *more)), *([] if said is None else [said])]
     return "\n".join(lines)

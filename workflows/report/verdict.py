@@ -39,7 +39,7 @@ def known_within(point: SpeedPoint) -> str:
     return f" (±{percent(min(error, 1.0))} %)" if error > _KNOWN else ""
 
 
-def between(results: Results, points: list[SpeedPoint]) -> str | None:
+def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
     useful = {
         point.omega: best.useful
@@ -48,7 +48,7 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
     }
     working = [(p, w) for p in points if p.omega in useful and (w := p.working) is not None]
     if not working:
-        return None
+        return []
     ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
     ranges: list[str] = []
     for point, figures in ends:
@@ -64,8 +64,8 @@ def between(results: Results, points: list[SpeedPoint]) -> str | None:
         for p, w in ends
         if w.cutoff > 0
     ]
-    rests = f" The load holds it at rest {', '.join(held)}." if held else ""
-    return f"{capital(', '.join(ranges))}.{rests}"
+    rests = [f"The load holds the ball at rest {', '.join(held)}."] if held else []
+    return [f"{capital(', '.join(ranges))}.", *rests]
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
@@ -127,7 +127,7 @@ def _rounded(value: float, *, up: bool = False) -> str:
     return significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
-def way_down(results: Results, points: list[SpeedPoint]) -> str | None:
+def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     """That a ball in motion does more than one at rest does as the vibration grows, where it does most."""
     asked = results.scene.accuracy.damping
     parted = [
@@ -136,14 +136,14 @@ def way_down(results: Results, points: list[SpeedPoint]) -> str | None:
         if (w := p.working) is not None and w.parted and w.from_above.peak > (1 + asked) * w.peak > 0
     ]
     if not parted:
-        return None
+        return []
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
-    stops, rolls = figures.folds
-    return (
+    (stops, rolls), most = figures.folds, figures.from_above.peak
+    return [
         "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
-        f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm. Once it"
-        f" bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(figures.from_above.peak)} %."
-    )
+        f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm.",
+        f"Once it bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
+    ]
 
 
 def _rank(point: SpeedPoint) -> int:
@@ -269,13 +269,14 @@ def _alone(results: Results) -> Answer:
         None if dense is None else dense[1],
         what_to_do(results, speaking),
         _fed(points),
-        _how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
-        between(results, speaking),
-        way_down(results, speaking),
+        *_how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
+        *between(results, speaking),
+        *way_down(results, speaking),
+        remarks.unknown_floor(results),
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),
-        None if remarks.met(results) and remarks.cavities(results) is None else remarks.sentence(results),
+        None if remarks.met(results) else remarks.sentence(results),
     )
     verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
     return Answer(verdict, tuple(part for part in parts if part))
@@ -323,24 +324,23 @@ def _how_little(results: Results, points: list[SpeedPoint]) -> str:
     return f"at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
 
 
-def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> str | None:
+def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[str]:
     """The best and the least; `turning` where there is a speed without a load, which is not among the points."""
     found = [(b, p) for p in points if (b := limits.best(results, p)) is not None]
     if not found:
-        return None
+        return []
     top, at = max(found, key=lambda pair: pair[0].damping_ratio)
     text = (
         f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball adds"
         f" an equivalent damping ratio of {percent(top.damping_ratio)} %{known_within(at)}: it takes"
-        f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration's energy in a cycle."
+        f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration's energy in a cycle"
     )
     least, there = min(found, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = f", within what the {carrier(results)} endures," if least.limited else ""
-        said = f"{at_load(there)}{within} it comes to {percent(least.damping_ratio)} % at best."
-        text += f" {capital(said)}"
+        text += f"; {at_load(there)}{within} it adds {percent(least.damping_ratio)} % at best"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
-    return f"{text} For comparison: air alone damps turbine blades by {air}, friction dampers by {friction}."
+    return [f"{text}.", f"For comparison: air alone damps turbine blades by {air}, friction dampers by {friction}."]
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:

@@ -1,24 +1,17 @@
-"""What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, in a window or as a page.
-
-VTK runs in a process of its own, which may abort without a working OpenGL.
-"""
+"""What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
 from __future__ import annotations
 
-import io
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import fem
 from workflows import formatting, pipeline
 from workflows.errors import BadInput
-from workflows.formatting import amount, significant, whole
+from workflows.formatting import significant, whole
 from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
@@ -28,7 +21,7 @@ from workflows.scene import load
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, omega_of, typed
 from workflows.solve import resources
-from workflows.solve.results import Diagram, Floats, Mode, SpeedPoint, Surface, Theory, bare
+from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -103,10 +96,6 @@ def _mm(metres: float) -> str:
     return significant(1e3 * metres, 4) if metres else "0"
 
 
-_SAME = 1e-3
-"""Relative difference up to which two speeds are one."""
-
-
 @dataclass(frozen=True, eq=False)
 class Sight:
     """What is shown.
@@ -164,16 +153,7 @@ def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
         if rpm is not None:
             raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
         return 0, 0
-    kept = [sight.speeds[number].rpm for number in at]
-    row = (len(at) - 1) // 2
-    if rpm is not None:
-        row = min(range(len(at)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            shown = ", ".join(map(amount, kept))
-            raise BadInput(f"expected a speed with shapes: {shown} rpm", key="--rpm", value=typed(rpm))
-    count = sight.surface.shapes.shape[1]
-    if not 1 <= mode <= count:
-        raise BadInput(f"expected a mode from 1 to {count}", key="--mode", value=mode)
+    row = figures.chosen(sight.surface, sight.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
     return at[row], mode - 1
 
 
@@ -240,9 +220,7 @@ def sight_of_scene(scene: str, rpm: float | None) -> Sight:
     """
     source = load.load(scene)
     if source.scene.given is not None:
-        raise BadInput(
-            "the table is missing: view needs a plate, a blade or known modes", file=source.name, key="[plate]"
-        )
+        raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
     if rpm is not None:
         source = _at(source, rpm)
     resources.check(source)
@@ -299,72 +277,6 @@ def of(target: str, rpm: float | None = None) -> Sight:
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
     return sight_of_scene(target, rpm)
-
-
-COMMAND = ["-P", str(Path(__file__).with_name("window.py"))]
-"""What shows the window, as arguments to Python."""
-
-_SCALE = 0.14
-"""Largest displacement drawn, in lengths of the plate."""
-
-
-def shown(sight: Sight, first: int, mode: int, title: str) -> bool:
-    """Show a mode (from 0) at a speed of the run in a window until it is closed; False where that did not work."""
-    try:
-        done = subprocess.run(
-            [sys.executable, *COMMAND], input=archive(sight, first, mode, title), stderr=subprocess.DEVNULL, check=False
-        )
-    except OSError:
-        return False
-    return done.returncode == 0
-
-
-def archive(sight: Sight, first: int, mode: int, title: str) -> bytes:
-    """What the window's program reads: every mode at every speed kept, one of them first."""
-    surface, points = sight.surface, sight.surface.drawn(sight.surface.points)
-    length = float(np.ptp(points[:, :2], axis=0).max())
-    mark = np.array([] if sight.mark is None else [[*sight.mark, 0.0][:3]]).reshape(-1, 3) / length
-    given: dict[str, Any] = {
-        "points": points / length,
-        "cells": surface.cells[1],
-        "outline": surface.outline,
-        "root": surface.root,
-        "mark": mark,
-        "first": (surface.at.index(first), mode) if surface.at else (0, 0),
-        "largest": _SCALE,
-        "title": np.array(title),
-    }
-    out = io.BytesIO()
-    np.savez(out, **given, **_shapes(surface), said=_said(sight))
-    return out.getvalue()
-
-
-def _shapes(surface: Surface) -> dict[str, Any]:
-    """Displacements to be drawn, (speeds, modes, n, 3), and behind them; none of the latter where all is in phase."""
-    behind = surface.behind if surface.behind is not None else np.zeros((0, *surface.shapes.shape[1:]))
-    squares = (surface.shapes**2).sum(axis=-1)
-    if len(behind):
-        squares += (behind**2).sum(axis=-1)
-    largest = np.sqrt(squares.max(axis=-1, initial=0.0))
-    scale = (_SCALE / np.where(largest > 0, largest, 1.0))[..., None, None]
-    return {
-        "shapes": surface.drawn(surface.shapes * scale).astype(np.float32),
-        "behind": (behind * scale[: len(behind)]).astype(np.float32),
-    }
-
-
-def _said(sight: Sight) -> npt.NDArray[np.str_]:
-    """Each mode in words, (speeds, modes)."""
-    count = sight.surface.shapes.shape[1]
-    rows = [
-        [_mode(number, mode, point.rpm) for number, mode in enumerate(point.modes[:count], 1)]
-        for point in (sight.speeds[at] for at in sight.surface.at)
-    ]
-    return np.array(rows, dtype=np.str_)
-
-
-def _mode(number: int, mode: Mode, rpm: float) -> str:
-    return f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(rpm)} rpm"
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)

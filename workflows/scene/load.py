@@ -65,6 +65,10 @@ class SceneFile:
             plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.on_plate})
         return self.changed(plate=plate, damper=None, release=None)
 
+    def wrong(self, problem: str, key: str, value: object = None) -> BadInput:
+        """The error of one of its keys."""
+        return BadInput(problem, file=self.name, key=key, value=value)
+
     def changed(self, **tables: Table | None) -> SceneFile:
         """The same scene with some of its tables replaced."""
         return replace(self, scene=self.scene.model_copy(update=tables))

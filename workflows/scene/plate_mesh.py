@@ -113,8 +113,8 @@ def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rec
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
     given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
-    if given is None or material is None:
-        raise ValueError("the scene has no plate")
+    assert given is not None
+    assert material is not None
     laden = place(source, mesh) if mass else None
     substance = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     springs = None if given.root is None else fem.ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
@@ -208,7 +208,7 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     """The error of a damper that is not where the plate is, or not where it moves."""
     given = given_place(source.scene)
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
-    return BadInput(str(error), file=source.name, key=key, value=None if given is None else list(given))
+    return source.wrong(str(error), key, None if given is None else list(given))
 
 
 def _from_file(source: SceneFile) -> fem.Given:
@@ -223,10 +223,10 @@ def _from_file(source: SceneFile) -> fem.Given:
     try:
         mesh, values = read_field(source.mesh, field)
     except FieldError as error:
-        raise BadInput(str(error), file=source.name, key="[plate] thickness.field", value=field) from error
+        raise source.wrong(str(error), "[plate] thickness.field", field) from error
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{source.mesh}: ")
-        raise BadInput(text, file=source.name, key="[plate] mesh", value=plate.mesh) from error
+        raise source.wrong(text, "[plate] mesh", plate.mesh) from error
     if plate.mesh_scale != 1.0:
         mesh = mesh.scaled(plate.mesh_scale)
     form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
@@ -243,16 +243,15 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
     try:
         least, _, greatest = spread(plate, form)
     except ValueError as error:
-        raise BadInput(str(error), file=source.name, key="[plate] thickness") from error
+        raise source.wrong(str(error), "[plate] thickness") from error
     odd = disproportion(least, greatest, *form.sides)
     if odd is not None:
         key, problem = odd
         unit = "a mesh is in metres, unless mesh_unit says otherwise"
-        raise BadInput(
+        raise source.wrong(
             f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
-            file=source.name,
-            key="[plate] thickness" if key == "thickness" else "[plate] mesh",
-            value=given if key == "thickness" else plate.mesh,
+            "[plate] thickness" if key == "thickness" else "[plate] mesh",
+            given if key == "thickness" else plate.mesh,
         )
 
 
@@ -276,7 +275,7 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
     if odd is not None:
         value = getattr(damper, odd[0])
         value = list(value) if isinstance(value, tuple) else value
-        raise BadInput(odd[1], file=source.name, key=f"[damper] {odd[0]}", value=value)
+        raise source.wrong(odd[1], f"[damper] {odd[0]}", value)
 
 
 def room(mesh: Any, at: tuple[float, float]) -> float:

@@ -298,7 +298,7 @@ class Effects(Table):
     spin_softening: q.Switch = Field(default="auto", description="motion across the spin axis is softened")
     coriolis: q.Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
     large_deflection: q.Switch = Field(
-        default="auto", description="modes about the plate as the load bends or twists it"
+        default="auto", description="modes about the plate or blade as the load bends or twists it"
     )
     rotary_inertia: q.Switch = Field(default="auto", description="inertia of the turning cross-sections")
     rolling_resistance: q.Switch = Field(default="auto", description="the load resists the ball's rolling")

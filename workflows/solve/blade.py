@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.rotor import in_rpm
+from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
+from workflows.formatting import significant
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
@@ -45,10 +48,8 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         BadInput: the mesh, its root or the damper's place is no good; it needs more memory than there is.
         Divergence, NoEquilibrium: it has no stable state at the highest speed.
     """
-    scene = source.scene
-    rotor = scene.rotor.model_dump_json(exclude={"gravity"})
-    key = f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
-    solved = _solved(Asked(key, source))
+    scene, key = source.scene, _key(source)
+    solved = _solved(Asked(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
@@ -79,17 +80,73 @@ _NO_AREA = 1e-9
 """Area of the held faces over the square of the mesh's extent from which on a root has faces."""
 
 
+def _key(source: SceneFile, *others: str) -> str:
+    """What a blade's structure depends on, but for some keys of its rotor, and its effects."""
+    scene = source.scene
+    rotor = scene.rotor.model_dump_json(exclude={"gravity", *others})
+    return f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
+
+
+def _matrices(source: SceneFile) -> SolidOperators:
+    """The matrices of a blade, whatever its speeds."""
+    operators = _assembled(Asked(_key(source, "speeds", "modes"), source))
+    resources.check_blade(source, 3 * operators.nodes)
+    return operators
+
+
+@lru_cache(maxsize=2)
+def _assembled(asked: Asked) -> SolidOperators:
+    """The matrices of a blade, without large deflection."""
+    from fem import Effects
+    from fem.solid.assembly import assemble_solid
+
+    blade = blade_of(asked.source)
+    LOG.info("blade: %s", in_words(asked.source, blade))
+    return assemble_solid(blade, Effects(coriolis=True))
+
+
+def deflection(source: SceneFile) -> Called:
+    """Whether a blade calls for large deflection: whether that moves a frequency by more than may be left out.
+
+    Raises:
+        BadInput: the mesh or its root is no good; it needs more memory than there is.
+    """
+    return _deflection(Asked(_key(source), source))[0]
+
+
+@lru_cache(maxsize=4)
+def _deflection(asked: Asked) -> tuple[Called, SolidOperators]:
+    """The same, with the matrices without large deflection, and what is known there."""
+    from fem.solid.sweep import deflection_shifts
+
+    source = asked.source
+    scene, omega = source.scene, max(source.scene.rotor.speeds)
+    operators = _matrices(source).with_deflection(large=False)
+    if omega == 0.0:
+        return AT_REST, operators
+    shifts, at = deflection_shifts(operators, omega, scene.rotor.modes), f"at {in_rpm(omega):.0f} rpm"
+    if shifts is None:
+        return Called(True, f"{at} the load bends or untwists the blade too much for a linear prestress"), operators
+    called = bool(shifts.max() > scene.budget.rough_shift)
+    why = (
+        f"{at} it moves frequencies by up to {significant(100 * float(shifts.max()), 2)} %,"
+        f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % asked for"
+    )
+    return Called(called, why, LeftOut(np.array([omega]), shifts[None])), operators
+
+
 @lru_cache(maxsize=2)
 def _solved(asked: Asked) -> SolvedBlade:
     """The blade at the speeds of a scene, kept for other dampers on it."""
-    from fem import Effects
-    from fem.solid.assembly import assemble_solid
     from fem.solid.sweep import SolvedBlade
 
     source = asked.source
-    scene, blade = source.scene, blade_of(source)
-    LOG.info("blade: %s", in_words(source, blade))
-    operators = assemble_solid(blade, Effects(large_deflection=True, coriolis=True))
+    scene, large = source.scene, source.scene.effects.large_deflection
+    if large is True:
+        operators = _matrices(source).with_deflection(large=True)
+    else:
+        called, operators = _deflection(Asked(_key(source), source))
+        operators = operators.with_deflection(large=True) if large == "auto" and called.called else operators
     speeds = np.array(scene.rotor.speeds)
     return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
 
@@ -133,11 +190,14 @@ def blade_of(source: SceneFile) -> Blade:
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:
-    """The mesh of a blade: what it is made of, and how much of it is held."""
+    """The mesh of a blade: what it is made of, and how much of it is held; who solves it, where not SuperLU."""
+    from fem.linalg import has_pardiso
+
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
     unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
     name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
-    return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held"
+    by = ", solved by PARDISO" if has_pardiso() else ""
+    return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held{by}"
 
 
 def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:

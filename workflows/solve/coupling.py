@@ -15,7 +15,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rounded_rpm
+from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rounded_rpm, taken_over
 
 if TYPE_CHECKING:
     import damper
@@ -33,7 +33,7 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     load = omega**2 * rotor.radius / rotor.gravity
-    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, reduced=reduced)
+    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, (), reduced=reduced)
 
 
 def ball_mass(scene: Scene, m2: float) -> float:
@@ -55,8 +55,7 @@ def structure(
     the plate.
     """
     reduced, tilts = point.reduced, effects["floor_tilt"].on
-    if reduced is None:
-        raise ValueError("the structure is not known at the damper's place")
+    assert reduced is not None
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
     if scene.given is None and (tilts or hollow):
@@ -169,8 +168,8 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
     """
     release, reduced = scene.release, point.reduced
-    if release is None or reduced is None:
-        raise ValueError("the scene has no [release]")
+    assert release is not None
+    assert reduced is not None
     squares = _squares(scene, point)
     if release.displacement is not None:
         found = release.displacement
@@ -210,8 +209,7 @@ def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> t
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
     reduced = point.reduced
-    if reduced is None:
-        raise ValueError("the structure is not known at the damper's place")
+    assert reduced is not None
     first = (2 * math.pi * reduced.f1_hz) ** 2
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
@@ -224,11 +222,10 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
 def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
     damper = source.scene.damper
-    if damper is None:
-        raise ValueError("the scene has no [damper]")
+    assert damper is not None
     with _placed(source):
         found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
-    return [Reduced(r.f1_hz, r.M1, r.K1, r.f2_hz, r.M2, r.K2, r.slope) for r in found]
+    return list(map(reduced_of, found))
 
 
 def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
@@ -254,7 +251,7 @@ def _placed(source: SceneFile) -> Iterator[None]:
         raise plate_mesh.off_the_plate(source, error) from error
     except NoFlapMode as error:
         modes = source.scene.rotor.modes
-        raise BadInput(f"{error}: ask for more modes", file=source.name, key="[rotor] modes", value=modes) from error
+        raise source.wrong(f"{error}: ask for more modes", "[rotor] modes", modes) from error
 
 
 def cavity_modes(
@@ -271,20 +268,27 @@ def cavity_modes(
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
     found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
-    return [
-        tuple(
-            CavityMode(
-                number=k + 1,
-                stiffness=float(found.stiffness[n, k]),
-                shape=_both(found.shape[n, :, k]),
-                slope=_both(found.slope[n, :, k]),
-                drawn=_both(found.drawn[n, :, k]),
-                pressed=float(found.pressed[n, k]),
-            )
-            for k in range(found.stiffness.shape[1])
+    return [modes_of(found, n, pressed=found.pressed) for n in range(len(found.stiffness))]
+
+
+def modes_of(found: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
+    """The modes that `fem` finds at a cavity, at its nth speed; `forces` on them by name, (speeds, modes)."""
+    return tuple(
+        CavityMode(
+            number=k + 1,
+            stiffness=float(found.stiffness[n, k]),
+            shape=_both(found.shape[n, :, k]),
+            slope=_both(found.slope[n, :, k]),
+            drawn=_both(found.drawn[n, :, k]),
+            **{name: float(values[n, k]) for name, values in forces.items()},
         )
-        for n in range(found.stiffness.shape[0])
-    ]
+        for k in range(found.stiffness.shape[1])
+    )
+
+
+def reduced_of(found: Any) -> Reduced:
+    """The structure that `fem` finds at a damper's place."""
+    return taken_over(Reduced, found, floor_tilt=found.slope)
 
 
 def _both(pair: np.ndarray) -> tuple[float, float]:

@@ -20,7 +20,6 @@ from workflows.solve import coupling, limits
 from workflows.solve.results import (
     BallPath,
     CavityMode,
-    CutOff,
     Damping,
     Energy,
     Figures,
@@ -116,13 +115,13 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
-    found = replace(point, damper=damping, pendulum=coupling.pendulum(system, point.omega))
     judged = system if tilting is None or system.formulation == "printed" else tilting
-    found = replace(found, working=OwnFigures.of(figures(judged)))
-    if tilting is None:
-        return found
-    level = None if judged is system else taken_over(Figures, falling(leading(system)))
-    return replace(found, level=level, tilted=_cutoff(tilting, point))
+    more: dict[str, Any] = {"pendulum": coupling.pendulum(system, point.omega)}
+    if tilting is not None:
+        level = None if judged is system else taken_over(Figures, falling(leading(system)))
+        g, ratio = _cutoff(tilting, point)
+        more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
+    return replace(point, damper=damping, working=OwnFigures.of(figures(judged), point.tilt_share, **more))
 
 
 def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
@@ -164,16 +163,19 @@ def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dam
     return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
 
 
-def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> CutOff:
-    """Cut-off of a ring-down from twice the amplitude at which the ball begins to move, so slow that it is resolved."""
+def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:
+    """Cut-off over g and over the load of a ring-down so slow that it is resolved; nan where the ball never moves.
+
+    It begins at twice the amplitude at which the ball begins to move.
+    """
     from damper import capacity, ringdown
 
     begin = system.amplitude_of(system.rolling_threshold)
     if not begin < coupling.OUT_OF_REACH:
-        return CutOff(None, None)
+        return math.nan, math.nan
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
     found, load = capacity(motion).cutoff, point.omega**2 * point.radius
-    return CutOff(None, None) if found is None else CutOff(found * point.load_g / load, found / load)
+    return (math.nan, math.nan) if found is None else (found * point.load_g / load, found / load)
 
 
 def particle_damper(
@@ -189,8 +191,8 @@ def particle_damper(
     from damper.laws import EXACT, require
 
     given, reduced = scene.damper, point.reduced
-    if given is None or reduced is None:
-        raise ValueError("the scene has no [damper]")
+    assert given is not None
+    assert reduced is not None
     try:
         system = taken_over(
             ParticleDamper,

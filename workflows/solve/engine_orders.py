@@ -115,20 +115,17 @@ def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossi
     ]
 
 
-def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str) -> BadInput:
-    """That no order crosses a mode between the lowest and the highest of these points, and where it would."""
+def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven: bool = True) -> BadInput:
+    """That no order crosses a mode between the lowest and the highest of these points, and where it would.
+
+    Or, not `driven`, that those that do drive none at the damper's place.
+    """
     low, high = min(point.rpm for point in points), max(point.rpm for point in points)
-    problem = f"no order crosses a mode between {whole(low)} and {whole(high)} rpm"
-    for order in orders:
+    what = "no order crosses a mode" if driven else "none of these orders drives a mode at the damper's place"
+    problem = f"{what} between {whole(low)} and {whole(high)} rpm"
+    for order in orders if driven else ():
         rpm = beyond(points, order)
         problem += "" if rpm is None else f"; order {order} would meet the first mode near {whole(rpm)} rpm"
-    return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
-
-
-def undriven(points: Sequence[SpeedPoint], orders: Sequence[int], file: str) -> BadInput:
-    """That no order drives a mode at the damper's place between the lowest and the highest of these points."""
-    low, high = min(point.rpm for point in points), max(point.rpm for point in points)
-    problem = f"none of these orders drives a mode at the damper's place between {whole(low)} and {whole(high)} rpm"
     return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
 
 

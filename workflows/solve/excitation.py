@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from workflows.errors import BadInput, read_from
+from workflows.errors import read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation
@@ -140,16 +140,16 @@ def checked(source: SceneFile) -> Excitation:
     """
     scene = source.scene
     if scene.damper is None:
-        raise BadInput("the table is missing: response needs a damper", file=source.name, key="[damper]")
+        raise source.wrong("the table is missing: response needs a damper", "[damper]")
     if scene.excitation is None:
         problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
-        raise BadInput(problem, file=source.name, key="[excitation]")
+        raise source.wrong(problem, "[excitation]")
     if scene.damper.formulation == "printed":
         problem = "the printed equations know no force: expected 'consistent'"
-        raise BadInput(problem, file=source.name, key="[damper] formulation", value="printed")
+        raise source.wrong(problem, "[damper] formulation", "printed")
     if len(scene.rotor.speeds) < 2:
         problem = "expected two speeds at least: crossings are looked for from the lowest to the highest"
-        raise BadInput(problem, file=source.name, key="[rotor] speeds")
+        raise source.wrong(problem, "[rotor] speeds")
     return scene.excitation
 
 
@@ -265,6 +265,7 @@ class _Balance:
         free: free vibration with the ball.
         force: at the cavity by a unit of the excitation [N]; alone: the same without the ball's part.
         resting: frequency with the ball at rest; without: without it [rad/s].
+        moves_from: level up to which the ball stays at rest, along both axes.
     """
 
     free: damper.Backbone
@@ -272,15 +273,19 @@ class _Balance:
     alone: float
     resting: float
     without: float
+    moves_from: float
 
     @classmethod
     def of(
         cls, system: damper.ParticleDamper, point: SpeedPoint, crossing: Crossing, excitation: Excitation
     ) -> _Balance:
         """That of a damper at a crossing."""
-        unit = harmonic_of(system, crossing, point, excitation, 1.0)
+        from damper import moves_from
+
+        unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
         force, alone = at_cavity(system, unit), at_cavity(system, unit, ball=False)
-        return cls(free_vibration(system), force, alone, system.stuck_frequency, crossing.order * crossing.omega)
+        moves = float(moves_from(system, [replace(unit, frequency=resting)])[0])
+        return cls(free_vibration(system), force, alone, resting, crossing.order * crossing.omega, moves)
 
     def amplitude(self, levels: Floats) -> Floats:
         """The largest as the speed goes through the crossing, whatever the ball does [m]."""
@@ -317,12 +322,11 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tup
     """
     moving = [branch for branch in balance.free.branches if branch.damping_ratio.max() > 0]
     rests = next((branch.range[1] for branch in balance.free.branches if branch not in moving), 0.0)
-    moves_from = rests / balance.at_rest
     by_level = zip(asked, balance.amplitude(np.array(asked)).tolist(), strict=True)
     levels = tuple(ForceLevel(level, each / balance.bare / level, each, each <= limit) for level, each in by_level)
     low = min([limit, *(_BELOW * max(rests, float(branch.amplitude[0])) for branch in moving)])
     high = min(limit, max((_ABOVE * float(branch.amplitude[-1]) for branch in moving), default=math.inf))
-    known: dict[str, Any] = {"moves_from": moves_from, "levels": levels}
+    known: dict[str, Any] = {"moves_from": balance.moves_from, "levels": levels}
     if not moving or not low < high:
         return known | {"endured_level": limit / balance.at_rest}, math.nan
     strongest = max(float(branch.damping_ratio.max()) for branch in moving)
@@ -333,13 +337,13 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tup
     best = int(np.argmin(np.where(borne, ratio, math.inf)))
     helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     if best in helps:
-        known["range"] = _run(scan, helps, best)
-    most = math.inf if borne.all() else _run(scan, np.flatnonzero(borne), 0)[1]
+        known["range"] = neighbours(scan, helps, best)
+    most = math.inf if borne.all() else neighbours(scan, np.flatnonzero(borne), 0)[1]
     known |= {"ratio": float(ratio[best]), "level": float(scan[best]), "endured_level": most}
     return known, float(amplitude[best])
 
 
-def _run(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
+def neighbours(scan: Floats, places: npt.NDArray[np.intp], one: int) -> tuple[float, float]:
     """The first and the last of the neighbouring places that one of them belongs to."""
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     mine = next((run for run in runs if one in run), np.array([one]))

@@ -13,23 +13,22 @@ import numpy as np
 
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
-from workflows.errors import BadInput, did_you_mean
+from workflows.errors import did_you_mean
 from workflows.formatting import percent, significant
 from workflows.scene.damper import Damper
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
+from workflows.solve.coupling import modes_of, reduced_of
 from workflows.solve.results import (
-    SHAPES_AT_MOST,
-    CavityMode,
     Diagram,
     ErrorParts,
     Floats,
     Mode,
-    Reduced,
     SpeedPoint,
     Surface,
     rounded_rpm,
+    shown_of,
 )
 
 if TYPE_CHECKING:
@@ -122,12 +121,14 @@ class SpaceStructure:
         scene, modes = source.scene, self.modes(omega)
         names, strains = _seen(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
+        left_out = effects["large_deflection"].left_out
+        bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned) for k, name in enumerate(names[: scene.rotor.modes])),
+            modes=tuple(_mode(modes, k, name, turned, bent) for k, name in enumerate(names[: scene.rotor.modes])),
             root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
         )
         damper = scene.damper
@@ -144,27 +145,15 @@ class SpaceStructure:
                 load=self.seat.load(modes),
             )
         except NoMotion as error:
-            raise BadInput(str(error), file=source.name, key="[damper] direction") from error
+            raise source.wrong(str(error), "[damper] direction") from error
         lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
-        reduced = Reduced(found.f1_hz, found.M1, found.K1, found.f2_hz, found.M2, found.K2, found.slope)
-        at_cavity = tuple(
-            CavityMode(
-                number=k + 1,
-                stiffness=float(every.stiffness[0, k]),
-                shape=_both(every.shape[0, :, k]),
-                slope=_both(every.slope[0, :, k]),
-                drawn=_both(every.drawn[0, :, k]),
-                pushed=float(every.pressed[0, k]),
-            )
-            for k in range(every.stiffness.shape[1])
-        )
         return replace(
             point,
             radius=floor.radius,
             load_g=omega**2 * floor.radius / scene.rotor.gravity,
-            reduced=reduced,
-            cavity_modes=at_cavity if effects["structural_modes"].on else (),
+            reduced=reduced_of(found),
+            cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
         )
@@ -219,9 +208,7 @@ class SpaceStructure:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         from fem.modal_model import edges, faces, held
 
-        kept = range(len(speeds))
-        if len(speeds) > SHAPES_AT_MOST:
-            kept = np.unique(np.linspace(0, len(speeds) - 1, SHAPES_AT_MOST).round().astype(int)).tolist()
+        kept = shown_of(len(speeds))
         points, triangles = self.model.points, faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in kept])
         used = np.unique(triangles)
@@ -236,9 +223,7 @@ class SpaceStructure:
         still = held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
-        return Surface(
-            points, ("triangle", triangles), outline, root, shapes, tuple(kept), frame=self._drawing(), mark=mark
-        )
+        return Surface(points, ("triangle", triangles), outline, root, shapes, kept, frame=self._drawing(), mark=mark)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -274,11 +259,7 @@ def _known(pair: Floats) -> tuple[float | None, float | None]:
     return one, other
 
 
-def _both(pair: Floats) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])
-
-
-def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mode:
+def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None, bent: Floats | None) -> Mode:
     """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
     between = modes.interpolation
     parts = ErrorParts(
@@ -286,7 +267,7 @@ def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None) -> Mo
         layers=0.0,
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
-        large_deflection=None,
+        large_deflection=None if bent is None else float(bent[k]),
         coriolis=None if turned is None else float(turned[k]),
     )
     return Mode(
@@ -305,8 +286,7 @@ def space_structure(source: SceneFile) -> SpaceStructure:
         BadInput: a file, its units, its speeds or the damper's place is no good; the message says what would be right.
     """
     known, damper = source.scene.known, source.scene.damper
-    if known is None:
-        raise ValueError("the scene names no modes")
+    assert known is not None
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
@@ -345,8 +325,7 @@ def _built(asked: Asked) -> SpaceStructure:
 
     source = asked.source
     known = source.scene.known
-    if known is None:
-        raise ValueError("the scene names no modes")
+    assert known is not None
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
@@ -380,10 +359,10 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
                 "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
                 " hub_radius, from the axis to the smallest x)"
             )
-            raise BadInput(problem, file=source.name, key="[rotor] origin")
+            raise source.wrong(problem, "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
             problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
-            raise BadInput(problem, file=source.name, key="[structure] modes")
+            raise source.wrong(problem, "[structure] modes")
         if omega is None and np.isnan(model.speeds[0].omega):
             omega = _only_speed(source, name)
             remarks.append(f"{name} does not say at what speed its modes are: they are taken for those of the scene's.")
@@ -395,7 +374,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     try:
         model = joined(models)
     except ModesFileError as error:
-        raise BadInput(str(error), file=source.name, key="[structure] modes") from error
+        raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
     return turning(source, model, turns=turns), tuple(remarks), whole
@@ -445,13 +424,13 @@ def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
     path, key = source.folder / name, "[structure] modes"
     try:
         if problem := unfit(path):
-            raise BadInput(f"expected a file of modes, found {problem}", file=source.name, key=key, value=name)
+            raise source.wrong(f"expected a file of modes, found {problem}", key, name)
         found = path.stat()
     except FileNotFoundError:
-        raise BadInput("no such file beside the scene", file=source.name, key=key, value=name) from None
+        raise source.wrong("no such file beside the scene", key, name) from None
     except (OSError, ValueError) as error:
         problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise BadInput(problem, file=source.name, key=key, value=name) from error
+        raise source.wrong(problem, key, name) from error
     return found.st_mtime_ns, found.st_size
 
 
@@ -462,7 +441,7 @@ def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
         return _kept(source.folder / name, _stamp(source, name))
     except (ModesFileError, OSError, MemoryError) as error:
         problem = "larger than the memory that is there" if isinstance(error, MemoryError) else str(error)
-        raise BadInput(problem, file=source.name, key="[structure] modes", value=name) from error
+        raise source.wrong(problem, "[structure] modes", name) from error
 
 
 def _only_speed(source: SceneFile, name: str) -> float:
@@ -472,7 +451,7 @@ def _only_speed(source: SceneFile, name: str) -> float:
             f"{name} holds the modes of one speed, and {len(speeds)} are asked for: expected that one speed, or files"
             f" for several, such as {{ '0 rpm' = '{name}', '{in_rpm(max(speeds)):.6g} rpm' = … }}"
         )
-        raise BadInput(problem, file=source.name, key="[structure] modes")
+        raise source.wrong(problem, "[structure] modes")
     return speeds[0]
 
 
@@ -506,39 +485,37 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         own, given = getattr(raw, key), getattr(known, key)
         if own is not None and given is not None and own != given:
             problem = f"{name} says '{own}': leave this out, or mend the file"
-            raise BadInput(problem, file=source.name, key=f"[structure] {key}", value=given)
+            raise source.wrong(problem, f"[structure] {key}", given)
     try:
         model = in_si(raw, *known.scale(raw.unit, raw.mass_unit))
     except ValueError as error:
         problem = f"{name}: unit '{raw.unit}' or mass_unit '{raw.mass_unit}' is none: {error}"
-        raise BadInput(problem, file=source.name, key="[structure] modes") from error
+        raise source.wrong(problem, "[structure] modes") from error
     largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
     if largest.size > 1 and np.ptp(largest) <= 1e-5 * largest.max():
-        raise BadInput(
+        raise source.wrong(
             f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
             " expected shapes of modal mass 1, or their modal masses",
-            file=source.name,
-            key="[structure] modes",
+            "[structure] modes",
         )
     try:
         found = [densities(model, modes) for modes in model.speeds]
     except BadCells as error:
-        raise BadInput(f"{name}: {error}", file=source.name, key="[structure] modes") from error
+        raise source.wrong(f"{name}: {error}", "[structure] modes") from error
     if any(each is None for each in found):
         _without_density(source, known, name, raw, model)
         return model
     every = np.concatenate([each for each in found if each is not None])
     if every.max() > _UNLIKE * every.min():
-        raise BadInput(
+        raise source.wrong(
             f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
             f" {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3: expected shapes of modal"
             " mass 1, or their modal masses",
-            file=source.name,
-            key="[structure] modes",
+            "[structure] modes",
         )
     density = float(np.median(every))
     if not _LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
-        raise BadInput(_units(name, raw, model.size, density), file=source.name, key="[structure] unit, mass_unit")
+        raise source.wrong(_units(name, raw, model.size, density), "[structure] unit, mass_unit")
     return model
 
 
@@ -571,19 +548,18 @@ def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, 
     key = "[structure] unit, mass_unit"
     if (known.unit or raw.unit) is None or (known.mass_unit or raw.mass_unit) is None:
         problem = f"missing: {name} has no solid elements by which the units of its shapes could be checked"
-        raise BadInput(problem, file=source.name, key=key)
+        raise source.wrong(problem, key)
     if model.size > _LARGE:
         problem = f"{name} would describe a structure {significant(model.size)} m large: was another unit meant?"
-        raise BadInput(problem, file=source.name, key=key)
+        raise source.wrong(problem, key)
     least = min(float((np.linalg.norm(modes.shapes, axis=2).max(axis=1) ** -2.0).min()) for modes in model.speeds)
     most = OSMIUM * (model.size / 3.0**0.5) ** 3
     if least > most:
-        raise BadInput(
+        raise source.wrong(
             f"{name} would have an effective mass of {significant(least)} kg where it moves most, and its nodes span a"
             f" block of {significant(most)} kg at most: was another unit meant? If not, nodes further away are missing"
             " (of the root, for example)",
-            file=source.name,
-            key=key,
+            key,
         )
 
 
@@ -647,7 +623,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     if not known.min() - slack <= omega <= known.max() + slack:
         have = f"{in_rpm(known.min()):.6g} to {in_rpm(known.max()):.6g} rpm"
         problem = f"the modes are known from {have}: expected speeds among them, not {in_rpm(omega):.6g} rpm"
-        raise BadInput(problem, file=source.name, key=key)
+        raise source.wrong(problem, key)
     lost = np.flatnonzero(model.likeness[: source.scene.rotor.modes] < _ALIKE)
     if np.abs(known - omega).min() > slack and lost.size:
         number = int(lost[0]) + 1
@@ -656,7 +632,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
             f" {model.likeness[lost[0]]:.2f}), and {in_rpm(omega):.6g} rpm lies between them: expected files at"
             f" speeds closer together{f', or [rotor] modes = {number - 1}' if number > 1 else ''}"
         )
-        raise BadInput(problem, file=source.name, key=key)
+        raise source.wrong(problem, key)
 
 
 def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list[str]:
@@ -695,8 +671,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
     damper = source.scene.damper
-    if damper is None:
-        raise ValueError("the scene has no [damper]")
+    assert damper is not None
     at = _place(source, model, damper.at, "[damper] at")
     value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
     try:
@@ -705,10 +680,10 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
         seen = floor(model, at, modes, direction)
     except NoMotion as error:
         key, odd = ("at", value) if damper.direction is None else ("direction", list(damper.direction))
-        raise BadInput(str(error), file=source.name, key=f"[damper] {key}", value=odd) from error
+        raise source.wrong(str(error), f"[damper] {key}", odd) from error
     if damper.housing is None and max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
-        raise BadInput(problem, file=source.name, key="[damper] cavity", value=list(damper.cavity))
+        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
     remarks = []
     if at.distance > _OFF * model.size:
         there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
@@ -721,12 +696,11 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction).slope[0, 0])
         if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
-            raise BadInput(
+            raise source.wrong(
                 f"in the first mode the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
                 f" displacement, and their displacements by {significant(other / lift)} 1/m: expected rotations in rad"
                 " of the same shapes",
-                file=source.name,
-                key="[structure] modes",
+                "[structure] modes",
             )
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
@@ -776,7 +750,7 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
         return place(model, _point(source, model, at, key))
     except OffTheStructure as error:
         value = list(at) if isinstance(at, tuple) else at
-        raise BadInput(str(error), file=source.name, key=key, value=value) from error
+        raise source.wrong(str(error), key, value) from error
 
 
 def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | int | None, key: str) -> Floats:
@@ -788,11 +762,11 @@ def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
             names = list(model.sets)
             there = f"expected one of its sets of nodes: {', '.join(names)}" if names else "the file has no sets"
             problem = f"{there}{did_you_mean(at, names)}"
-            raise BadInput(problem, file=source.name, key=key, value=at)
+            raise source.wrong(problem, key, at)
         return np.asarray(model.points[model.sets[at]].mean(axis=0))
     labels = np.arange(1, len(model.points) + 1) if model.labels is None else model.labels
     found = np.flatnonzero(labels == at)
     if not found.size:
         problem = f"no such node: expected a number from {labels.min()} to {labels.max()}"
-        raise BadInput(problem, file=source.name, key=key, value=at)
+        raise source.wrong(problem, key, at)
     return np.asarray(model.points[int(found[0])])

@@ -87,10 +87,15 @@ def with_verdicts(results: Results) -> Results:
     """The same results with a verdict at each speed at which the damper has figures."""
     speeds = []
     for point in results.speeds:
-        found = contact(results.scene, point)
-        pressed = replace(point, contact=None if found is None else taken_over(ContactFigures, found))
+        pressed = with_contact(results.scene, point)
         speeds.append(pressed if point.working is None else replace(pressed, verdict=verdict(results, point)))
     return replace(results, speeds=tuple(speeds))
+
+
+def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
+    """A speed with what its load does to ball and floor, where both have a material."""
+    found = contact(scene, point)
+    return point if found is None else replace(point, contact=taken_over(ContactFigures, found))
 
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:
@@ -150,7 +155,7 @@ def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
 
 
 _UNNAMED = (
-    "takes the materials of ball and floor by name, at least one of known strength: expected ball_material and"
+    "takes the materials of ball and floor by name, the floor's of known strength: expected ball_material and"
     " floor_material, or a number"
 )
 
@@ -548,36 +553,6 @@ def _shape(x: float) -> float:
     k = _CANTILEVER
     ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
     return math.cosh(k * x) - math.cos(k * x) - ratio * (math.sinh(k * x) - math.sin(k * x))
-
-
-class CavityMass(NamedTuple):
-    """Mass [kg] that cavities take out of the plate, and the largest relative shift of its first bending frequency."""
-
-    mass: float
-    shift: float
-
-
-def cavity_mass(results: Results) -> CavityMass | None:
-    """What the cavities take out of the plate; None where there are none in it.
-
-    A hole is a negative point mass where the damper is; the stiffness that goes with it hardly counts where the plate
-    hardly bends, as near its tip. Along the radius a cavity holds its ball.
-    """
-    damper, material = results.scene.damper, results.scene.material
-    reduced = [point.reduced for point in results.speeds if point.reduced is not None]
-    if damper is None or material is None or not damper.cut or not reduced:
-        return None
-    mass = material.density * damper.cut
-    if mass >= min(each.M2 for each in reduced):
-        return None  # more than there is: the cavity does not fit, which a remark says
-    return CavityMass(mass, max((_shift(each, mass) for each in reduced), key=abs))
-
-
-def _shift(reduced: Reduced, mass: float) -> float:
-    """To first order in the mass: less inertia, and less pull, of which the ball's own mass shows how it stiffens."""
-    ball = reduced.M1 - reduced.M2
-    pull = (reduced.K1 - reduced.K2) / reduced.K2 / ball if ball > 0 else 0.0
-    return mass / 2 * (1 / reduced.M2 - pull)
 
 
 class TableCutOff(NamedTuple):

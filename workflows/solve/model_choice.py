@@ -17,6 +17,7 @@ from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
+from workflows.solve import blade
 from workflows.solve.results import Theory
 
 if TYPE_CHECKING:
@@ -154,7 +155,11 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
     """
     scene = source.scene
     if scene.plate is None:
-        return ModelChoice(None, selection.resolve(scene, source.name))
+        settled = None
+        if scene.blade is not None and scene.effects.large_deflection is not True:
+            with stages("prestress"), translated_errors(source):
+                settled = {"large_deflection": blade.deflection(source)}
+        return ModelChoice(None, selection.resolve(scene, source.name, settled=settled))
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), translated_errors(source):

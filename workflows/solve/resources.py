@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workflows.errors import BadInput
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.meshes.mesh_sequence import Planform
-    from workflows.solve.model_choice import ModelChoice
+    from workflows.effects.definition import Effect
 
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
@@ -126,21 +125,21 @@ def check(source: SceneFile) -> None:
     needed, there = memory(source), available() + _held()
     if needed > there:
         worst = parts(source)[0]
-        raise BadInput(_too_much(needed, there, worst.advice), file=source.name, key=worst.key, value=worst.value)
+        raise source.wrong(_too_much(needed, there, worst.advice), worst.key, worst.value)
 
 
-def sizes(source: SceneFile, decided: ModelChoice, model: str | None) -> Sizes:
-    """How large a run of a scene is; `model`: the theory of its plate in `fem`, None without one.
+def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
+    """How large a run of a scene is; `form`, `model`: of its plate, with its theory in `fem`; None without one.
 
     Raises:
         BadInput: its first meshes need more memory than there is.
     """
     scene, needed = source.scene, memory(source)
     speeds, modes, first = len(scene.rotor.speeds), None, None
-    if decided.form is not None and model is not None:
-        large = decided.effects["large_deflection"].on
-        most = most_unknowns(source, decided.form, model, large)
-        modes, first = scene.rotor.modes, int(_first_unknowns(decided.form, model, scene.rotor.modes, most))
+    if form is not None and model is not None:
+        large = effects["large_deflection"].on
+        most = most_unknowns(source, form, model, large)
+        modes, first = scene.rotor.modes, int(_first_unknowns(form, model, scene.rotor.modes, most))
         needed = max(needed, BASE + _beside_the_plate(source) + of_a_plate(model, first, modes, large))
     release = scene.release
     rings = 0 if scene.damper is None or release is None else speeds
@@ -164,9 +163,9 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
         given = source.scene.plate.mesh if source.scene.plate is not None else None
         if given is not None:
             problem = _too_much(needed, there, "coarsen the mesh")
-            raise BadInput(problem, file=source.name, key="[plate] mesh", value=given)
+            raise source.wrong(problem, "[plate] mesh", given)
         problem = _too_much(needed, there, "ask for fewer modes")
-        raise BadInput(problem, file=source.name, key="[rotor] modes", value=modes)
+        raise source.wrong(problem, "[rotor] modes", modes)
     return most
 
 
@@ -189,7 +188,7 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     if needed > there:
         name = None if source.scene.blade is None else source.scene.blade.mesh
         problem = _too_much(needed, there, f"coarsen the mesh, which has {unknowns} unknowns")
-        raise BadInput(problem, file=source.name, key="[blade] mesh", value=name)
+        raise source.wrong(problem, "[blade] mesh", name)
 
 
 def _too_much(needed: float, there: float, advice: str) -> str:

@@ -19,7 +19,6 @@ from pydantic import (
     PlainSerializer,
     WithJsonSchema,
     computed_field,
-    model_serializer,
     model_validator,
 )
 from pydantic_core import core_schema
@@ -47,8 +46,7 @@ def quantity(unit: str, meaning: str, name: str | None = None, **more: Any) -> A
         meaning: in words.
         name: under which it is published, if not that of the field.
         more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
-            `headline`: whether a sweep has a column of it; `short`: what the key of a picture calls it;
-            `unpublished`: whether JSON leaves it out.
+            `headline`: whether a sweep has a column of it; `unpublished`: whether JSON leaves it out.
     """
     return Field(alias=name, description=meaning, json_schema_extra={"unit": unit, **more})
 
@@ -104,6 +102,13 @@ Unknown = Annotated[
     WithJsonSchema({"type": ["number", "null"]}),
 ]
 """A number that may be none that is finite, which is published as null."""
+
+MaybeUnknown = Annotated[
+    float | None,
+    BeforeValidator(lambda value: math.nan if value is None else value),
+    WithJsonSchema({"type": ["number", "null"]}),
+]
+"""The same, left out of files where it is None."""
 
 Pair = tuple[Unknown, Unknown]
 
@@ -187,6 +192,14 @@ class Figures:
         return _columns(CurvePoint, data, "curve")
 
 
+@dataclass(frozen=True)
+class Pendulum:
+    """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
+
+    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
+    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
+
+
 @dataclass(frozen=True, eq=False)
 class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
@@ -208,6 +221,22 @@ class OwnFigures(Figures):
             prefix="from_above_",
         ),
     ] = field(repr=False)
+    slow_ramp: Annotated[
+        Figures,
+        part(
+            "the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces"
+            " earlier: typical, not certain",
+            prefix="slow_ramp_",
+        ),
+    ] = field(repr=False)
+    abrupt_start: Annotated[
+        Figures,
+        part(
+            "the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the"
+            " middle; later it may have drifted to a wall, and bounce",
+            prefix="abrupt_start_",
+        ),
+    ] = field(repr=False)
     folds: Annotated[
         Pair,
         quantity(
@@ -227,6 +256,36 @@ class OwnFigures(Figures):
             ends=_ENDS,
         ),
     ]
+    level: Annotated[
+        Figures | None,
+        part(
+            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
+            "level_floor",
+            prefix="level_",
+            headline=False,
+        ),
+    ]
+    tilt_share: Annotated[
+        float,
+        quantity(
+            "1",
+            "share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
+            "floor_tilt_share",
+            headline=True,
+        ),
+    ]
+    pendulum: Annotated[
+        Pendulum | None,
+        part(
+            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
+            prefix="pendulum_",
+        ),
+    ] = None
+    tilted_cutoff_g: Annotated[
+        MaybeUnknown,
+        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
+    ] = None
+    tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1", "that over load_g")] = None
 
     @property
     def parted(self) -> bool:
@@ -234,14 +293,21 @@ class OwnFigures(Figures):
         return self.folds[0] < self.folds[1]
 
     @classmethod
-    def of(cls, measured: damper.Working) -> OwnFigures:
-        """Those that were measured."""
-        return taken_over(cls, measured, from_above=taken_over(Figures, measured.descending))
+    def of(
+        cls, measured: damper.Working, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
+    ) -> OwnFigures:
+        """Those that were measured, with what else is known of the floor."""
+        more |= {way: taken_over(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
+        return taken_over(cls, measured, tilt_share=tilt_share, level=level, **more)
+
+
+OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
+"""Fields of `OwnFigures` that are the same figures for other starts."""
 
 
 @dataclass(frozen=True)
 class ContactFigures:
-    """The ball at rest on its floor, by Hertz; null where the strength of neither material is known."""
+    """The ball at rest on its floor, by Hertz; null where the strength is not known that decides."""
 
     hertz_radius: Annotated[float, quantity("m", "of the contact, were it elastic")]
     peak_pressure: Annotated[float, quantity("Pa", "at the middle of the contact, were it elastic")]
@@ -386,34 +452,15 @@ class VibrationReduction:
 
 
 @dataclass(frozen=True)
-class CutOff:
-    """That of a ring-down; None where the ball never moves."""
-
-    g: Annotated[
-        float | None,
-        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
-    ]
-    ratio: Annotated[float | None, quantity("1", "that over load_g")]
-
-
-@dataclass(frozen=True)
-class Pendulum:
-    """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
-
-    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
-    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
-
-
-@dataclass(frozen=True)
 class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
     initial: Annotated[float, quantity("J", "at the release")]
-    final: Annotated[float, quantity("J", "left at the end", short="left")]
-    structure: Annotated[float, quantity("J", "lost to the structure's own damping", short="structure")]
-    rolling: Annotated[float, quantity("J", "lost to rolling resistance", short="rolling")]
-    impact: Annotated[float, quantity("J", "lost in hits of the walls", short="wall hits")]
-    slip: Annotated[float, quantity("J", "lost to slip on the floor", short="slip")]
+    final: Annotated[float, quantity("J", "left at the end")]
+    structure: Annotated[float, quantity("J", "lost to the structure's own damping")]
+    rolling: Annotated[float, quantity("J", "lost to rolling resistance")]
+    impact: Annotated[float, quantity("J", "lost in hits of the walls")]
+    slip: Annotated[float, quantity("J", "lost to slip on the floor")]
     residual: Annotated[float, quantity("J", "not explained by the books")]
 
     @property
@@ -621,7 +668,6 @@ __all__ = [
     "BallPath",
     "CavityMode",
     "ContactFigures",
-    "CutOff",
     "Damping",
     "Diagram",
     "Energy",
@@ -644,13 +690,8 @@ __all__ = [
     "expect",
     "middle",
     "rounded_rpm",
+    "shown_of",
 ]
-
-_WITHIN = ("level_floor", "floor_tilt_share", "pendulum")
-"""What files have within the damper's own figures, and a speed beside them."""
-
-_TILTED = "tilted_cutoff_"
-"""How the names of the cut-off with the tilt left out begin there."""
 
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
@@ -664,20 +705,17 @@ class SpeedPoint:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
         damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
-        level: the same on a level floor, where the scene keeps it level; None where the two do not differ.
-        tilted: cut-off with the tilt that the scene leaves out.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
-        pendulum: of a ball in a hollow floor.
     """
 
     omega: Annotated[float, KEPT]
     rpm: Annotated[float, quantity("rpm", "rotation speed")]
     radius: Annotated[float, KEPT]
     load_g: Annotated[float, quantity("g", "centrifugal acceleration at the damper", headline=True)]
-    modes: Annotated[tuple[Mode, ...], part(along="mode")] = ()
+    modes: Annotated[tuple[Mode, ...], part(along="mode")]
     reduced: Annotated[Reduced | None, part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
     cavity_modes: Annotated[
         tuple[CavityMode, ...],
@@ -704,32 +742,10 @@ class SpeedPoint:
         Verdict | None,
         part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
     ] = None
-    level: Annotated[
-        Figures | None,
-        part(
-            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
-            "level_floor",
-            prefix="level_",
-            headline=False,
-        ),
-    ] = None
-    tilted: CutOff | None = None
     stagger: Annotated[float | None, KEPT] = None
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
-    pendulum: Annotated[
-        Pendulum | None,
-        part(
-            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
-            prefix="pendulum_",
-        ),
-    ] = None
 
-    @computed_field(  # type: ignore[prop-decorator]
-        alias="floor_tilt_share",
-        description="share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
-        json_schema_extra={"unit": "1", "headline": True},
-    )
     @property
     def tilt_share(self) -> float:
         """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
@@ -737,39 +753,10 @@ class SpeedPoint:
             return 0.0
         return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
 
-    @model_serializer(mode="wrap")
-    def _published(self, handler: Any) -> dict[str, Any]:
-        """As files have it: what belongs to the damper's own figures stands there."""
-        found = handler(self)
-        inner = {"level_floor": None} | {name: found.pop(name) for name in _WITHIN if name in found}
-        tilted = found.pop("tilted", {})
-        if "working" in found:
-            found["working"] |= inner | {_TILTED + name: value for name, value in tilted.items()}
-        return {"modes": [], **found}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any) -> Any:
-        if not isinstance(data, Mapping) or not data.get("working"):
-            return data
-        inner = data["working"]
-        tilted = {name.removeprefix(_TILTED): value for name, value in inner.items() if name.startswith(_TILTED)}
-        return {**data, **{name: inner[name] for name in _WITHIN if name in inner}, "tilted": tilted or None}
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: Any) -> dict[str, Any]:
-        """The schema of the same."""
-        fields_alone = {name: each for name, each in core.items() if name != "serialization"}
-        found: dict[str, Any] = handler.resolve_ref_schema(handler(fields_alone))
-        speed = found["properties"]
-        working, tilted = (handler.resolve_ref_schema(speed[name]["anyOf"][0]) for name in ("working", "tilted"))
-        del speed["tilted"]
-        inner = {name: speed.pop(name) for name in _WITHIN}
-        inner |= {_TILTED + name: each for name, each in tilted["properties"].items()}
-        working["properties"] |= inner
-        working["required"] += ["level_floor", "floor_tilt_share"]
-        found["required"] = [*(name for name in found["required"] if name not in _WITHIN), "modes"]
-        return found
+    @property
+    def level(self) -> Figures | None:
+        """The damper's figures on a level floor, where the scene keeps it so."""
+        return None if self.working is None else self.working.level
 
 
 @dataclass(frozen=True, eq=False)
@@ -803,6 +790,10 @@ class Surface:
     lines: Ints | None = field(default=None, repr=False)
     frame: Floats | None = field(default=None, repr=False)
     mark: Floats | None = field(default=None, repr=False)
+
+    def row(self, number: int) -> int:
+        """Which of the speeds with shapes is nearest to number `number` of the run."""
+        return int(np.argmin(np.abs(np.asarray(self.at) - number)))
 
     def drawn(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in the axes by which the surface is drawn."""
@@ -988,7 +979,7 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[i
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    kept = _kept(len(numbers))
+    kept = shown_of(len(numbers))
     unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
@@ -1076,7 +1067,7 @@ def _upright(shapes: Floats) -> Floats:
     return np.asarray(shapes * (np.abs(largest) / largest))
 
 
-def _kept(count: int) -> tuple[int, ...]:
+def shown_of(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
     if count <= SHAPES_AT_MOST:
         return tuple(range(count))

@@ -12,7 +12,6 @@ import numpy as np
 
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
-from workflows.errors import BadInput
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -87,6 +86,16 @@ class PlateSolution:
                 for point, number in zip(self.points, self.numbers, strict=True)
             )
         return self._coupled[key]
+
+    def beside(self, source: SceneFile, cavity: Cavity | None) -> PlateSolution:
+        """The same plate with cavities that take as much metal out of it; what they leave unknown may differ."""
+        discrete = replace(self.discrete, cavity=cavity)
+        return replace(self, discrete=discrete, points=results.points(source, discrete, self.diagram, self.numbers))
+
+    @cached_property
+    def first_surface(self) -> Surface:
+        """The mid-surface with the first mode at the first speed, by which its strength is judged."""
+        return self.surface(speeds=1)
 
     def surface(self, speeds: int | None = None, modes: int = 1) -> Surface:
         """The mid-surface with mode shapes of the first speeds; None: of all."""
@@ -181,7 +190,8 @@ class StructureSolver:
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):
                 self._uncut = discretise(source, self.choice, stages, size)
-                self.discrete = with_cavities(source, self._uncut, self.choice.effects)
+                cavity = cavity_of(source, self._uncut, self.choice.effects)
+                self.discrete = with_cavities(source, self._uncut, cavity)
 
     def meeting(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
@@ -191,14 +201,28 @@ class StructureSolver:
         other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
         return other
 
-    def carrying(self, source: SceneFile, effects: dict[str, Effect]) -> StructureSolver:
-        """The same plate on the same mesh, with the damper of another scene and its effects."""
+    def carrying(self, source: SceneFile, effects: dict[str, Effect], like: Iterable[PlateSolution]) -> PlateSolution:
+        """The plate on the same mesh at the speeds of its scene, with the cavities of another scene's damper.
+
+        Args:
+            source: the other scene.
+            effects: of its damper too.
+            like: solutions at these speeds, of which one with the same metal in it serves.
+
+        Raises:
+            ValueError: the scene has no plate.
+            BadInput, NoAnswer: see :meth:`at`.
+        """
         if self._uncut is None:
             raise ValueError("the scene has no plate")
-        other = copy(self)
-        other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | effects)
-        other.discrete = with_cavities(source, self._uncut, other.choice.effects)
-        return other
+        cavity = cavity_of(source, self._uncut, self.choice.effects | effects)
+        solutions = {solution.discrete.cavity: solution for solution in like}
+        if cavity in solutions:
+            return solutions[cavity]
+        for solution in solutions.values():
+            if _metal(solution.discrete.cavity) == _metal(cavity):
+                return solution.beside(source, cavity)
+        return self._plate(source, with_cavities(source, self._uncut, cavity))
 
     @property
     def solves_each_speed(self) -> bool:
@@ -228,7 +252,7 @@ class StructureSolver:
         plate = self._plate(source, self.discrete)
         with translated_errors(source), self.stages("reduction"):
             points = plate.with_ball(source, effects)
-        surface = None if source.mesh is None else plate.surface(speeds=1)  # by which its strength is judged
+        surface = None if source.mesh is None else plate.first_surface
         return StructureState(source, effects, points, plate, surface, None, self.choice.mesh_sha256, self)
 
     def plate(self) -> PlateSolution:
@@ -296,7 +320,7 @@ def discretise(
         choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
     except MeshError as error:
-        raise BadInput(str(error), file=source.name, key="[plate]") from error
+        raise source.wrong(str(error), "[plate]") from error
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.in_words(source, form, choice.size)
@@ -306,28 +330,44 @@ def discretise(
     return Discrete(choice, theory, described, layers, _left_out(effects))
 
 
-def with_cavities(source: SceneFile, discrete: Discrete, effects: dict[str, Effect]) -> Discrete:
-    """The same plate with what the damper's cavities take out of it, as far as the scene has that.
+def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect]) -> Cavity | None:
+    """What the damper's cavities take out of the plate; None: nothing, or the scene leaves it out."""
+    scene, damper = source.scene, source.scene.damper
+    if damper is None or not damper.cut or scene.effects.cavity_mass is False:
+        return None
+    sides = (2 * damper.radius, *damper.cavity)
+    return Cavity(
+        at=plate_mesh.place(source, discrete.choice.operators.plate.mesh),
+        volume=damper.cut,
+        depth=damper.cavity[0],
+        weakens=1 + 3 * max(sides) / min(sides),  # a round hole in shear takes 4 times its volume, one across it more
+        single=damper.count == 1,
+        counted=effects["cavity_mass"].on,
+    )
+
+
+def _metal(cavity: Cavity | None) -> tuple[float, float] | None:
+    """Volume [m³] and depth [m] of what is taken out of the plate's inertia."""
+    return None if cavity is None or not cavity.counted else (cavity.volume, cavity.depth)
+
+
+def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) -> Discrete:
+    """The same plate with cavities.
 
     Raises:
         BadInput: the plate has no room for them.
     """
     from fem import PlaceError, with_cavity
 
-    scene, choice = source.scene, discrete.choice
-    damper, on = scene.damper, effects["cavity_mass"].on
-    if damper is None or not damper.cut or scene.effects.cavity_mass is False:
-        return discrete
-    at, depth = plate_mesh.place(source, choice.operators.plate.mesh), damper.cavity[0]
-    if on:
+    choice = discrete.choice
+    if cavity is not None and cavity.counted:
         try:
-            operators = with_cavity(choice.operators, at, damper.cut, depth)
+            operators = with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
         except PlaceError as error:
-            raise BadInput(str(error), file=source.name, key="[damper] cavity", value=list(damper.cavity)) from error
+            sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
+            raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
-    sides = (2 * damper.radius, *damper.cavity)
-    weakens = 1 + 3 * max(sides) / min(sides)  # a round hole in shear takes 4 times its volume, one across it more
-    return replace(discrete, choice=choice, cavity=Cavity(at, damper.cut, depth, weakens, damper.count == 1, on))
+    return replace(discrete, choice=choice, cavity=cavity)
 
 
 def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:

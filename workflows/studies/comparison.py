@@ -93,9 +93,6 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return found
 
 
-FILES = r"compare\.(json|csv|svg)"
-"""Names of what is written besides the page."""
-
 _QUANTITIES = {
     "load_g": "load g",
     "first_frequency_hz": "first Hz",
@@ -183,23 +180,23 @@ def dumps(found: Comparison) -> str:
     return as_json(document(found))
 
 
+@plots.style()
 def draw(found: Comparison) -> str:
     """First frequencies and damping ratios over speed, a colour for each run."""
-    with plots.style():
-        figure, (left, right) = plots.canvas(3.0, 2)
-        for number, (name, results) in enumerate(zip(found.names, found.results, strict=True)):
-            colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
-            for track in campbell(results):
-                left.plot(track.x, track.y, color=colour, lw=0.9)
-            points = sorted((p for p in results.speeds if p.working is not None), key=lambda point: point.rpm)
-            peaks = [100 * p.working.peak or math.nan for p in points if p.working is not None]
-            right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
-        air = [100 * ratio for ratio in limits.AIR]
-        right.axhspan(*air, color=plots.RULE, lw=0)
-        right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
-        left.set(xlabel="rotation speed, rpm", title="natural frequencies, Hz", ylim=(0, None))
-        plots.legend(figure, right)
-        return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
+    figure, (left, right) = plots.canvas(3.0, 2)
+    for number, (name, results) in enumerate(zip(found.names, found.results, strict=True)):
+        colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
+        for track in campbell(results):
+            left.plot(track.x, track.y, color=colour, lw=0.9)
+        points = sorted((p for p in results.speeds if p.working is not None), key=lambda point: point.rpm)
+        peaks = [100 * p.working.peak or math.nan for p in points if p.working is not None]
+        right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
+    air = [100 * ratio for ratio in limits.AIR]
+    right.axhspan(*air, color=plots.RULE, lw=0)
+    right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
+    left.set(xlabel="rotation speed, rpm", title="natural frequencies, Hz", ylim=(0, None))
+    plots.legend(figure, right)
+    return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
 
 
 def write(found: Comparison, out: Path) -> None:

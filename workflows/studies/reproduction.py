@@ -286,7 +286,8 @@ def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
 def _with_tilt(study: Simulated) -> Claim:
     """The cut-offs of the blade itself, whose floor tilts as it bends."""
     points = study.plate
-    ratios = [math.nan if p.tilted is None or p.tilted.ratio is None else p.tilted.ratio for p in points]
+    known = [None if p.working is None else p.working.tilted_cutoff_ratio for p in points]
+    ratios = [math.nan if ratio is None else ratio for ratio in known]
     tilted, flat = ([_in_a_cycle(p.working) for p in points], [_in_a_cycle(p.level) for p in points])
     shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
     shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
@@ -572,8 +573,8 @@ def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) ->
     if MASS in case:
         scene, m2 = study.scene, system.modal_mass
         plate, material = scene.plate, scene.material
-        if plate is None or material is None:
-            raise ValueError("the paper's scene has a plate")
+        assert plate is not None
+        assert material is not None
         whole = material.density * plate_mesh.volume(plate)[0]
         system = replace(system, ball_mass=system.ball_mass * whole / m2)
     return system

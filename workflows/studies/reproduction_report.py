@@ -34,6 +34,7 @@ class Figure:
     svg: str
 
 
+@plots.style()
 def draw(found: Reproduction) -> list[Figure]:
     """All six."""
     families = found.sweeps
@@ -44,11 +45,10 @@ def draw(found: Reproduction) -> list[Figure]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    with plots.style():
-        velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
-        return [velocity] + [
-            Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
-        ]
+    velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
+    return [velocity] + [
+        Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
+    ]
 
 
 def _velocity(found: Reproduction) -> str:
@@ -111,10 +111,6 @@ def write(found: Reproduction, out: Path) -> None:
         "report.html": render(found),
     }
     write_study(out, contents)
-
-
-FILES = r"reproduce\.(json|csv)|closure\.csv"
-"""Names of what is written besides the page."""
 
 
 def text(found: Reproduction) -> str:

@@ -20,19 +20,8 @@ from workflows.scene.scene import Excitation
 from workflows.solve import damper as damper_stage
 from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction, rounded_rpm
+from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction
 from workflows.solve.structure import StructureSolver
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Path:
-    """The ball in its cavity over some cycles of a steady state: time (n,) [s], places (n, 2) [m]."""
-
-    rpm: float
-    force: float
-    time: Floats
-    structure: Floats
-    ball: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,7 +34,7 @@ class Through:
         states: of the damper, s * f points, the speeds one after the other.
         short: amplitude by the short way that is nearest to the mean, (s, f, starts) [m]; nan where it is not.
         least_force: from which on the ball cannot stay at rest, in the unit of the forces.
-        figures: the damper's own, at the crossing; path: of the ball at the crossing under the largest force.
+        figures: the damper's own, at the crossing.
     """
 
     crossing: Crossing
@@ -56,7 +45,6 @@ class Through:
     short: Floats
     least_force: float
     figures: damper.Working
-    path: Path
 
     def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Values of the points as (s, f) or (s, f, starts)."""
@@ -207,9 +195,6 @@ _ACCURACY = 1e-2
 MOST_CYCLES = 30_000
 """Most cycles of a motion."""
 
-_PATH_CYCLES, _PATH_SAMPLES = 3, 1500
-"""Of the ball's path that is shown."""
-
 
 def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     """Follow a scene's steady states through its crossings; nothing is written.
@@ -246,7 +231,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         else:
             passed.append(found)
     if not passed:
-        raise engine_orders.undriven(results.speeds, asked.orders, source.name)
+        raise engine_orders.unmet(results.speeds, asked.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
     return Response(results, followed, tuple(passed), tuple(idle), asked.levels)
 
@@ -278,11 +263,7 @@ def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked:
     omega = _speeds(solver, crossing, at)
     dampers, harmonics = _driven(solver, crossing, asked, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
-    forces = len(asked.levels)
-    shape, levels = (len(omega), forces), np.tile(asked.levels, len(omega))
-    means = np.nan_to_num(states.mean).max(axis=1).reshape(shape)
-    most = int(np.argmin(means.max(axis=0) / np.array(asked.levels)))  # the level at which the ball does most
-    top = int(np.argmax(means[:, most])) * forces + most
+    levels = np.tile(asked.levels, len(omega))
     with solver.stages("damper"):
         short = _short(system, dampers, harmonics, states, speaks=leads)
         return Through(
@@ -291,10 +272,9 @@ def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked:
             omega=omega,
             forces=asked.levels,
             states=states,
-            short=short.reshape(*shape, -1),
+            short=short.reshape(len(omega), len(asked.levels), -1),
             least_force=float((levels * states.moves_from).min()),
             figures=damper_stage.figures(system),
-            path=_path(dampers[top], harmonics[top], float(omega[top // forces]), float(levels[top])),
         )
 
 
@@ -371,17 +351,3 @@ def _short(
             off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
             short[n] = amplitudes[np.argmin(off, axis=0)]
     return short
-
-
-def _path(system: damper.ParticleDamper, harmonic: damper.Harmonic, omega: float, force: float) -> Path:
-    """The ball's path under a force, once the structure has forgotten where it began."""
-    period, own = 2 * math.pi / harmonic.frequency, 2 * math.pi / system.stuck_frequency
-    settle = min(int(2 / (2 * math.pi * max(system.damping_ratio, 1e-4))) + 50, 3000)
-    cycles = (settle + _PATH_CYCLES) * period / own
-    start = None if system.modes is None else (0.0,) * len(system.modes)
-    run = damper.ringdown(system, (0.0, 0.0), cycles, harmonic=harmonic, amplitudes=start, keep_events=True)
-    times = np.linspace(settle * period, run.duration * (1 - 1e-9), _PATH_SAMPLES)
-    history = damper.sample(run, times)
-    return Path(
-        rounded_rpm(omega), force, times - times[0], history.displacement, np.asarray(history.relative_position)
-    )

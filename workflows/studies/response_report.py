@@ -16,10 +16,10 @@ from fem.rotor import in_rpm
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
 from workflows.io.files import as_json, as_table, finite, write_study
-from workflows.report import plots, remarks, verdict
+from workflows.report import figures, plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.excitation import HELPS, endured, half_way
+from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
@@ -112,123 +112,67 @@ _MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not
 """What happens at a crossing, as a mark."""
 
 
+@plots.style()
 def campbell_plot(found: Response) -> str:
-    """Frequencies over speed, the orders asked for, and what happens where they cross."""
-    fastest = max(point.rpm for point in found.results.speeds)
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.3)
-        tracks = files.campbell(found.results)
-        for number, track in enumerate(tracks):
-            axes.plot(track.x, track.y, color=plots.CATEGORIES[number % len(plots.CATEGORIES)], label=track.label)
-        crossings = [through.crossing for through in found.passed] + [crossing for crossing, _ in found.idle]
-        top = max((track.y.max() for track in tracks), default=0.0)
-        top = 1.06 * max(top, *(1.3 * crossing.frequency_hz for crossing in crossings), 1.0)
-        for order in found.excitation.orders:
-            end = min(fastest, 60 * top / order)
-            axes.plot([0, end], [0, order * end / 60], color=plots.MUTED, lw=0.6, ls=plots.DOTTED)
-            small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED}
-            axes.annotate(f"{order}×", (end, order * end / 60), (3, -2), textcoords="offset points", **small)
-        for through in found.passed:
-            at = through.crossing.rpm, through.crossing.frequency_hz
-            for kind in dict.fromkeys(row.regime for row in rows(found, through)):
-                size = 5 + 2 * list(_MARKS).index(kind)
-                look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ms": size, "zorder": 4}
-                axes.plot(*at, _MARKS[kind], ls="", label=kind, **look)
-        for crossing, _ in found.idle:
-            axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
-        axes.set(xlim=(0, fastest), ylim=(0, top), xlabel="rotation speed, rpm", ylabel="frequency, Hz")
-        handles, labels = axes.get_legend_handles_labels()
-        unique = dict(zip(labels, handles, strict=True))
-        if unique:
-            figure.legend(list(unique.values()), list(unique), loc="outside lower left", ncols=3)
-        return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
+    """The run's diagram with what happens where orders cross modes; empty where the structure is given."""
+    figure = figures.campbell(found.results)
+    if figure is None:
+        return ""
+    (axes,), named = figure.axes, set[str]()
+    for through in found.passed:
+        for kind in dict.fromkeys(row.regime for row in rows(found, through)):
+            look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ls": "", "zorder": 4}
+            label, size = None if kind in named else kind, 5 + 2 * list(_MARKS).index(kind)
+            axes.plot(through.crossing.rpm, through.crossing.frequency_hz, _MARKS[kind], ms=size, label=label, **look)
+            named.add(kind)
+    for crossing, _ in found.idle:
+        axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
+    plots.legend(figure, axes)
+    return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
+@plots.style()
 def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.3)
-        rpm = in_rpm(through.omega)
-        states = through.states
-        least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
-        without = np.abs(through.shaped(states.without))
-        for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
-            axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
-            low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
-            axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
-            for start in range(mean.shape[2]):
-                label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
-                axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
-        axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
-        plots.legend(figure, axes, title=found.excitation.kind)
-        return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
+    figure, (axes,) = plots.canvas(3.3)
+    rpm = in_rpm(through.omega)
+    states = through.states
+    least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
+    without = np.abs(through.shaped(states.without))
+    for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
+        axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
+        low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
+        axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
+        for start in range(mean.shape[2]):
+            label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
+            axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
+    axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
+    plots.legend(figure, axes, title=found.excitation.kind)
+    return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
 
-def ratios(found: Response, through: Through, name: str) -> str:
-    """Amplitude with the ball over the one without, over speed and force: the largest of the answers."""
-    from matplotlib.colors import LinearSegmentedColormap
-
-    with plots.style():
-        figure, (axes,) = plots.canvas(2.6)
-        rpm = in_rpm(through.omega)
-        mean = through.shaped(through.states.mean).max(axis=2)
-        ratio = mean / np.abs(through.shaped(through.states.without))
-        levels = len(through.forces)
-        reach = max(0.02, float(np.abs(np.log10(ratio)).max()))
-        strength = np.log10((ratio[1:] + ratio[:-1]) / 2).T
-        colours = LinearSegmentedColormap.from_list("", [plots.CATEGORIES[0], "#ffffff00", plots.CATEGORIES[1]])
-        rows = np.arange(levels + 1) - 0.5
-        axes.pcolormesh(rpm, rows, strength, cmap=colours, vmin=-reach, vmax=reach, rasterized=True)
-        axes.set_yticks(range(levels), [significant(force) for force in through.forces])
-        force = f"{found.excitation.kind}, {found.excitation.unit}"
-        axes.set(xlim=(rpm[0], rpm[-1]), xlabel="rotation speed, rpm", ylabel=force)
-        low, high = (significant(end, 3) for end in (ratio.min(), ratio.max()))
-        axes.set_title(f"blue: smaller with the ball, orange: larger; ratios from {low} to {high}")
-        axes.grid(visible=False)
-        return plots.svg(figure, f"ratios-{name}", "Ratio of amplitudes over speed and force")
-
-
+@plots.style()
 def damping(found: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
     shown = [through for through in found.passed if through.figures.amplitude.size]
     if not shown:
         return ""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.0)
-        for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
-            figures, c = through.figures, through.crossing
-            some = figures.damping_ratio > 0
-            label = f"order {c.order}, {whole(c.rpm)} rpm"
-            axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
-            low, high = (1e3 * end for end in figures.range)
-            if np.isfinite(low) and np.isfinite(high):
-                axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
-        air = [100 * ratio for ratio in AIR]
-        axes.axhspan(*air, color=plots.RULE, lw=0)
-        least = 100 * min(through.figures.peak for through in shown) / 30
-        axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
-        axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-        plots.legend(figure, axes, ncols=1)
-        return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
-
-
-def path(found: Response, through: Through, name: str) -> str:
-    """The ball in its cavity over some cycles, at the speed and under the force of the largest amplitude."""
-    taken = through.path
-    with plots.style():
-        figure, panels = plots.canvas(2.4, 2)
-        along, place = panels
-        axis = through.axis
-        along.plot(1e3 * taken.time, 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], label="ball in its cavity")
-        size = np.abs(taken.structure[:, axis]).max() or 1.0
-        scale = np.abs(taken.ball[:, axis]).max() or 1.0
-        scaled = 1e3 * scale * taken.structure[:, axis] / size
-        along.plot(1e3 * taken.time, scaled, color=plots.MUTED, lw=0.8, label="structure, scaled")
-        along.set(xlabel="time, ms", ylabel="place, mm")
-        along.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
-        place.plot(1e3 * taken.structure[:, axis], 1e3 * taken.ball[:, axis], color=plots.CATEGORIES[0], lw=0.8)
-        place.set(xlabel="displacement of the structure, mm", ylabel="place of the ball, mm")
-        return plots.svg(figure, f"path-{name}", "The ball's path in its cavity")
+    figure, (axes,) = plots.canvas(3.0)
+    for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
+        figures, c = through.figures, through.crossing
+        some = figures.damping_ratio > 0
+        label = f"order {c.order}, {whole(c.rpm)} rpm"
+        axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
+        low, high = (1e3 * end for end in figures.range)
+        if np.isfinite(low) and np.isfinite(high):
+            axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
+    air = [100 * ratio for ratio in AIR]
+    axes.axhspan(*air, color=plots.RULE, lw=0)
+    least = 100 * min(through.figures.peak for through in shown) / 30
+    axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
+    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    plots.legend(figure, axes, ncols=1)
+    return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 
 
 def sentences(found: Response) -> list[str]:
@@ -272,21 +216,38 @@ def confirmed(found: Response, through: Through) -> VibrationReduction:
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
-    useful = [each.level for each in borne if each.endured and each.ratio <= enough]
-    low, high = (min(useful), max(useful)) if useful else (math.nan, math.nan)
-    others = [each.level for each in levels if each.level not in useful]
-    if useful and not any(short.range[0] <= level <= short.range[1] for level in others):
-        low, high = min(low, short.range[0]), max(high, short.range[1])  # comparisons with nan leave the motion's
+    useful = [each.endured and each.ratio <= enough for each in levels]
     return replace(
         short,
         ratio=best.ratio,
         level=best.level,
-        range=(low, high),
+        range=_range(short, levels, useful, best.level),
         moves_from=through.least_force,
         levels=tuple(each for each in levels if each.level in found.asked),
         reason=Reason.NONE,
         detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {found.excitation.unit}",
     )
+
+
+_NEAR = 1.25
+"""How far the best level followed may lie outside an estimated range that is said to be confirmed."""
+
+
+def _range(
+    short: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
+) -> tuple[float, float]:
+    """Levels around the best with at least half of its reduction: the estimated ones, as far as those followed agree.
+
+    Where they do not, levels followed one after the other.
+    """
+    if not any(useful):
+        return math.nan, math.nan
+    followed = np.array([each.level for each in levels])
+    low, high = short.range
+    agree = all(use for level, use in zip(followed, useful, strict=True) if low <= level <= high)
+    if agree and low / _NEAR <= best <= high * _NEAR:  # false where nothing is estimated
+        return min(low, best), max(high, best)
+    return neighbours(followed, np.flatnonzero(useful), int(np.argmin(np.abs(followed - best))))
 
 
 def _at_the_end(through: Through) -> bool:
@@ -412,10 +373,6 @@ def _damper(found: Response, through: Through) -> dict[str, Any]:
     }
 
 
-FILES = r"response\.(json|nc)|campbell\.svg|response_\w+\.(csv|svg)"
-"""What is written beside the usual files, as a regular expression."""
-
-
 def dumps(found: Response) -> str:
     """The machine-readable result."""
     return as_json(document(found))
@@ -431,9 +388,10 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
     contents: dict[str, str | bytes] = {
         "response.json": dumps(found) + "\n",
         "response.nc": bytes(dataset(found).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
-        "campbell.svg": plots.standalone(campbell_plot(found)),
         "report.html": render(found),
     }
+    if drawn := campbell_plot(found):
+        contents["campbell.svg"] = plots.standalone(drawn)
     for number, through in enumerate(found.passed):
         drawn = response(found, through, str(number), shades)
         contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
@@ -469,8 +427,6 @@ def _section(found: Response, number: int, through: Through, shades: list[str]) 
         "crossing": through.crossing,
         "rows": mine,
         "response": response(found, through, str(number), shades),
-        "ratios": ratios(found, through, str(number)) if len(through.forces) > 1 else "",
-        "path": path(found, through, str(number)),
         "endured": endured(found.results, through.crossing),
         "beyond": any(is_beyond(found, row) for row in mine),
     }

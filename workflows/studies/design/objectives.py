@@ -17,7 +17,6 @@ import numpy as np
 from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working, forced, work_bound
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
-from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import FLAT, Excitation, Scene
@@ -444,11 +443,11 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
     """
     shaken, given = source.scene.excitation, source.scene.damper
-    if shaken is None or given is None:
-        raise ValueError("the scene has no [excitation]")
+    assert shaken is not None
+    assert given is not None
     if given.damping_ratio == 0:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
-        raise BadInput(problem, file=source.name, key="[damper] damping_ratio", value=0)
+        raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
     points = excitation.across(solver).points
     speeds = source.scene.rotor.speeds
@@ -462,7 +461,7 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.undriven(points, shaken.orders, source.name)
+        raise engine_orders.unmet(points, shaken.orders, source.name, driven=False)
     return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
 
 
@@ -483,15 +482,15 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     scene = source.scene
     for name in ("damper", "design"):
         if getattr(scene, name) is None:
-            raise BadInput("the table is missing: design needs it", file=source.name, key=f"[{name}]")
+            raise source.wrong("the table is missing: design needs it", f"[{name}]")
     design = scene.design
     if design is None or scene.damper is None:
         raise ValueError("the scene has no [design]")
     if scene.damper.formulation == "printed":
         problem = "no design makes sense: the equations as printed do not conserve energy; expected 'consistent'"
-        raise BadInput(problem, file=source.name, key="[damper] formulation", value=scene.damper.formulation)
+        raise source.wrong(problem, "[damper] formulation", scene.damper.formulation)
     if design.place is not None and scene.plate is None:
-        raise BadInput("belongs to a plate", file=source.name, key="[design] place")
+        raise source.wrong("belongs to a plate", "[design] place")
     found = []
     for name, table_name in NAMES.items():
         given = getattr(design, table_name)

@@ -498,10 +498,6 @@ class Grid:
         return np.array([[each.impossible for each in row] for row in self.scored])
 
 
-FILES = r"design\.json|best\.toml"
-"""Names of what is written besides the page, as a regular expression."""
-
-
 def write(found: Designed, out: Path) -> None:
     """Write all of it into `out`, or nothing.
 

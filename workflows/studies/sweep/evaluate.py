@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from threading import Lock
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.model_choice import translated_errors
-from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint, Surface
+from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
 from workflows.studies.sweep.plan import SPEEDS, Plan, base, of_a_point, with_values
 
@@ -78,18 +78,15 @@ _KEPT = 4
 _CUT = 16
 """Cavities with which each of them is kept."""
 
-_Solved: TypeAlias = tuple[PlateSolution, Surface | None]
-"""A plate, and its surface where it is of a mesh file."""
-
 
 @dataclass(frozen=True, eq=False)
 class _Plate:
-    """A plate with its planform, its effects and what solves it; `solutions` by volume and depth of cavities in it."""
+    """A plate with its planform, its effects and what solves it; `solutions` with the cavities of the last dampers."""
 
     form: Planform | None
     effects: dict[str, Effect]
     solver: StructureSolver
-    solutions: OrderedDict[tuple[float, float], _Solved] = field(default_factory=OrderedDict)
+    solutions: deque[PlateSolution] = field(default_factory=lambda: deque(maxlen=_CUT))
 
 
 class PlateCache:
@@ -109,25 +106,16 @@ class PlateCache:
             return StructureSolver(source, Stages(visible=False)).at()
         plate = self._plate(source)
         effects = plate.effects | of_the_damper(source.scene, plate.form)
-        solution, surface = self._solution(source, plate, effects)
+        with self._lock:
+            known = tuple(plate.solutions)
+        solution = plate.solver.carrying(source, effects, known)
+        if solution not in known:
+            with self._lock:
+                plate.solutions.append(solution)
         with translated_errors(source):
             points = solution.with_ball(source, effects)
+        surface = None if source.mesh is None else solution.first_surface
         return StructureState(source, effects, points, solution, surface)
-
-    def _solution(self, source: SceneFile, plate: _Plate, effects: dict[str, Effect]) -> _Solved:
-        """The plate with the cavities of a scene, as far as it has them."""
-        damper = source.scene.damper
-        key = (0.0, 0.0) if damper is None or not effects["cavity_mass"].on else (damper.cut, damper.cavity[0])
-        with self._lock:
-            if key in plate.solutions:
-                return plate.solutions[key]
-        solution = plate.solver.carrying(source, effects).plate()
-        solved = solution, None if source.mesh is None else solution.surface(speeds=1)
-        with self._lock:
-            plate.solutions[key] = solved
-            while len(plate.solutions) > _CUT:
-                plate.solutions.popitem(last=False)
-        return solved
 
     def _plate(self, source: SceneFile) -> _Plate:
         key = plate_key(source.scene)
@@ -211,7 +199,7 @@ def empty(count: int) -> Rows:
 
 def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
-    point = replace(each.point, working=OwnFigures.of(measured(each.judged, known, **how)))
+    point = replace(each.point, working=OwnFigures.of(measured(each.judged, known, **how), each.point.tilt_share))
     _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank
@@ -286,7 +274,7 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     if point is None or point.reduced is None:
         raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, state.effects, point)
-    _fill(row, point)
+    _fill(row, limits.with_contact(scene, point))
     row["ball_mass"] = damper.ball_mass
     return DamperCase(number, state, point, damper, coupling.released_at(scene, point, damper))
 

@@ -108,7 +108,7 @@ def asked(
     """
     source = opened(scene)
     if source.scene.damper is None:
-        raise BadInput("the table is missing: sweep needs a damper", file=source.name, key="[damper]")
+        raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
     given = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
     if not given:

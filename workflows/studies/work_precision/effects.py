@@ -304,34 +304,34 @@ _SAID: dict[str, Any] = {
 """How words instead of a bar are set."""
 
 
+@plots.style()
 def draw(found: Switches) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
-    with plots.style():
-        figure, (left, right) = plots.canvas(0.9 + 0.34 * len(found.rows), 2)
-        rows, least = found.rows[::-1], _least(found)
-        for place, row in enumerate(rows):
-            colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
-            _change(left, place, row, colour, least)
-            _time(right, place, row, colour)
-        labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
-        left.set_yticks([place for place, _ in labels], [label for _, label in labels])
-        right.set_yticks(range(len(rows)), [_name(row) for row in rows])
-        for axes in (left, right):
-            axes.set_ylim(-0.6, len(rows) - 0.4)
-            axes.tick_params(axis="y", length=0.0)
-            axes.grid(visible=False, axis="y")
-        sizes = [abs(row.largest[1]) for row in rows if row.largest is not None]
-        left.set(
-            xscale="log",
-            xlim=(least, 10 * max(1.0, found.asked, *sizes)),
-            title="largest relative change of any quantity",
-            xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
-        )
-        left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
-        right.set(title="share of the run's time with it, %")
-        unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
-        whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
-        return plots.svg(figure, "effects", "What each effect changes and costs", whole)
+    figure, (left, right) = plots.canvas(0.9 + 0.34 * len(found.rows), 2)
+    rows, least = found.rows[::-1], _least(found)
+    for place, row in enumerate(rows):
+        colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
+        _change(left, place, row, colour, least)
+        _time(right, place, row, colour)
+    labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
+    left.set_yticks([place for place, _ in labels], [label for _, label in labels])
+    right.set_yticks(range(len(rows)), [_name(row) for row in rows])
+    for axes in (left, right):
+        axes.set_ylim(-0.6, len(rows) - 0.4)
+        axes.tick_params(axis="y", length=0.0)
+        axes.grid(visible=False, axis="y")
+    sizes = [abs(row.largest[1]) for row in rows if row.largest is not None]
+    left.set(
+        xscale="log",
+        xlim=(least, 10 * max(1.0, found.asked, *sizes)),
+        title="largest relative change of any quantity",
+        xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
+    )
+    left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    right.set(title="share of the run's time with it, %")
+    unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
+    whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
+    return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
 def _least(found: Switches) -> float:
@@ -429,10 +429,6 @@ def _flat(row: Switched) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
-
-
-FILES = r"effects\.(json|csv|svg)"
-"""Names of what is written besides the page."""
 
 
 def dumps(found: Switches) -> str:

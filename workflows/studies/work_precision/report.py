@@ -9,7 +9,6 @@ from workflows import formatting
 from workflows.io.files import as_json, as_table, write_study
 from workflows.report import plots
 from workflows.report.page import from_template
-from workflows.studies.work_precision.study import WITH_THEORY
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
 if TYPE_CHECKING:
@@ -19,24 +18,24 @@ _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
 
 
+@plots.style()
 def study_plot(found: ConvergenceStudy, name: str, asked: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
-    with plots.style():
-        figure, (axes,) = plots.canvas(3.4)
-        _work_precision(axes, found, asked)
-        plots.legend(figure, axes, ncols=1)
-        return plots.svg(figure, name, f"Time against error: {found.quantity}")
+    figure, (axes,) = plots.canvas(3.4)
+    _work_precision(axes, found, asked)
+    plots.legend(figure, axes, ncols=1)
+    return plots.svg(figure, name, f"Time against error: {found.quantity}")
 
 
+@plots.style()
 def overview(studies: list[ConvergenceStudy], asked: float | None) -> str:
     """Some studies side by side."""
-    with plots.style():
-        figure, panels = plots.canvas(4.0, len(studies))
-        for axes, found in zip(panels, studies, strict=True):
-            _work_precision(axes, found, asked)
-            axes.set_title(found.stage)
-            axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
-        return plots.svg(figure, "overview", "Time against error")
+    figure, panels = plots.canvas(4.0, len(studies))
+    for axes, found in zip(panels, studies, strict=True):
+        _work_precision(axes, found, asked)
+        axes.set_title(found.stage)
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
+    return plots.svg(figure, "overview", "Time against error")
 
 
 def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) -> None:
@@ -108,8 +107,7 @@ def text(found: WorkPrecision) -> str:
 def verdict(found: WorkPrecision) -> list[str]:
     """Who is cheapest for which error, in sentences, and what speaks against it."""
     return [
-        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(found, study))}"
-        f"{_theory_error(found, study)}."
+        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(found, study))}."
         for study in found.studies
         if len({row.method for row in study.rows}) > 1
     ]
@@ -168,26 +166,6 @@ def _doubt(study: ConvergenceStudy, asked: float) -> str:
     return f"; the reference, itself good to about {good} %, leaves this open"
 
 
-def _theory_error(found: WorkPrecision, study: ConvergenceStudy) -> str:
-    """What the winner's theory adds, which the study of each theory by itself does not see."""
-    asked = _asked(found, study)
-    best = _best(study, asked)
-    if study.stage != "plate" or best is None:
-        return ""
-    theirs = [other for other in found.studies if other.stage == WITH_THEORY]
-    rows = [row for other in theirs for row in other.rows if (row.method, row.setting) == (best.method, best.setting)]
-    if not rows or rows[0].error is None:
-        return "; how far its theory is from a solid is not known here"
-    error, trust = rows[0].error, rows[0].uncertainty or 0.0
-    off, good = (formatting.significant(100 * value, 2) for value in (error, trust))
-    if error - trust > asked:
-        return f"; but against a solid {best.method} errs by {off} %: its theory is not that good"
-    if error + trust > asked:
-        known = f"against a solid, itself known to about {good} %, {best.method} errs by {off} %"
-        return f"; {known}, which leaves open whether its theory is that good"
-    return ""
-
-
 def _numbers(row: Setting) -> str:
     unknowns = "–" if row.unknowns is None else str(row.unknowns)
     if row.failed is not None:
@@ -201,10 +179,6 @@ def _milliseconds(row: Setting) -> str:
 
 def _exponent(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
-
-
-FILES = r"accuracy\.(json|csv|svg)"
-"""Names of what is written besides the page."""
 
 
 def dumps(found: WorkPrecision) -> str:
