@@ -35,6 +35,13 @@ def test_rooms_import_downwards(imports, package):
             assert not up, f"{module} imports {up}, which is above it"
 
 
+def test_packages_import_in_one_direction(imports):
+    """`fem` and `damper` know of nothing else; `workflows` of both."""
+    for package, others in (("fem", {"damper", "workflows"}), ("damper", {"fem", "workflows"})):
+        for module in inside(imports, package):
+            assert not {name for name in imports.find_modules_directly_imported_by(module) if within(name, others)}
+
+
 def test_numbers_need_no_prose(imports):
     """Sentences are made at output: of studies by their reports, of a run by the command line and by Python's call."""
     makers = {name for name in inside(imports, "workflows.studies") if name.endswith(("report", ".comparison"))}

@@ -19,7 +19,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -46,12 +45,11 @@ def callers(folder: Path, name: str) -> set[str]:
     return found
 
 
-@dataclass(frozen=True)
 class Break:
     """What is made wrong: in each file, every one of some texts by others."""
 
-    name: str
-    changes: tuple[tuple[str, str, str], ...]
+    def __init__(self, name: str, *changes: tuple[str, str, str]) -> None:
+        self.name, self.changes = name, changes
 
     def apply(self, tree: Path) -> None:
         """Make it wrong in a tree, and drop what was compiled of it there and of all that calls it."""
@@ -74,132 +72,102 @@ class Break:
 
 
 BREAKS = (
-    Break("nothing", ()),
+    Break("nothing"),
     Break(
         "a weight of the quadrature is off by 1e-3",
         (
-            (
-                "damper/flight.py",
-                "    return 0.5 * (1.0 + points), 0.5 * weights",
-                "    weights[3] *= 1.001\n    return 0.5 * (1.0 + points), 0.5 * weights",
-            ),
+            "damper/flight.py",
+            "    return 0.5 * (1.0 + points), 0.5 * weights",
+            "    weights[3] *= 1.001\n    return 0.5 * (1.0 + points), 0.5 * weights",
         ),
     ),
     Break(
         "the guard of a wall hit has the wrong sign",
-        (("damper/events.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),),
+        ("damper/events.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),
     ),
-    Break(
-        "the guard of setting off has the wrong sign",
-        (("damper/events.py", "_drive(i, it, -d)", "_drive(i, it, d)"),),
-    ),
+    Break("the guard of setting off has the wrong sign", ("damper/events.py", "_drive(i, it, -d)", "_drive(i, it, d)")),
     Break(
         "a reversal leaves a stale series",
         (
-            (
-                "damper/engine.py",
-                "    expand(g, it, flow)\n    seek(g, it)",
-                "    if it.motion.kind[g] != 3:\n        expand(g, it, flow)\n    seek(g, it)",
-            ),
+            "damper/engine.py",
+            "    expand(g, it, flow)\n    seek(g, it)",
+            "    if it.motion.kind[g] != 3:\n        expand(g, it, flow)\n    seek(g, it)",
         ),
     ),
     Break(
-        "restitution has the wrong sign",
-        (("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, e * axis.w"),),
+        "restitution has the wrong sign", ("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, e * axis.w")
     ),
     Break(
         "restitution is a tenth too small",
-        (("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, -0.9 * e * axis.w"),),
+        ("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, -0.9 * e * axis.w"),
     ),
     Break(
         "the rolling ball has 1 % too much inertia",
-        (
-            (
-                "damper/model.py",
-                'np.where(rows["printed"], 5 / 2, 5 / 7)',
-                'np.where(rows["printed"], 5 / 2, 5 / 7.07)',
-            ),
-        ),
+        ("damper/model.py", 'np.where(rows["printed"], 5 / 2, 5 / 7)', 'np.where(rows["printed"], 5 / 2, 5 / 7.07)'),
     ),
     Break(
         "rolling friction has the wrong sign",
-        (("damper/flight.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),),
+        ("damper/flight.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),
     ),
     Break(
         "wall friction has the wrong sign",
-        (("damper/impacts.py", "w - math.copysign(change, w)", "w + math.copysign(change, w)"),),
+        ("damper/impacts.py", "w - math.copysign(change, w)", "w + math.copysign(change, w)"),
     ),
     Break(
         "the rolling threshold is 1 % too high",
         (
-            (
-                "damper/model.py",
-                'rows["rolling_friction"] / rows["ball_radius"]',
-                '1.01 * rows["rolling_friction"] / rows["ball_radius"]',
-            ),
+            "damper/model.py",
+            'rows["rolling_friction"] / rows["ball_radius"]',
+            '1.01 * rows["rolling_friction"] / rows["ball_radius"]',
         ),
     ),
     Break(
         "the floor does not tilt",
-        (("damper/equations.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),),
+        ("damper/equations.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),
     ),
     Break(
         "a step is taken 0.1 % too long",
         (
-            (
-                "damper/flight.py",
-                "time, squares, first = x * system.span[g]",
-                "time, squares, first = 1.001 * x * system.span[g]",
-            ),
+            "damper/flight.py",
+            "time, squares, first = x * system.span[g]",
+            "time, squares, first = 1.001 * x * system.span[g]",
         ),
     ),
     Break(
         "rolling is booked twice",
-        (("damper/flight.py", "books.rolling += ball.mass", "books.rolling += 2.0 * ball.mass"),),
+        ("damper/flight.py", "books.rolling += ball.mass", "books.rolling += 2.0 * ball.mass"),
     ),
     Break(
         "a hit of the second axis is not carried out",
-        (
-            (
-                "damper/impacts.py",
-                "impulse = hit(i, it)",
-                "impulse = hit(i, it) if i == 0 else 0.0",
-            ),
-        ),
+        ("damper/impacts.py", "impulse = hit(i, it)", "impulse = hit(i, it) if i == 0 else 0.0"),
     ),
     Break(
         "eigenvalues are 1 % too large",
         (
-            (
-                "fem/modes.py",
-                "    order = np.argsort(values)\n",
-                "    values = 1.01 * values\n    order = np.argsort(values)\n",
-            ),
-            (
-                "fem/sweep/reduced_basis.py",
-                "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5\n",
-                "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5 * 1.005\n",
-            ),
+            "fem/modes.py",
+            "    order = np.argsort(values)\n",
+            "    values = 1.01 * values\n    order = np.argsort(values)\n",
+        ),
+        (
+            "fem/sweep/reduced_basis.py",
+            "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5\n",
+            "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5 * 1.005\n",
         ),
     ),
     Break(
         "geometric stiffness is 1 % too large",
         (
-            (
-                "fem/assembly.py",
-                "return displacement, forms.geometric_stiffness(",
-                "return displacement, 1.01 * forms.geometric_stiffness(",
-            ),
+            "fem/assembly.py",
+            "return displacement, forms.geometric_stiffness(",
+            "return displacement, 1.01 * forms.geometric_stiffness(",
         ),
     ),
 )
 
 LAWLESS = Break(
     "no law",
-    (
-        ("damper/laws.py", "    holds = value <= bound\n", "    return\n    holds = value <= bound\n"),
-        ("fem/sweep/laws.py", "    if not holds.all():\n", "    if False:\n"),
-    ),
+    ("damper/laws.py", "    holds = value <= bound\n", "    return\n    holds = value <= bound\n"),
+    ("fem/sweep/laws.py", "    if not holds.all():\n", "    if False:\n"),
 )
 
 STRUCTURE = """

@@ -10,10 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from damper import Mode, ringdown
+from damper import Mode, ParticleDamper, RingDown, ringdown
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler
-from tests.damper import afloat
 from tests.damper.scenes import simple
 
 STILL = (1e-9, 1e-16, 1e-20, 1e-40, 0.0)
@@ -88,18 +87,60 @@ def test_a_short_roll_under_load(speed: float, excess: float) -> None:
     assert abs(run.energy.residual) <= 1e-14 * run.energy.initial
 
 
+CYCLES = 500
+BOOKS = 1e-10
+"""Largest share of the energy that the books may leave unexplained."""
+INSIDE = 1e-12
+"""Largest overlap of ball and wall, over the gap."""
+
+
+def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...]]:
+    """A damper at rest, of one mode along each axis or of several, and their amplitudes at release."""
+    rng = np.random.default_rng(seed)
+    modes = None
+    if rng.random() < 0.7:
+        along = [(1.0, 0.0), (rng.uniform(-1, 1), rng.choice([0.0, 1e-5, rng.uniform(-1, 1)])), (0.0, 1.0)]
+        shapes = [*along, *((rng.normal(), 0.0) for _ in range(rng.integers(0, 2)))]
+        modes = tuple(Mode(1.0, 10 ** rng.uniform(-0.2, 2.0), shape) for shape in shapes)
+    damper = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=(1.0, 10 ** rng.uniform(-0.3, 2)),
+        ball_mass=10 ** rng.uniform(-4, -0.5),
+        ball_radius=1.0,
+        cavity=tuple(2 + 2 * 10 ** rng.uniform(-2, 0.5, 2)),
+        centrifugal_acceleration=0.0,
+        restitution=rng.uniform(0.3, 0.99),
+        friction=rng.choice([0.0, rng.uniform(0.0, 0.6)]),
+        modes=modes,
+    )
+    return damper, (1.0, *rng.normal(size=len(modes or (0, 0)) - 1) * rng.choice([0.0, 0.1, 1.0]))
+
+
+def follow(damper: ParticleDamper, amplitudes: tuple[float, ...], cycles: float = CYCLES) -> RingDown:
+    if damper.modes is None:
+        return ringdown(damper, amplitudes, cycles, keep_events=True, max_events=100_000)
+    return ringdown(damper, (0.0, 0.0), cycles, amplitudes=amplitudes, keep_events=True, max_events=100_000)
+
+
+def fault(motion: RingDown) -> float:
+    """By how much the books or the walls are overstepped: 1 is as far as is allowed."""
+    missing = abs(motion.energy.residual) / motion.energy.initial / BOOKS
+    place = [np.abs(motion.rows["s"][motion.rows["axis"] == i]).max() for i in range(2)]
+    return max(missing, *((s / gap - 1.0) / INSIDE for s, gap in zip(place, motion.damper.half_gap, strict=True)))
+
+
 @needs_compiler
 def test_books_of_balls_afloat() -> None:
-    """A short form of `python -m tests.damper.afloat`."""
-    hits, bad = afloat.soak(40, seed=230)
-    assert hits > 100_000
-    assert bad == []
+    """Without a threshold a ball leaves its wall as soon as the structure draws it off, however briefly and slowly."""
+    motions = [follow(*scene(seed)) for seed in range(230, 270)]
+    assert sum(motion.impacts for motion in motions) > 100_000
+    assert [k for k, motion in enumerate(motions) if not fault(motion) <= 1.0] == []
 
 
 def test_what_is_amiss_is_noticed() -> None:
-    motion = afloat.follow(*afloat.scene(0), cycles=2)
+    motion = follow(*scene(0), cycles=2)
     books, rows = motion.energy, motion.rows.copy()
-    assert afloat.fault(motion) <= 1.0
-    assert afloat.fault(replace(motion, energy=replace(books, impact=books.impact + 2e-10 * books.initial))) > 1.0
+    assert fault(motion) <= 1.0
+    assert fault(replace(motion, energy=replace(books, impact=books.impact + 2e-10 * books.initial))) > 1.0
     rows["s"][rows["axis"] == 0] *= (1 + 1e-10) * motion.damper.half_gap[0] / np.abs(rows["s"][rows["axis"] == 0]).max()
-    assert afloat.fault(replace(motion, rows=rows)) > 1.0
+    assert fault(replace(motion, rows=rows)) > 1.0

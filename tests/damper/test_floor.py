@@ -434,17 +434,7 @@ def test_a_corner_under_coupled_modes() -> None:
 )
 def test_let_go_at_rest_under_coupled_modes() -> None:
     modes = (Mode(1.0, 1.0, (1.0, 0.6)), Mode(1.0, 3.0, (0.5, 1.0)))
-    damper = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(1.0, 1.0),
-        ball_mass=0.3,
-        ball_radius=1.0,
-        cavity=(4.0, 4.0),
-        centrifugal_acceleration=1.0,
-        restitution=0.6,
-        rolling_friction=0.01,
-        modes=modes,
-    )
+    damper = ParticleDamper(1.0, (1.0, 1.0), 0.3, 1.0, (4.0, 4.0), 1.0, 0.6, rolling_friction=0.01, modes=modes)
     for angle in np.linspace(0.0, 2 * math.pi, 361):
         run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(math.cos(angle), math.sin(angle)), keep_events=True)
         assert abs(run.energy.residual) <= 1e-13 * run.energy.initial

@@ -1,12 +1,8 @@
-"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration.
-
-More scenes than pytest runs:  python -m tests.damper.test_linear [how many]
-"""
+"""Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration."""
 
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -117,16 +113,7 @@ def test_a_constant_force_on_the_ball(of_the_load: bool) -> None:
     load, slope, half, e = 2.2e5, 1e-4, 0.049, 0.5
     along = [Mode(mass=1e9, stiffness=1e11, shape=shape) for shape in ((1.0, 0.0), (0.0, 1.0))]
     leans = Mode(mass=1e12, stiffness=1e-12, shape=(0.0, 0.0), slope=(slope, 0.0))
-    damper = ParticleDamper(
-        modal_mass=1e9,
-        stiffness=(1e11, 1e11),
-        ball_mass=1e-3,
-        ball_radius=1e-3,
-        cavity=(2 * half + 2e-3, 0.1),
-        centrifugal_acceleration=load,
-        restitution=e,
-        modes=(*along, leans),
-    )
+    damper = ParticleDamper(1e9, (1e11, 1e11), 1e-3, 1e-3, (2 * half + 2e-3, 0.1), load, e, modes=(*along, leans))
     run = ringdown(damper, (0.0, 0.0), 0.5, amplitudes=(0.0, 0.0, 1.0), keep_events=True)
     if of_the_load:
         damper = replace(damper, modes=None, lateral_acceleration=(-load * slope, 0.0))
@@ -145,8 +132,3 @@ def test_a_force_slower_than_the_run_has_no_peaks_yet() -> None:
     for share, peaks in ((0.45, 0), (0.55, 1)):
         force = Harmonic(frequency=share * damper.stuck_frequency / 10, force=(1.0, 0.0))
         assert len(ringdown(damper, (0.0, 0.0), 10, harmonic=force).peak_times) == peaks
-
-
-if __name__ == "__main__":
-    for number in range(int(sys.argv[1]) if len(sys.argv) > 1 else 200):
-        test_against_the_reference(number)

@@ -183,16 +183,6 @@ def test_displacement_at_the_vertices(theory):
     assert np.abs(moved[:, :2]).max() < 1e-6 * tip.max()
 
 
-def test_everything_offered_is_there():
-    assert sorted(fem.__all__) == dir(fem)
-    for name in fem.__all__:
-        thing = getattr(fem, name)
-        assert thing.__name__ == name
-        assert thing.__doc__
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
-        fem.nonsense  # noqa: B018
-
-
 def test_revolutions_per_minute():
     """One turn a second is 60 of them, of numbers and of arrays."""
     assert in_rpm(2 * np.pi) == pytest.approx(60.0, rel=1e-15)

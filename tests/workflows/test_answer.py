@@ -73,8 +73,7 @@ def test_a_release_that_does_not_set_the_ball_rolling() -> None:
     assert any(note.startswith(said) for note in found.notes)
 
 
-@pytest.mark.parametrize("zeta", ["0", "3e-4", "5e-3"])
-@pytest.mark.parametrize("release", ["20", "10", "5", "1", "0.1"])
+@pytest.mark.parametrize(("zeta", "release"), [("0", "20"), ("5e-3", "20"), ("0", "5"), ("3e-4", "1"), ("5e-3", "0.1")])
 def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: str) -> None:
     """What the ring-downs lose to the ball from these releases is held against the figures in tests/damper."""
     plain = results()
@@ -163,13 +162,19 @@ def sets_off(scene: Scene, limit: float) -> bool:
     return moves(point)
 
 
+@cache
+def twelve() -> Results:
+    """Twelve steel balls in the thick plate."""
+    return workflows.run(thick(8000, 10000, damper__count=12))
+
+
 @pytest.mark.parametrize("key", ["rolling_friction", "radius", "omega", "amplitude"])
 def test_what_would_move_a_locked_ball_does(key: str) -> None:
     """One percent beyond each limit that the answer names, the motion itself sets off; one percent short it does not.
 
     Twelve steel balls, whose mass grows eightfold to the radius that moves them: the frequency falls with it.
     """
-    found = workflows.run(thick(8000, 10000, damper__count=12))
+    found = twelve()
     limit, point = limits.endured(found), found.speeds[1]
     assert limit is not None
     assert (point.verdict.grade, point.verdict.reason) == ("locked", "out_of_reach")

@@ -132,13 +132,9 @@ def test_check_says_what_the_balls_weigh(spindamp: Command, paper: Scene, tmp_pa
 
 WRONG = [
     ({"material__name": "steel"}, "[material] youngs_modulus", "already given by name = 'steel': leave one out"),
-    (NUMBERS | {"material__name": "stel"}, "[material] name", "did you mean 'steel'?"),
-    (NUMBERS | {"material__name": "unobtainium"}, "[material] name", "expected one of steel, stainless steel, alum"),
     (NUMBERS | {"material__name": "lead"}, "[material] name", "expected one of steel"),
     (NUMBERS, "[material] youngs_modulus", "missing (or give the material's name: steel, "),
     ({"material__density": None}, "[material] density", "missing (or give the material's name"),
-    ({"damper__ball_material": "steel"}, "[damper] mass_ratio", "leave one out"),
-    ({"damper__mass_ratio": None, "damper__ball_material": "Lead"}, "[damper] ball_material", "did you mean 'lead'?"),
     (
         {"damper__mass_ratio": None, "damper__ball_material": "lead", "damper__ball_density": 11300},
         "[damper] ball_density",

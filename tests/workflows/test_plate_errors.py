@@ -22,9 +22,15 @@ def quick(paper: Scene, tmp_path: Path) -> Path:
     return write(changed(paper, **soon), tmp_path / "scene.toml")
 
 
-@pytest.mark.parametrize("place", ["choose_mesh", "campbell", "Reduction"])
 @pytest.mark.parametrize(
-    "error", [ValueError, RuntimeError, FloatingPointError, ArithmeticError, np.linalg.LinAlgError]
+    ("place", "error"),
+    [
+        ("choose_mesh", ValueError),
+        ("choose_mesh", FloatingPointError),
+        ("campbell", RuntimeError),
+        ("campbell", np.linalg.LinAlgError),
+        ("Reduction", ArithmeticError),
+    ],
 )
 def test_defects_are_defects(
     place: str, error: type[Exception], quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch

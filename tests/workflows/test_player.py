@@ -14,6 +14,7 @@ import pytest
 import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
+from tests.damper.scenes import paper
 from tests.workflows.browser import driven, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.io import files
@@ -39,19 +40,7 @@ def path(results: Results) -> BallPath:
 
 
 def a_damper(**changes: Any) -> ParticleDamper:
-    given: dict[str, Any] = {
-        "modal_mass": 1.0,
-        "stiffness": (4e6, 4e6),
-        "ball_mass": 0.01,
-        "ball_radius": 1e-3,
-        "cavity": (4e-3, 3e-3),
-        "centrifugal_acceleration": 1e3,
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": 1e-4,
-        "damping_ratio": 0.01,
-    }
-    return ParticleDamper(**given | changes)
+    return paper(100, mass_ratio=0.01, stiffness=(4e6, 4e6), cavity=(4e-3, 3e-3), damping_ratio=0.01, **changes)
 
 
 def hits(path: BallPath) -> np.ndarray:

@@ -147,7 +147,7 @@ def test_an_interpolation_whose_error_is_not_known(known):
 @pytest.mark.usefixtures("undrawn")
 def test_files(known, written):
     names = {path.name for path in written.iterdir()}
-    assert {"response.json", "response.nc", "report.html", "campbell.svg", "response_damping_ratio.csv"} <= names
+    assert {"response.json", "response.nc", "report.html", "response_damping_ratio.csv"} <= names
     with xr.open_dataset(written / "response.nc", engine="h5netcdf") as data:
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
@@ -160,13 +160,8 @@ def test_files(known, written):
     assert len(rows) == 60 * 3 * 3
     assert {row["regime"] for row in rows} <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
-    assert text.count("<figure>") == 5
+    assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
     report.write(known, written)  # into its own folder again
-
-
-def test_same_bits(known):
-    again = respond(read(STRUCTURE))
-    assert report.dataset(known).identical(report.dataset(again))
 
 
 @pytest.mark.usefixtures("few_speeds")
@@ -180,30 +175,11 @@ def test_a_moving_base():
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ('force = ["20 N", "2 N"]', "", "expected one of force, pressure and base"),
-        ('force = ["20 N", "2 N"]', 'force = "1 N"\nbase = "1 g"', "leave one out"),
-        ('force = ["20 N", "2 N"]', 'force = ["1 N", "1 N"]', "every level once"),
-        ('force = ["20 N", "2 N"]', 'force = "0 N"', "more than 0"),
-        ('force = ["20 N", "2 N"]', 'force = "1 Pa"', "a force such as '10 N'"),
-        ('force = ["20 N", "2 N"]', 'pressure = "1 Pa"', "belongs to a plate"),
-        ("orders = [3]", "orders = [2.5]", "whole numbers"),
-        ("orders = [3]", "orders = []", "whole numbers"),
-        ("orders = [3]", "orders = [3, 3]", "every order once"),
-        ("orders = [3]", "order = [3]", "did you mean 'orders'"),
-    ],
-)
-def test_bad_excitations(old, new, says):
-    with pytest.raises(BadInput, match=says):
-        read(changed(old, new))
-
-
-@pytest.mark.parametrize(
     ("text", "says"),
     [
         (STRUCTURE[: STRUCTURE.index("[excitation]")], r"\[excitation\].*orders"),
         (changed('speeds = ["3000 rpm", "5000 rpm"]', 'speeds = ["3000 rpm"]'), "two speeds at least"),
+        (changed('force = ["20 N", "2 N"]', 'pressure = "1 Pa"'), "belongs to a plate"),
         (changed("damping_ratio = 0.01", 'damping_ratio = 0.01\nformulation = "printed"'), "know no force"),
     ],
 )
@@ -436,7 +412,7 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps():
     assert first.endswith("Not useful at 20 N: such levels overstress the root.")
     assert nowhere.startswith("Engine order 50 meets no mode between 1200 and 2600 rpm; it would meet the first near")
     assert f"{best.force:g} N is added" in added
-    (short,) = spindamp.run(blade("20 N")).reductions
+    (short,) = found.results.reductions
     assert short.ratio == pytest.approx(best.ratio, abs=0.03)
     assert best.ratio < 0.6
 

@@ -259,7 +259,7 @@ def test_the_data_set_is_read_back(undisturbed, asked, tmp_path):
 
 
 def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
-    """A real scheduler and a worker, in threads of this process; processes that die are a trial of their own."""
+    """A real scheduler and a worker, in threads of this process."""
     distributed = pytest.importorskip("distributed")
     how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
     with distributed.LocalCluster(**how) as cluster:

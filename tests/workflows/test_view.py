@@ -135,16 +135,6 @@ def test_speeds_and_modes_that_a_folder_has_not(finished: Path, spindamp: Comman
     refused(spindamp("view", finished, option, value), "", f"{option} = {value}")
 
 
-@pytest.mark.parametrize(("name", "broken"), [("results.json", b"{"), ("results.nc", b"\x89HDF")])
-def test_damaged_results_are_named(finished: Path, spindamp: Command, tmp_path: Path, name: str, broken: bytes) -> None:
-    folder = tmp_path / "copy"
-    folder.mkdir()
-    for each in ("results.json", "results.nc"):
-        (folder / each).write_bytes((finished / each).read_bytes())
-    (folder / name).write_bytes(broken)
-    refused(spindamp("view", folder), "", f"{folder}: {name} is damaged")
-
-
 @pytest.mark.usefixtures("undrawn")
 def test_results_without_a_plate(spindamp: Command) -> None:
     assert spindamp("run", "structure", "--out", "out").status == 0

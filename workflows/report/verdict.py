@@ -85,6 +85,8 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
         return None
     point, figures = lost[0]
     beyond = remarks.beyond(by_deflection=limits.deflection_governs(results))
+    if what_to_do(results, points) is not None:  # which names both amplitudes
+        return f"More than {millimetres(limit)} mm would {beyond}."
     return (
         f"{capital(at_load(point))} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
         f" {millimetres(limit)} mm would {beyond}: there the damper is out of reach."
@@ -211,6 +213,9 @@ _STEPS_AT_MOST = 3
 _WORDS = ("locked", "not useful", "of little use", "useful")
 """By rank."""
 
+_WORKS = 2
+"""Rank from which on the damper's best comes before what would move the ball where it is locked."""
+
 
 _LEAD = 3
 """Sentences between the verdict and the first table or picture."""
@@ -265,14 +270,16 @@ def _alone(results: Results) -> Answer:
     if refused is None and all(_rank(p) == 0 for p in judged):
         verdict, sentences = _why_not(results, speaking)
         return Answer(_with_limits(results, loaded, verdict), sentences)
+    way_out, works = what_to_do(results, speaking), max(map(_rank, speaking)) >= _WORKS
     parts = (
         None if dense is None else dense[1],
-        what_to_do(results, speaking),
+        None if works else way_out,
         _fed(points),
         *_how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
         *between(results, speaking),
         *way_down(results, speaking),
         remarks.unknown_floor(results),
+        way_out if works else None,
         reach_of(results, speaking),
         tilt(results, speaking),
         _beside_the_paper(results),

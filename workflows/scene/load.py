@@ -246,23 +246,23 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
 def _with_its_mesh(found: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
     mesh, table = (found.mesh, "plate") if found.blade_mesh is None else (found.blade_mesh, "blade")
-    problem = "" if mesh is None else _mesh_problem(mesh)
+    problem = "" if mesh is None else file_problem(mesh, "mesh file")
     if problem:
         value = getattr(getattr(found.scene, table), "mesh", None)
         raise BadInput(problem, file=found.name, key=f"[{table}] mesh", value=value)
     return found
 
 
-def _mesh_problem(mesh: Path) -> str:
-    """What keeps a mesh file from being read, before anything is read; empty if nothing does."""
+def file_problem(path: Path, what: str) -> str:
+    """What keeps a file that a scene names from being read, before anything is read; empty if nothing does."""
     try:
-        found = unfit(mesh)
+        found = unfit(path)
         if found:
-            return f"expected a mesh file, found {found}"
-        with mesh.open("rb") as file:
-            return "" if file.read(1) else "the mesh file is empty"
+            return f"expected a {what}, found {found}"
+        with path.open("rb") as file:
+            return "" if file.read(1) else "the file is empty"
     except FileNotFoundError:
-        return "a link to a file that is not there" if mesh.is_symlink() else "no such file beside the scene"
+        return "a link to a file that is not there" if path.is_symlink() else "no such file beside the scene"
     except (OSError, ValueError) as error:
         return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 

@@ -16,7 +16,7 @@ from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
 from workflows.formatting import percent, significant
 from workflows.scene.damper import Damper
-from workflows.scene.load import SceneFile
+from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
 from workflows.solve.coupling import modes_of, reduced_of
@@ -419,18 +419,10 @@ def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
     Raises:
         BadInput: it is none.
     """
-    from workflows.scene.load import unfit
-
-    path, key = source.folder / name, "[structure] modes"
-    try:
-        if problem := unfit(path):
-            raise source.wrong(f"expected a file of modes, found {problem}", key, name)
-        found = path.stat()
-    except FileNotFoundError:
-        raise source.wrong("no such file beside the scene", key, name) from None
-    except (OSError, ValueError) as error:
-        problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise source.wrong(problem, key, name) from error
+    path = source.folder / name
+    if problem := file_problem(path, "file of modes"):
+        raise source.wrong(problem, "[structure] modes", name)
+    found = path.stat()
     return found.st_mtime_ns, found.st_size
 
 

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from pydantic_core import to_json
 
 import damper
@@ -31,10 +30,8 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
 from workflows.solve.damper import particle_damper, simulate
-from workflows.solve.results import Figures, SpeedPoint
+from workflows.solve.results import Figures, Floats, SpeedPoint
 from workflows.versions import versions
-
-Floats = npt.NDArray[np.float64]
 
 FORMULATIONS = ("printed", "consistent")
 SHOWN = 3

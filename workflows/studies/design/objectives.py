@@ -23,10 +23,10 @@ from workflows.scene.scene import FLAT, Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import SpeedPoint
+from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Floats, Obstacle, Scored, Space
+from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
 from workflows.studies.sweep.plan import Axis, Spread, find, size

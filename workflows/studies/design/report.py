@@ -20,11 +20,12 @@ from workflows.report import plots, remarks
 from workflows.report.page import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
+from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
-from workflows.studies.design.space import NAMES, Floats, Found, Scored, Space
+from workflows.studies.design.space import NAMES, Found, Scored, Space
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from workflows.formatting import significant
 from workflows.scene import plate_mesh
@@ -16,11 +15,9 @@ from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import limits
-from workflows.solve.results import SpeedPoint
+from workflows.solve.results import Floats, SpeedPoint
 from workflows.studies.sweep.evaluate import DamperCase
 from workflows.studies.sweep.plan import SPEEDS, Axis, Sample, Value, drawn, find
-
-Floats = npt.NDArray[np.float64]
 
 BEYOND, NONE = 100.0, 200.0
 """What a design loses that exceeds a limit, and one that makes no sense."""

@@ -21,10 +21,11 @@ from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
+from workflows.solve.results import Floats
 from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
-from workflows.studies.design.space import Floats, Found, Scored, Space
+from workflows.studies.design.space import Found, Scored, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache

@@ -272,7 +272,7 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     """
     scene, point = state.source.scene, state.by_speed.get(omega)
     if point is None or point.reduced is None:
-        raise BadInput("the plate diverges at this speed", key="[rotor] speeds")
+        raise BadInput("the structure diverges at this speed", key="[rotor] speeds")
     damper = damper_stage.particle_damper(scene, state.effects, point)
     _fill(row, limits.with_contact(scene, point))
     row["ball_mass"] = damper.ball_mass

@@ -85,10 +85,15 @@ class Key:
         """Whether it takes whole numbers."""
         return _schema(".".join((*self.table, self.field))).get("type") == "integer"
 
+    @property
+    def _alike(self) -> list[str]:
+        """Keys of its table of which one takes the place of the others, it among them; none where there are none."""
+        groups = [names for table, names in _INSTEAD if self.table == (table,) and self.field in names]
+        return list(dict.fromkeys(name for names in groups for name in names))
+
     def instead_of(self) -> set[str]:
         """Names of the keys that say the same, so that only one of them can be varied."""
-        groups = [names for table, names in _INSTEAD if self.table == (table,) and self.field in names]
-        found = {f"{self.table[0]}.{other}" for names in groups for other in names}
+        found = {f"{self.table[0]}.{other}" for other in self._alike}
         pair = {"clearance": "cavity", "cavity": "clearance"}.get(self.field)
         for key in [self.field, *([pair] if pair else [])]:
             path = ".".join((*self.table, key))
@@ -98,23 +103,20 @@ class Key:
 
     def displaced(self, scene: Scene) -> str | None:
         """Name of the key of a scene that it takes the place of; a material's numbers are changed one by one."""
-        for table, names in _INSTEAD:
-            given = getattr(scene, table)
-            if self.table == (table,) and self.field in names and table != "material" and given is not None:
-                there = [name for name in names if getattr(given, name) is not None]
-                return f"{table}.{there[-1]}" if self.field not in there else None
-        return None
+        given = getattr(scene, self.table[0])
+        if given is None or self.table[0] == "material":
+            return None
+        there = [name for name in self._alike if getattr(given, name) is not None]
+        return f"{self.table[0]}.{there[-1]}" if there and self.field not in there else None
 
     def put(self, data: Data, value: Value) -> None:
         """Set it in a scene's plain data; what it takes the place of goes."""
         place = data
         for name in self.table:
             place = place.setdefault(name, {})
-        for table, names in _INSTEAD:
-            if self.table == (table,) and self.field in names:
-                for other in names:
-                    if other != self.field:
-                        place.pop(other, None)
+        for other in self._alike:
+            if other != self.field:
+                place.pop(other, None)
         if self.name.startswith(CLEARANCE):
             sides = range(_ELEMENTS) if self.element is None else [self.element]
             for side in sides:

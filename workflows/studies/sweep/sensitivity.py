@@ -11,11 +11,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from workflows.errors import BadInput
 from workflows.io.files import finite
 from workflows.scene.scene import Scene
+from workflows.solve.results import Floats
 from workflows.studies.sweep import store
 from workflows.studies.sweep.evaluate import HEADLINE
 from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Sample, Spread, find, read, sample
@@ -23,7 +23,6 @@ from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Sample, Spread, f
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = npt.NDArray[np.float64]
 
 BASE = 128
 """Base points, unless it is said; the study has as many times the parameters and two."""
