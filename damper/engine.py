@@ -14,7 +14,7 @@ import numpy as np
 
 from damper.compiled import kernel
 from damper.events import account, seek, strongest_drive
-from damper.flight import expand, increment, places, spend, spin_after, travel
+from damper.flight import derivatives, expand, spend, spin_after, travel
 from damper.impacts import let_go, read, resolve
 from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
 
@@ -127,32 +127,35 @@ def _twice_the_energy(it: Record, time: float) -> float:
         x = (time - it.motion.start[g]) / span
         for m in range(low, system.high[g]):
             if system.inertia[m] > 0.0:
-                gain, rate = increment(c[m - low], x)
+                gain, rate, _, _ = derivatives(c[m - low], x)
                 q = c[m - low, 0] + gain
                 twice += system.spring[m, m] * q * q + system.mass[m, m] * (rate / span) ** 2
                 for n in range(low, m):
                     if system.inertia[n] > 0.0:
-                        twice += 2.0 * system.mass[m, n] * rate * increment(c[n - low], x)[1] / (span * span)
+                        twice += 2.0 * system.mass[m, n] * rate * derivatives(c[n - low], x)[1] / (span * span)
     return twice
 
 
 @kernel
 def _speed(it: Record, time: float) -> tuple[float, float]:
-    """Square of the cavity's speed at a time, and half its rate."""
-    system, square, rate = it.system, 0.0, 0.0
+    """Square of the cavity's speed at a time, and half its rate.
+
+    What does not change at an event of the other group is seen once, at its end.
+    """
+    system, motion, square, rate = it.system, it.motion, 0.0, 0.0
     for g in range(system.groups):
-        span = system.span[g]
-        x = (time - it.motion.start[g]) / span
+        inverse = 1.0 / system.span[g]
+        x = (time - motion.start[g]) * inverse
         for i in range(system.first[g], system.last[g]):
-            c = it.motion.series[g, system.cavity[i]]
+            c, seen = motion.series[g, system.cavity[i]], motion.seen[i]
             if x == 0.0:
-                v, acceleration = c[1] / span, 2.0 * c[2] / (span * span)
-            else:
-                inverse = 1.0 / (x * span)
-                _, v, acceleration = places(c, x)
-                v, acceleration = v * inverse, acceleration * inverse * inverse
+                seen[1], seen[2] = c[1], c[2]
+            elif seen[0] != time:
+                _, seen[1], seen[2], _ = derivatives(c, x)
+            seen[0] = time
+            v = seen[1] * inverse
             square += v * v
-            rate += v * acceleration
+            rate += v * (seen[2] * inverse * inverse)
     return square, rate
 
 
@@ -336,11 +339,10 @@ def fly(g: int, x: float, it: Record) -> None:
     """Bring a group x steps on from its start: its state there, and the work done on the way."""
     system, motion, axes = it.system, it.motion, it.axes
     span = system.span[g]
-    for i in range(system.first[g], system.last[g]):
-        if axes[i].regime == ROLLING:
-            account(motion.series[g, system.lane[i]], x, span, axes[i], it.ball)
     travel(g, x, it)
     for i in range(system.first[g], system.last[g]):
+        if axes[i].regime == ROLLING:
+            account(motion.series[g, system.lane[i]], x, motion.bend[system.place[i]], span, axes[i], it.ball)
         read(i, it)
         spend(axes[i], motion.gain[system.place[i]], x * span, it.ball, it.books)
 
@@ -412,11 +414,11 @@ def _place(i: int, x: float, it: Record, out: Floats) -> None:
     system, g = it.system, it.system.group[i]
     c, span = it.motion.series[g], system.span[g]
     cavity = c[system.cavity[i]]
-    gain, rate = increment(cavity, x)
+    gain, rate, _, _ = derivatives(cavity, x)
     out[0], out[1] = cavity[0] + gain, rate / span
     out[2], out[3] = it.motion.z[system.place[i]], 0.0
     if it.axes[i].regime != STUCK:
-        gain, rate = increment(c[system.lane[i]], x)
+        gain, rate, _, _ = derivatives(c[system.lane[i]], x)
         out[2], out[3] = out[2] + gain, rate / span
 
 

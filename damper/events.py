@@ -19,21 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import fused, kernel
-from damper.flight import (
-    ALL,
-    FOURTH,
-    NTH,
-    REST,
-    SECOND,
-    THIRD,
-    gather,
-    increment,
-    places,
-    rates,
-    regimes,
-    sizes,
-    third,
-)
+from damper.flight import derivatives, gather, regimes, sizes
 from damper.state import GRIP, HIT, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
 if TYPE_CHECKING:
@@ -56,9 +42,9 @@ _ROUNDING = 4.5e-16
 """Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
 
 
-@fused
+@kernel
 def first_zero(guard: Floats, end: float) -> float:
-    """First x in [0, end] at which the guard with these coefficients reaches zero, inf if it stays above.
+    """First x in [0, end] at which the guard, a series, reaches zero, inf if it stays above.
 
     A guard that begins at zero has just been there and counts from its second zero on, if it rises: it is divided by
     x, in place. Below zero, or about to be, it is at zero now.
@@ -71,31 +57,41 @@ def first_zero(guard: Floats, end: float) -> float:
     if guard[first] < 0.0:
         return 0.0
     if first > 0:
+        share = 1.0
+        for k in range(first):
+            share /= k + 1.0
         for k in range(TERMS):
-            guard[k] = guard[k + first] if k + first < TERMS else 0.0
-    x, certain = certain_zero(guard, end, _root(guard[0], guard[1], 2.0 * guard[2]))
-    return x if certain else _searched(guard, end)
-
-
-@fused
-def certain_zero(guard: Floats, end: float, guess: float) -> tuple[float, bool]:
-    """The same of a guard that begins above zero, near a guess, and whether a bound proves it."""
+            guard[k] = share * guard[k + first] if k + first < TERMS else 0.0
+            share *= (k + 1.0) / (k + first + 1.0)
+    f, f1, f2 = guard[0], guard[1], guard[2]
+    guess = _root(f, f1, f2)
     if guess < FAR * end:
-        x, last, slope, bend = polished(guard, 1.0, -guard[0], guess)
-        if not x > 0.0:
-            return x, False
-        if x <= end:  # over y = x - last the guard is at least y (-slope + bend y / 2 - bound y² / 6), least at an end
-            return x, slope < 0.0 and slope - 0.5 * bend + sizes(guard, THIRD, last) / 6.0 < _SURE * slope
-    return np.inf, stays(guard, end)
+        x, last, slope, bend, _ = polished(guard, 0, -f, guess)
+        if 0.0 < x <= end and falls(guard, 0, last, slope, bend):
+            return x
+        if not x > end:
+            return _searched(guard, end)
+    rest = sizes(guard, 0, 3, end)
+    return np.inf if stays(f, end * f1, 0.5 * end * end * f2, rest) else _searched(guard, end)
 
 
 @fused
-def stays(guard: Floats, x: float) -> bool:
-    """Whether a guard that begins above zero is proved to stay there up to x.
+def falls(c: Floats, order: int, last: float, slope: float, bend: float) -> bool:
+    """Whether a guard, a derivative of a series, is proved to have its first zero where it was found to have one.
 
-    It is at least c0 + c1 y + c2 y² - rest y³ at y x, y from 0 to 1: positive where that is at its ends and in a dip.
+    At x = last - y, from the last place before it on, the guard is at least y (-slope + bend y / 2 - bound y² / 6),
+    with the bound of its third derivative: least at an end.
     """
-    c0, c1, c2, rest = guard[0], x * guard[1], x * x * guard[2], sizes(guard, REST, x)
+    bound = sizes(c, order + 3, 0, last)
+    return bool(slope < 0.0 and slope + last * (bound * last / 6.0 - 0.5 * bend) < _SURE * slope)
+
+
+@fused
+def stays(c0: float, c1: float, c2: float, rest: float) -> bool:
+    """Whether a guard that begins above zero is proved to stay there, up to where its terms have these sizes.
+
+    It is at least c0 + c1 y + c2 y² - rest y³, y from 0 to 1: positive where that is at its ends and in a dip.
+    """
     if c0 + c1 + c2 <= rest:
         return False
     if c1 >= 0.0 or c2 <= 0.0:
@@ -106,29 +102,33 @@ def stays(guard: Floats, x: float) -> bool:
 
 
 @fused
-def polished(c: Floats, d: float, level: float, x: float) -> tuple[float, float, float, float]:
-    """Where d times the gain of a series reaches a level, by Halley's method from x; nan where that does not converge.
+def polished(c: Floats, order: int, level: float, x: float) -> tuple[float, float, float, float, float]:
+    """Where a series gains so much (order 0) or its slope has a zero (1), by Halley's method from x; nan: nowhere near.
 
-    Also the place before its last step, and there, times d, the slope times x and the second derivative times x².
+    Also the place before the last step, and there the first two derivatives of what has that zero, and the gain.
     """
     for _ in range(6):
-        gain, slope, bend = places(c, x)
-        inverse = 1.0 / slope
-        step = (d * level - gain) * inverse
-        curve = 0.5 * step * bend * inverse
-        if not (abs(curve) < 0.25 and abs(step) < 0.5):
+        if not x > 0.0:
             break
-        last, x = x, x + x * step * (1.0 - curve * (1.0 - curve))
-        if abs(step) * (curve * curve + step * step) <= 1e-17:
-            return x, last, d * slope, d * bend
-    return np.nan, x, 0.0, 0.0
+        near = 1.0 / x
+        gain, f1, f2, f3 = derivatives(c, x)
+        miss, slope, bend = (level - gain, f1, f2) if order == 0 else (-f1, f2, f3)
+        inverse = 1.0 / slope
+        step = miss * inverse
+        curve, share = 0.5 * step * bend * inverse, step * near
+        if not (abs(curve) < 0.25 and abs(share) < 0.5):
+            break
+        last, x = x, x + step * (1.0 - curve * (1.0 - curve))
+        if abs(share) * (curve * curve + share * share) <= 1e-17:
+            return x, last, slope, bend, gain
+    return np.nan, x, 0.0, 0.0, 0.0
 
 
 @kernel
 def _searched(guard: Floats, end: float) -> float:
     """First zero of a guard that begins above zero, by steps that no zero can lie in."""
-    bound, noise = sizes(guard, THIRD, 1.0), _ROUNDING * sizes(guard, ALL, 1.0)
-    x, f, f1, f2 = 0.0, guard[0], guard[1], 2.0 * guard[2]
+    bound, noise = sizes(guard, 3, 0, 1.0), _ROUNDING * sizes(guard, 0, 0, 1.0)
+    x, f, f1, f2 = 0.0, guard[0], guard[1], guard[2]
     for _ in range(_STEPS):
         left = end - x
         if _safe(f, f1, f2, bound, left) > left:
@@ -143,7 +143,8 @@ def _searched(guard: Floats, end: float) -> float:
             x += h
             if bound * h * h * h <= 6e-17 * abs(f1 + f2 * h) * x:
                 return x
-        f, (f1, f2) = guard[0] + increment(guard, x)[0], rates(guard, x)
+        gain, f1, f2, _ = derivatives(guard, x)
+        f = guard[0] + gain
         if f <= noise:
             return x
     return x
@@ -278,19 +279,18 @@ def seek(g: int, it: Record) -> None:
     """Write into a group when its next event happens, at the latest the end of its step, and what it is."""
     system, motion, axes = it.system, it.motion, it.axes
     end, event, axis = 1.0, NOTHING, system.first[g]
-    motion.settled[g] = settled(g, it)
-    if motion.settled[g] == 0:
-        for i in range(system.first[g], system.last[g]):
-            if axes[i].regime == ROLLING:
-                x, kind = _end_of_roll(motion.series[g, system.lane[i]], motion.guard, axes[i], end)
-            elif axes[i].regime != STUCK:
-                x, kind = _end_of_slip(i, it, end)
-            elif axes[i].spin == 0.0:
-                x, kind = _set_off(i, it, end), START
-            else:
-                x, kind = _end_of_pressing(i, it, end)
-            if x < end or (x == end and event == NOTHING):
-                end, event, axis = x, kind, i
+    for i in range(system.first[g], system.last[g]):
+        if axes[i].regime == ROLLING:
+            x, kind = _end_of_roll(motion.series[g, system.lane[i]], motion.guard, axes[i], end)
+        elif axes[i].regime != STUCK:
+            x, kind = _end_of_slip(i, it, end)
+        elif axes[i].spin == 0.0:
+            x, kind = _set_off(i, it, end), START
+        else:
+            x, kind = _end_of_pressing(i, it, end)
+        if x < end or (x == end and event == NOTHING):
+            end, event, axis = x, kind, i
+    motion.settled[g] = event == NOTHING and settled(g, it)
     motion.at[g], motion.kind[g], motion.axis[g] = end, event, axis
     motion.next[g] = motion.start[g] + end * system.span[g]
 
@@ -300,24 +300,36 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
     """Hit of the wall ahead, or a zero of the relative velocity before it.
 
     As long as the velocity is positive the ball nears the wall: that it stays positive up to a root proves that neither
-    a hit nor a reversal comes before. Nearly every flight ends by Halley's method and that bound.
+    a hit nor a reversal comes before. Nearly every flight ends by Halley's method and that bound, of the velocity, or
+    of the velocity over x where it begins at zero.
     """
-    d = axis.direction
-    gap, begins = axis.half_gap - d * s[0], s[1] == 0.0
-    axis.heading = d
-    _velocity(s, guard, d, begins)
-    if gap > 0.0 and guard[0] > 0.0:
-        turn, hit = _root(guard[0], guard[1], 2.0 * guard[2]), _guess(s, d, gap)
+    d = float(axis.direction)
+    gap, v, v1, v2, v3 = axis.half_gap - d * s[0], d * s[1], d * s[2], d * s[3], d * s[4]
+    axis.heading, begins = axis.direction, v == 0.0
+    if gap > 0.0 and (v > 0.0 or (begins and v1 > 0.0)):
+        turn = _root(v1, 0.5 * v2, v3 / 3.0) if begins else _root(v, v1, v2)
+        hit, kind, x = _guess(gap, v, v1, v2, v3), HIT, np.inf
         if turn < hit:
-            x, certain = certain_zero(guard, end, turn)
-            if certain and d * increment(s, min(x, end))[0] < gap:
-                return x, REVERSAL
-        else:
-            x = polished(s, d, gap, hit)[0] if hit < FAR * end else np.inf
-            if 0.0 < x <= end and stays(guard, x):
-                return x, HIT
-            if x > end and d * increment(s, end)[0] < gap and stays(guard, end):
-                return np.inf, NOTHING
+            if turn < FAR * end:
+                turn = _nearer(-v, v1, v2, v3, d * s[5], d * s[6], turn)
+                x, last, slope, bend, gain = polished(s, 1, 0.0, turn)
+                left = gap - d * gain - abs(slope) * (x - last) ** 2
+                if 0.0 < x <= end and left > 0.0 and falls(s, 1, last, d * slope, d * bend):
+                    return x, REVERSAL
+                kind = REVERSAL
+        elif hit < FAR * end:
+            hit = _nearer(gap, v, v1, v2, v3, d * s[5], hit)
+            x = polished(s, 0, d * gap, hit)[0]
+        upto = end if kind == REVERSAL else min(x, end)
+        if x > 0.0 and not (kind == REVERSAL and x <= end):
+            c0, c1, c2 = v, upto * v1, 0.5 * upto * upto * v2
+            if begins:
+                c0, c1, c2 = c1, c2, upto * upto * upto * v3 / 6.0
+            if stays(c0, c1, c2, sizes(s, 1, 4 if begins else 3, upto)):
+                if x <= end:
+                    return x, HIT
+                if d * derivatives(s, end)[0] < gap:
+                    return np.inf, NOTHING
     return _searched_end(s, guard, axis, end)
 
 
@@ -326,7 +338,7 @@ def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[f
     """The end of a roll by its two guards, each for itself."""
     d = axis.direction
     x = _hit(s, guard, d, axis.half_gap, end)
-    _velocity(s, guard, d, False)
+    _velocity(s, guard, d)
     if guard[0] == 0.0:  # just set off: it accelerates along its direction, whatever rounding says
         guard[1] = max(guard[1], 0.0)
     turn = first_zero(guard, min(x, end))
@@ -334,25 +346,31 @@ def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[f
 
 
 @fused
-def _guess(s: Floats, d: int, gap: float) -> float:
-    """About where a ball comes by a gap, inf if it hardly does."""
-    p1, p2, p3, p4 = d * s[1], d * s[2], d * s[3], d * s[4]
-    x = _root(gap, -p1, -2.0 * p2)
-    if p1 == 0.0 and p3 * x > 4.0 * p2:  # just set off: the jerk carries the ball
-        x = min(x, (gap / p3) ** (1.0 / 3.0))
-    if x < np.inf:
-        miss = gap - x * (p1 + x * (p2 + x * (p3 + x * p4)))
-        x += miss / (p1 + x * (2.0 * p2 + x * (3.0 * p3 + x * 4.0 * p4)))
-    return x
+def _guess(gap: float, v: float, v1: float, v2: float, v3: float) -> float:
+    """About where a ball comes by a gap, by its velocity and that one's derivatives; inf if it hardly does."""
+    x = _root(gap, -v, -v1)
+    if v == 0.0 and v2 * x > 12.0 * v1:  # just set off: the jerk carries the ball
+        x = min(x, (6.0 * gap / v2) ** (1.0 / 3.0))
+    return _nearer(gap, v, v1, v2, v3, 0.0, x) if x < np.inf else x
 
 
 @fused
-def _velocity(s: Floats, guard: Floats, d: int, begins: bool) -> None:
-    """Into the guard: d times the relative velocity, over x where it begins at zero."""
-    first = 2 if begins else 1
-    for k in range(TERMS - 2):
-        guard[k] = d * NTH[k + first] * s[k + first]
-    guard[TERMS - 2] = 0.0 if begins else d * NTH[TERMS - 1] * s[TERMS - 1]
+def _nearer(level: float, f1: float, f2: float, f3: float, f4: float, f5: float, x: float) -> float:
+    """Where a polynomial with these derivatives gains a level, by a step of Halley's method from x."""
+    slope = f1 + x * (f2 + x * (0.5 * f3 + x * (f4 / 6.0 + x * f5 / 24.0)))
+    bend = f2 + x * (f3 + x * (0.5 * f4 + x * f5 / 6.0))
+    gain = x * (f1 + x * (0.5 * f2 + x * (f3 / 6.0 + x * (f4 / 24.0 + x * f5 / 120.0))))
+    inverse = 1.0 / slope
+    step = (level - gain) * inverse
+    curve = 0.5 * step * bend * inverse
+    return x + (step * (1.0 - curve * (1.0 - curve)) if abs(curve) < 0.5 else step)
+
+
+@fused
+def _velocity(s: Floats, guard: Floats, d: int) -> None:
+    """Into the guard: d times the relative velocity."""
+    for k in range(TERMS - 1):
+        guard[k] = d * s[k + 1]
     guard[TERMS - 1] = 0.0
 
 
@@ -371,10 +389,15 @@ def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> fl
 def _set_off(i: int, it: Record, end: float) -> float:
     """Setting off of a stuck ball, its drive above the threshold, away from any wall it rests on."""
     x, axis, guard, system = np.inf, it.axes[i], it.motion.guard, it.system
+    drive, least = it.motion.series[system.group[i], drive_lane(i, it)], _least(it.ball)
+    rest = sizes(drive, 0, 3, end)
     for d in (-1, 1):
         if d * it.motion.z[system.place[i]] < axis.half_gap:
+            c0, c1, c2 = least - d * drive[0], -d * end * drive[1], -0.5 * d * end * end * drive[2]
+            if c0 > 0.0 and stays(c0, c1, c2, rest):
+                continue
             _drive(i, it, -d)
-            guard[0] += _least(it.ball)
+            guard[0] += least
             leaves = first_zero(guard, min(x, end))
             if leaves < x and (system.excess[i] == 0.0 or _both_drive(i, it, d, leaves)):
                 x, axis.heading = leaves, d
@@ -389,7 +412,7 @@ def _both_drive(i: int, it: Record, d: int, x: float) -> bool:
     """
     g = it.system.group[i]
     c, drive = it.motion.series[g, it.system.cavity[i]], it.motion.series[g, drive_lane(i, it)]
-    other = drive[0] + increment(drive, x)[0] + it.system.excess[i] * increment(c, x)[1] / it.system.span[g]
+    other = drive[0] + derivatives(drive, x)[0] + it.system.excess[i] * derivatives(c, x)[1] / it.system.span[g]
     return bool(d * other >= it.ball.threshold / MARGIN)
 
 
@@ -420,7 +443,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
         hit = _hit(s, guard, side, axis.half_gap, min(x, end))
         if hit < x:
             x, axis.heading = hit, side
-    _velocity(s, guard, d, False)
+    _velocity(s, guard, d)
     guard[0] = d * (it.motion.rate[system.place[i]] - axis.spin) * span
     guard[1] -= SPIN_UP * it.ball.grip * span * span
     grip = first_zero(guard, min(x, end))
@@ -438,33 +461,30 @@ def _drive(i: int, it: Record, d: int) -> None:
 
 
 @kernel
-def account(s: Floats, x: float, span: float, axis: Record, ball: Record) -> None:
+def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: Record) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
 
-    That is (1 / beta - 1) s'' + rolling resistance: largest where s'' is, at an end or where its slope vanishes.
+    That is (1 / beta - 1) s'' + rolling resistance: largest where s'' is, at an end (`bend`) or where its slope
+    vanishes. Between two ends it exceeds the larger one by x²/8 times the fourth derivative at most.
     """
-    share, resistance = 1.0 / ball.inertia_ratio - 1.0, axis.direction * ball.threshold
-    square, size = 1.0 / (span * span), abs(share)
-    if x > 0.0 and size * sizes(s, SECOND, x) * square <= (axis.demand - abs(resistance)) * x * x:
-        return
-    here, there = 2.0 * s[2] * square, rates(s, x)[1] * square
-    axis.demand = max(axis.demand, abs(share * here + resistance), abs(share * there + resistance))
-    between = max(abs(here), abs(there)) * x * x + 0.125 * sizes(s, FOURTH, x) * square
-    if size * between > (axis.demand - abs(resistance)) * x * x:
-        crest = rates(s, _crest(s, x))[1] * square
-        axis.demand = max(axis.demand, abs(share * crest + resistance))
+    share, resistance = (1.0 / ball.inertia_ratio - 1.0) / (span * span), axis.direction * ball.threshold
+    here, there = share * s[2] + resistance, share * bend + resistance
+    axis.demand = max(axis.demand, abs(here), abs(there))
+    beyond = 0.125 * abs(share) * x * x * sizes(s, 4, 0, x)
+    if max(max(here, there), -min(here, there)) + beyond > axis.demand:
+        axis.demand = max(axis.demand, abs(share * derivatives(s, _crest(s, x))[2] + resistance))
 
 
 @kernel
 def _crest(s: Floats, end: float) -> float:
     """Where the second derivative of a series is extreme within a step; its end where it is monotone."""
-    low, high, j_low, j_high = 0.0, end, third(s, 0.0), third(s, end)
+    low, high, j_low, j_high = 0.0, end, s[3], derivatives(s, end)[3]
     if (j_low > 0.0) == (j_high > 0.0):
         return end
     x = end
     for _ in range(24):
         x = high - j_high * (high - low) / (j_high - j_low)
-        j = third(s, x)
+        j = derivatives(s, x)[3]
         if j == 0.0 or abs(high - low) < 1e-6 * end:
             break
         if (j > 0.0) == (j_high > 0.0):

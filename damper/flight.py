@@ -1,9 +1,10 @@
 """Flights between events, as power series.
 
-Flights are taken in steps, on which every coordinate is a power series of `damper.state.TERMS` terms. `expand` makes
-the series of a group from its state, `travel` moves the group on and books the work of dashpots and forces by Lobatto's
-rule, `spend` what the floor takes. Series are computed eight numbers at a time (`load`, `store`, `fill`, `times`,
-`add_times`, `total`): vectors for the compiler, arrays in plain Python.
+Flights are taken in steps, on which every coordinate is a power series, kept as its first `damper.state.TERMS`
+derivatives at the start, a step being the unit of time. `expand` makes the series of a group from its state, `travel`
+moves the group on and books the work of dashpots and forces by Lobatto's rule, `spend` what the floor takes. Series are
+computed eight numbers at a time (`load`, `store`, `fill`, `times`, `add_times`, `total`): vectors for the compiler,
+arrays in plain Python.
 
 A ball that slips keeps its spin after a wall hit and slides until it rolls again. Sliding friction (grip = mu Omega² R
 per unit of mass) slows the contact; rolling resistance, which has no say in where a sliding contact goes, is left out
@@ -91,6 +92,10 @@ if TYPE_CHECKING or nb.config.DISABLE_JIT:
         """Absolute values."""
         return np.abs(a)
 
+    def tail(row: Floats, k: int) -> Floats:
+        """The last eight of a series, k places on: zeros come after them."""
+        return np.append(row[-WIDTH:][k:], np.zeros(k))
+
     def powers(x: float) -> Floats:
         """From the zeroth to the seventh."""
         power = np.array([1.0, x] * 4)
@@ -177,6 +182,23 @@ else:
         return _EIGHT(a), code
 
     @intrinsic
+    def tail(_, row, k):
+        """Shift zeros in; of all shifts, once k is known, one is left."""
+
+        def code(context, builder, signature, values):
+            last = builder.load(
+                _place(context, builder, row, (values[0], ir.Constant(ir.IntType(64), TERMS - WIDTH))), align=8
+            )
+            result, zeros = last, ir.Constant(_VECTOR, [0.0] * WIDTH)
+            for shift in range(1, 5):
+                parts = ir.Constant(ir.VectorType(_INDEX, WIDTH), list(range(shift, shift + WIDTH)))
+                here = builder.icmp_signed("==", values[1], values[1].type(shift))
+                result = builder.select(here, builder.shuffle_vector(last, zeros, parts), result)
+            return result
+
+        return _EIGHT(row, types.intp), code
+
+    @intrinsic
     def powers(_, x):
         """Multiply by the first, the second and the fourth power where they are part."""
 
@@ -224,8 +246,7 @@ def fill_flows(
                 for m in range(size):
                     room[m, 0], room[m, 1] = 1.0 if j == m else 0.0, 1.0 if j == size + m else 0.0
                 for k in range(TERMS):
-                    factor = 1.0 / ((k + 1) * (k + 2))
-                    wave[k + 2] = -turn * turn * wave[k] * factor
+                    wave[k + 2] = -turn * turn * wave[k]
                     for m in range(size):
                         pull, drag = of.force[n, pair, group[m]] * wave[k], 0.0
                         if k == 0 and pressed <= j < pressed + count:
@@ -233,7 +254,7 @@ def fill_flows(
                         for h in range(size):
                             pull -= of.stiffness[n, pair, group[m], group[h]] * room[h, k]
                             drag += of.damping[n, pair, group[m], group[h]] * room[h, k + 1]
-                        room[m, k + 2] = (pull * span - (k + 1) * drag) * span * factor
+                        room[m, k + 2] = (pull * span - drag) * span
                 for k in range(TERMS):
                     power = 0.0
                     for m in range(size):
@@ -246,7 +267,7 @@ def fill_flows(
                             shape = of.shape[n, axis, group[m]]
                             u, v, a = u + shape * room[m, k], v + shape * room[m, k + 1], a + shape * room[m, k + 2]
                             drive -= of.pull[n, axis, group[m]] * room[m, k]
-                        drive -= (k + 1) * inverse * (of.excess[n, axis] * v + (k + 2) * inverse * a)
+                        drive -= inverse * (of.excess[n, axis] * v + inverse * a)
                         if k == 0 and j == pressed + i:  # what resists a stuck ball is nothing but a lateral pull
                             drive -= 1.0
                         terms[size + i, j, k], terms[size + count + i, j, k] = u, drive
@@ -319,90 +340,43 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
     store(c, 16, three)
 
 
-NTH = np.arange(TERMS + 0.0)
-_FACTORS = np.array([NTH > 0, NTH, NTH * (NTH - 1), NTH * (NTH - 1) * (NTH - 2)])
-"""Factors of the terms of a series: in what it gains from its start on, and in its first three derivatives."""
-
-_LAST = TERMS - WIDTH
-_LEFT = np.array(
-    [
-        np.append(row[m : m + _LAST], np.where(_LAST + m > NTH, 0.0, row)[_LAST:])
-        for m, row in zip((1, 1, 2, 3), _FACTORS, strict=True)
-    ]
-)
-"""The same from the first term on that does not vanish; the last row of eight has the last terms."""
+_INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
+_FROM = np.array([np.arange(WIDTH) >= k for k in range(5)], float)
+"""Row k leaves out a series' terms before the k-th."""
 
 
 @fused
-def _summed(c: Floats, which: int, x: float) -> float:
-    """Sum of a series' terms times their factors, the powers of x that all of them have left out."""
-    square = x * x
-    fourth = square * square
-    eighth = fourth * fourth
-    first = max(which, 1)
-    last = eighth * fourth * (x if first == 3 else square)
-    if first == 1:
-        last *= x
-    terms = times(load(c, first), load(_LEFT[which], 0))
-    terms = add_times(terms, times(load(c, first + WIDTH), load(_LEFT[which], WIDTH)), fill(eighth))
-    terms = add_times(terms, times(load(c, _LAST), load(_LEFT[which], _LAST)), fill(last))
-    return total(times(terms, powers(x)))
-
-
-@fused
-def increment(c: Floats, x: float) -> tuple[float, float]:
-    """What a series gains from 0 to x, and its slope there."""
-    return x * _summed(c, 0, x), _summed(c, 1, x)
-
-
-@fused
-def rates(c: Floats, x: float) -> tuple[float, float]:
-    """First and second derivative of a series."""
-    return _summed(c, 1, x), _summed(c, 2, x)
-
-
-ALL, SECOND, THIRD, FOURTH, REST = range(5)
-"""What `sizes` bounds: a series, its derivatives times powers of x, its terms from the third on."""
-
-_SIZES = np.array([NTH >= 0, *_FACTORS[2:], _FACTORS[3] * (NTH - 3), NTH > 2])
-
-
-@fused
-def sizes(c: Floats, which: int, x: float) -> float:
-    """Sum of the sizes of a series' terms at x, each times its factor."""
-    low, middle, high = positive(load(c, 0)), positive(load(c, 8)), positive(load(c, 16))
-    return total(times(_horner(low, middle, high, _SIZES[which], fill(_eighth(x))), powers(x)))
-
-
-@fused
-def places(c: Floats, x: float) -> tuple[float, float, float]:
-    """What a series gains from 0 to x, its slope there times x and its second derivative times x²."""
-    power, eighth = powers(x), fill(_eighth(x))
-    low, middle, high = load(c, 0), load(c, 8), load(c, 16)
+def _monomials(x: float) -> tuple[Floats, Floats, Floats]:
+    """x^k / k!, what the k-th derivative at 0 adds at x."""
+    power, square = powers(x), x * x
+    eighth = square * square * square * square
     return (
-        total(times(_horner(low, middle, high, _FACTORS[0], eighth), power)),
-        total(times(_horner(low, middle, high, _FACTORS[1], eighth), power)),
-        total(times(_horner(low, middle, high, _FACTORS[2], eighth), power)),
+        times(power, load(_INVERSE, 0)),
+        times(power, times(load(_INVERSE, 8), fill(eighth))),
+        times(power, times(load(_INVERSE, 16), fill(eighth * eighth))),
     )
 
 
 @fused
-def _eighth(x: float) -> float:
-    fourth = (x * x) * (x * x)
-    return fourth * fourth
+def derivatives(c: Floats, x: float) -> tuple[float, float, float, float]:
+    """What a series gains from 0 to x, and its first three derivatives there; the compiler drops what is not used."""
+    low, middle, high = _monomials(x)
+    gain = times(times(load(c, 0), load(_FROM[1], 0)), low)
+    return (
+        total(add_times(add_times(gain, load(c, 8), middle), load(c, 16), high)),
+        total(add_times(add_times(times(load(c, 1), low), load(c, 9), middle), tail(c, 1), high)),
+        total(add_times(add_times(times(load(c, 2), low), load(c, 10), middle), tail(c, 2), high)),
+        total(add_times(add_times(times(load(c, 3), low), load(c, 11), middle), tail(c, 3), high)),
+    )
 
 
 @fused
-def _horner(low: Floats, middle: Floats, high: Floats, factors: Floats, eighth: Floats) -> Floats:
-    """Rows of eight terms, times their factors, as a polynomial in the eighth power."""
-    beyond = add_times(times(middle, load(factors, 8)), times(high, load(factors, 16)), eighth)
-    return add_times(times(low, load(factors, 0)), beyond, eighth)
-
-
-@fused
-def third(c: Floats, x: float) -> float:
-    """Third derivative of a series."""
-    return _summed(c, 3, x)
+def sizes(c: Floats, order: int, first: int, x: float) -> float:
+    """Sum of the sizes at x of the terms of a derivative of a series, from the first one on that counts."""
+    low, middle, high = _monomials(x)
+    terms = times(positive(load(c, order)), times(low, load(_FROM[first], 0)))
+    terms = add_times(terms, positive(load(c, 8 + order)), middle)
+    return total(add_times(terms, positive(tail(c, order)), high))
 
 
 _POINTS = 8
@@ -426,7 +400,7 @@ _ORDER = np.arange(TERMS)[:, None]
 
 _SLOPES = _ORDER * _PLACES ** np.maximum(_ORDER - 1, 0)
 _SLOPES[:, 0] = _ORDER[:, 0] > 0
-"""Of a scaled series: what it gains, then its slopes at all points but the first, where it has its second term."""
+"""Of a series' terms: what it gains, then its slopes at all points but the first, where it has its second term."""
 
 _VALUES = _PLACES**_ORDER
 
@@ -442,20 +416,17 @@ def travel(g: int, x: float, it: Record) -> None:
     dashpots = system.dashpot[0 if it.axes[system.first[g]].regime == STUCK else 1]
     if x == 0.0:
         for m in range(low, high):
-            motion.gain[m] = 0.0
+            motion.gain[m], motion.bend[m] = 0.0, c[m - low, 2]
         return
-    one, eighth = powers(x), fill(_eighth(x))
-    two = times(one, eighth)
-    three = times(two, eighth)
     time, squares, first = x * system.span[g], fill(0.0), 0.0
     for m in range(low, high):
         series, dashpot = c[m - low], dashpots[m]
         if dashpot == 0.0:
-            motion.gain[m], rate = increment(series, x)
+            motion.gain[m], rate, motion.bend[m], _ = derivatives(series, x)
             motion.z[m] += motion.gain[m]
             motion.rate[m] = rate / system.span[g]
             continue
-        _scale(series, one, two, three, scaled)
+        _terms(series, x, scaled)
         at = _at_points(scaled, _SLOPES)
         squares, first = add_times(squares, times(at, at), fill(dashpot)), first + dashpot * scaled[1] * scaled[1]
         store(scaled, 0, at)
@@ -465,24 +436,25 @@ def travel(g: int, x: float, it: Record) -> None:
     it.books.structure += (total(times(squares, load(_POINT_WEIGHTS, 0))) + _FIRST * first) / time
     if system.frequency > 0.0:
         wave = high - low + 2 * (system.last[g] - system.first[g])
-        _scale(c[wave], one, two, three, scaled)
+        _terms(c[wave], x, scaled)
         harmonic = _at_points(scaled, _VALUES)
-        _scale(c[wave + 1], one, two, three, scaled)
+        _terms(c[wave + 1], x, scaled)
         power = times(_at_points(scaled, _SLOPES), load(_POINT_WEIGHTS, 0))
         it.books.work += total(times(power, harmonic)) + _FIRST * scaled[1] * c[wave, 0]
 
 
 @fused
-def _scale(c: Floats, one: Floats, two: Floats, three: Floats, scaled: Floats) -> None:
-    """A series times powers."""
-    store(scaled, 0, times(load(c, 0), one))
-    store(scaled, 8, times(load(c, 8), two))
-    store(scaled, 16, times(load(c, 16), three))
+def _terms(c: Floats, x: float, scaled: Floats) -> None:
+    """Terms of a series at x."""
+    low, middle, high = _monomials(x)
+    store(scaled, 0, times(load(c, 0), low))
+    store(scaled, 8, times(load(c, 8), middle))
+    store(scaled, 16, times(load(c, 16), high))
 
 
 @fused
 def _at_points(scaled: Floats, table: Floats) -> Floats:
-    """A scaled series at the points of the rule."""
+    """A series by its terms, at the points of the rule."""
     one, two = times(load(table[0], 0), fill(scaled[0])), times(load(table[1], 0), fill(scaled[1]))
     three, four = times(load(table[2], 0), fill(scaled[2])), times(load(table[3], 0), fill(scaled[3]))
     for k in range(4, TERMS, 4):

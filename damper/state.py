@@ -245,8 +245,10 @@ MOTION = record(
     ("settled", "i8", 2),  # 1: nothing will ever happen of itself
     ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
     ("guard", "f8", TERMS),  # a guard's series
-    ("scaled", "f8", TERMS),  # a series times these
+    ("scaled", "f8", TERMS),  # the terms of a series
     ("gain", "f8", _N),  # what z gained on the last flight
+    ("seen", "f8", (2, 3)),  # a time, and the first two derivatives of the cavity's series along each axis then
+    ("bend", "f8", _N),  # second derivatives of the series of balls at the end of the last flight
 )
 """What moves: z and its rate at each group's start, their series, and when each group's next event is."""
 

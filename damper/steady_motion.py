@@ -22,7 +22,7 @@ import numpy as np
 from damper.compiled import kernel
 from damper.engine import advance, arrive, earliest, restart
 from damper.events import largest_drive
-from damper.flight import increment
+from damper.flight import derivatives
 from damper.impacts import let_go
 from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, MARGIN, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
 
@@ -68,7 +68,7 @@ def _probed(it: Record, time: float) -> tuple[float, float]:
         x = (time - it.run.motion.start[g]) / span
         for m in range(low, system.high[g]):
             if probe[m] != 0.0:
-                gain, rate = increment(c[m - low], x)
+                gain, rate, _, _ = derivatives(c[m - low], x)
                 u += probe[m] * (c[m - low, 0] + gain)
                 v += probe[m] * rate / span
     return u, v
