@@ -323,7 +323,7 @@ def test_a_ball_that_takes_nothing(changes: dict[str, object]) -> None:
 
 def test_a_sweep_begins_with_the_ball_in_its_cavity() -> None:
     """Also one so heavy that the structure does not move evenly, which rolls less far than the even motion says."""
-    damper = paper(2000.0, mass_ratio=1.0, rolling_friction=2e-5)
+    damper = paper(200.0, mass_ratio=1.0, rolling_friction=2e-5)
     inside, beyond = (swinging(damper, over_gap * damper.half_gap[0])[0] for over_gap in (0.5, 5.0))
     assert -damper.half_gap[0] < inside < 0
     assert beyond == -damper.half_gap[0]
