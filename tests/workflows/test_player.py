@@ -40,7 +40,8 @@ def path(results: Results) -> BallPath:
 
 
 def a_damper(**changes: Any) -> ParticleDamper:
-    return paper(100, mass_ratio=0.01, stiffness=(4e6, 4e6), cavity=(4e-3, 3e-3), damping_ratio=0.01, **changes)
+    given: dict[str, Any] = {"stiffness": (4e6, 4e6), "cavity": (4e-3, 3e-3), "damping_ratio": 0.01}
+    return paper(100, mass_ratio=0.01, **given | changes)
 
 
 def hits(path: BallPath) -> np.ndarray:
