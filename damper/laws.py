@@ -417,7 +417,8 @@ def check_curve(damper: ParticleDamper, curve: Working) -> None:
     if damper.formulation != "printed" and not (spins and kinds(damper, damper.parameters)[0] == COUPLED):
         bounds = _bounds(damper, damper.parameters)[1]
         ball = bounds.depth[0] + bounds.bowl[0]  # its energy may exceed the structure's, whose loss is a difference
-        rounding = TINY * (1 + ball / (0.5 * damper.stiffness[0] * amplitude**2))
+        share = damper.ball_mass / damper.modal_mass + ball / (0.5 * damper.stiffness[0] * amplitude**2)
+        rounding = TINY * (1 + share)
         require(_LOSSES, "negative damping ratio", -ratio, rounding, where)
     require("amplitudes ascend", "amplitude [m]", amplitude[:-1], amplitude[1:], where)
 

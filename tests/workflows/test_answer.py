@@ -120,7 +120,7 @@ def test_no_verdict_has_no_figures(changes: dict[str, str], grade: str, reason: 
 def test_standstill_does_not_decide() -> None:
     """A ball that nothing presses down takes much more: that says nothing of the plate that spins."""
     still = results(speeds="0 3500")
-    assert still.speeds[0].working.peak > 4 * still.speeds[1].working.peak
+    assert still.speeds[0].working.peak > 2 * still.speeds[1].working.peak, "chaotic, but far from the other"
     assert text(still).replace("best, turning, at", "best, at") == text(results(speeds="3500"))
 
 
