@@ -17,11 +17,13 @@ from typing import Any
 import pytest
 from filelock import FileLock
 
+import workflows
 from tests.limits import HANG
 from workflows.cli.main import main
 from workflows.report import figures
-from workflows.scene.load import SHIPPED
+from workflows.scene.load import SHIPPED, load
 from workflows.solve import damper
+from workflows.solve.results import Results
 from workflows.studies.sweep import executor
 from workflows.studies.sweep.evaluate import QUICK
 
@@ -188,6 +190,15 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with FileLock(f"{folder}.lock"):
         assert folder.exists() or main(["run", "--out", str(folder)]) == 0
     return folder
+
+
+@pytest.fixture(scope="session")
+def coarse() -> Results:
+    """The paper's plate and damper at rest and at 500 rad/s, three modes on a coarse mesh."""
+    source = load("paper")
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 3})
+    accuracy = source.scene.accuracy.model_copy(update={"frequency": 0.05})
+    return workflows.run(source.changed(rotor=rotor, accuracy=accuracy))
 
 
 @pytest.fixture(scope="session")

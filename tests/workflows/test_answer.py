@@ -14,20 +14,21 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import KNOWN, Scene, changed
+from tests.workflows.conftest import KNOWN, Scene, changed, on_mesh
 from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report import text as summary
 from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, beyond, stretch
 from workflows.report.verdict import answer, of_orders
+from workflows.scene.load import opened
 from workflows.scene.scene import Excitation
 from workflows.solve import limits
 from workflows.solve.results import ForceLevel, Grade, Reason, Results, SpeedPoint, Verdict, VibrationReduction
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
-HOLED = Path(__file__).parents[2] / "meshes" / "plate_with_hole.toml"
+COARSE = Path(__file__).parents[2] / "meshes" / "plate_coarse.msh"
 
 
 @cache
@@ -478,11 +479,10 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
 
 def test_a_run_without_pictures_knows_what_a_given_mesh_endures() -> None:
     """The shapes of the modes are drawn or not; the strength of the root is judged in either case."""
-    quiet, source = Stages(visible=False), workflows.load(HOLED)
-    slow = source.scene.rotor.model_copy(update={"speeds": source.scene.rotor.speeds[:1], "modes": 2})
-    holed = source.changed(accuracy=source.scene.accuracy.model_copy(update={"frequency": 0.5}), rotor=slow)
+    scene = on_mesh(thick(3500, rotor__modes=1, accuracy={"frequency": 0.5}), COARSE)
     drawn, undrawn = (
-        limits.endured(pipeline.structure(holed, quiet, shapes=shapes).results()) for shapes in (True, False)
+        limits.endured(pipeline.structure(opened(scene), Stages(visible=False), shapes=shapes).results())
+        for shapes in (True, False)
     )
     assert undrawn is not None
     assert undrawn == drawn

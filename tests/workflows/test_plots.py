@@ -17,12 +17,9 @@ from workflows.io import files
 from workflows.report import plots
 
 
-@pytest.fixture(scope="module")
-def results() -> workflows.Results:
-    source = workflows.load("paper")
-    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 3})
-    accuracy = source.scene.accuracy.model_copy(update={"frequency": 0.05})
-    return workflows.run(source.changed(rotor=rotor, accuracy=accuracy))
+@pytest.fixture
+def results(coarse: workflows.Results) -> workflows.Results:
+    return coarse
 
 
 def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path) -> None:
