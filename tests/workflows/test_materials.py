@@ -27,10 +27,12 @@ from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
 from workflows.solve import limits as bounds
 from workflows.solve.damper import particle_damper
-from workflows.solve.results import SpeedPoint
+from workflows.solve.results import Results
 from workflows.studies.design import report
 from workflows.studies.design.study import design
 from workflows.studies.sweep import executor
+
+pytestmark = pytest.mark.usefixtures("quickly")
 
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 
@@ -190,10 +192,16 @@ def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
     return {"structure": {"frequency": "236 Hz", "mass": "0.5 kg"}, "rotor": rotor, "damper": damper, **changes}
 
 
+@cache
+def ran(ball: str, diameter: str) -> Results:
+    """Such a ball's run."""
+    return workflows.run(pressed(ball, diameter))
+
+
 def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
     scene = pressed("hardened steel", "4")
-    found = spindamp.sweep(scene, {"damper.restitution": [0.5]}, executor=here).squeeze()
-    for k, point in enumerate(workflows.run(scene).speeds):
+    found = spindamp.sweep(scene, {"damper.restitution": [0.5]}, quick=True, executor=here).squeeze()
+    for k, point in enumerate(ran("hardened steel", "4").speeds):
         row = found.isel({"rotor.speeds": k})
         for name in ("yield_ratio", "hardness_ratio"):
             assert row[f"contact_{name}"] == getattr(point.contact, name)
@@ -201,18 +209,17 @@ def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
 
 def test_a_ball_that_flows_has_no_verdict() -> None:
     """Lead of 6 mm at 5000 rpm becomes a flat of 0.7 mm radius; steel of 4 mm lies in a dent, and is said to."""
-    (slow, fast) = workflows.run(pressed("lead", "6")).speeds
+    (slow, fast) = ran("lead", "6").speeds
     assert (slow.verdict.grade, slow.verdict.reason) == ("inadmissible", "contact") == (fast.verdict.grade, "contact")
     assert slow.contact.dent_radius == pytest.approx(0.7e-3, rel=0.02)
-    found = workflows.run(pressed("hardened steel", "4"))
+    found = ran("hardened steel", "4")
     assert [point.verdict.reason for point in found.speeds] == ["", ""]
     load = 7800 * 4 / 3 * math.pi * 2e-3**3 * found.speeds[1].omega ** 2 * 0.2
     dent = math.sqrt(load / (math.pi * 349 * 9.80665e6))
     assert found.speeds[1].contact.dent_radius == pytest.approx(dent)
     (said,) = (note for note in found.notes if "lies in a dent of at most" in note)
     assert f"of at most {1e3 * dent:.2g} mm radius" in said
-    verdict = answer(workflows.run(pressed("lead", "6"))).verdict
-    assert verdict.startswith("No verdict: the resting ball presses on its floor with ")
+    assert answer(ran("lead", "6")).verdict.startswith("No verdict: the resting ball presses on its floor with ")
 
 
 def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
@@ -229,7 +236,7 @@ def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
     assert said.endswith(
         f"with {mean / 1e9:.2g} GPa on average, and a floor of less than {mean / 9.80665e6:.0f} HB would flow."
     )
-    assert not any("is not known" in each for each in answer(workflows.run(pressed("steel", "4"))).sentences)
+    assert not any("is not known" in each for each in answer(ran("steel", "4")).sentences)
 
 
 @pytest.mark.parametrize(("share", "end"), [(0.9, "still beyond the"), (1.1, "its own dent holds it, which a harder")])
@@ -269,7 +276,7 @@ def test_hits_that_last_long_beside_the_flights_are_remarked() -> None:
     assert share > 0.1
     assert (float(numbers[1]), float(numbers[3])) == pytest.approx((hit, flight), rel=0.05)
     assert float(numbers[2]) == pytest.approx(100 * share, rel=0.05)
-    assert not any("instantaneous" in note for note in workflows.run(pressed("hardened steel", "4")).notes)
+    assert not any("instantaneous" in note for note in ran("hardened steel", "4").notes)
 
 
 @pytest.mark.parametrize(
@@ -296,21 +303,12 @@ def test_designs_keep_to_what_the_floor_carries(
     assert (limit in dict(found.found.scored.used)) is ("allowed in first yields" in told) is bool(limit)
 
 
-def steel_on_titanium() -> dict[str, Any]:
-    return pressed("hardened steel", "4")
-
-
-@cache
-def spinning_fast() -> SpeedPoint:
-    return workflows.run(steel_on_titanium()).speeds[1]
-
-
 def system(**changes: Any) -> damper.ParticleDamper:
     """The damper of a steel ball on titanium at 15000 rpm, with other keys."""
-    scene = steel_on_titanium()
+    scene = pressed("hardened steel", "4")
     scene["damper"] = {key: value for key, value in (scene["damper"] | changes).items() if value is not None}
     given = parse(scene)
-    return particle_damper(given, selection.resolve(given), spinning_fast())
+    return particle_damper(given, selection.resolve(given), ran("hardened steel", "4").speeds[1])
 
 
 def test_hits_and_rolling_follow_from_the_materials() -> None:

@@ -394,9 +394,9 @@ def blade(force):
     }
 
 
-@pytest.mark.usefixtures("few_speeds")
-def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps():
+def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """The only force asked for is too strong: what is said of lower ones is held against their motion, in both ways."""
+    monkeypatch.setattr(study, "SPEEDS", 9)
     found = respond(opened(blade("20 N")))
     best, strong = study.rows(found)
     assert found.asked == (strong.force,) == (20.0,)

@@ -259,6 +259,7 @@ def test_nothing_to_vary():
         study.asked("campbell", ["rotor.modes=4,5"])
 
 
+@pytest.mark.usefixtures("no_workers")
 def test_from_the_command_line(spindamp, tmp_path):
     vary = ("--vary", "damper.friction=0.1:0.3:2", "--vary", "damper.clearance=0.2 mm:1 mm:2")
     done = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
@@ -374,7 +375,7 @@ def test_few_points_with_a_verdict(here):
         damper__count=1,
         damper__mass_ratio=None,
         damper__mass="0.05 g",
-        rotor__speeds=["50 rpm", "9000 rpm", "10000 rpm"],
+        rotor__speeds=["50 rpm", "9000 rpm"],
     )
     found = spindamp.sweep(scene, {"damper.mass": "0.05 g:0.4 g"}, uncertain=True, sample=8, quick=True, executor=here)
     shares = found.percentiles.sel(quantity="best_damping_ratio").values
@@ -422,6 +423,7 @@ def test_the_cutoff_depends_on_rolling_friction_alone():
     assert float(cutoff.percentiles[2]) == pytest.approx(per_metre * 1e-4, rel=0.1)
 
 
+@pytest.mark.usefixtures("no_workers")
 def test_uncertain_from_the_command_line(spindamp, tmp_path):
     arguments = ("--uncertain", "--sample", 8, "--quick", "--workers", 1, "--out", tmp_path / "out", "--json")
     done = spindamp("sweep", "structure", "--vary", "damper.restitution=normal:0.5:0.05", *arguments)
