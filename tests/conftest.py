@@ -1,12 +1,16 @@
 """Read before any test: numpy and what tests start take one thread each, for the tests have all cores already.
 
 Rubbish is looked for less often than Python does: among all that was collected that takes time and finds little.
+Bytecode is kept, whatever the environment says: each process that a test starts would compile all modules anew.
 """
 
 import gc
 import os
+import sys
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import signal
 import stat
 import subprocess
@@ -13,11 +14,13 @@ from pathlib import Path
 
 import pytest
 
+import workflows
 from tests.limits import HANG
 from tests.workflows.conftest import Command, python, refused
 from workflows.errors import BadInput
 from workflows.io import files, folder
 from workflows.io.folder import MANIFEST, Terminated, _prefix, check, replacing
+from workflows.report import figures
 from workflows.scene.load import SHIPPED
 
 COMMAND = [sys.executable, "-m", "workflows.cli"]
@@ -118,20 +121,22 @@ import atexit, os, signal, sys
 from workflows import cli
 from workflows.report import figures, text as summary
 figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")
-number, before = int(sys.argv.pop()), summary.text
+before = summary.text
+def both():
+    for number in (signal.SIGINT, signal.SIGTERM):
+        os.kill(os.getpid(), number)
 def again(*given):
-    os.kill(os.getpid(), number)
+    both()
     return before(*given)
 summary.text = again
-atexit.register(os.kill, os.getpid(), number)
+atexit.register(both)
 sys.exit(cli.main())
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_after_the_results_are_in_place(number: signal.Signals, tmp_path: Path) -> None:
+def test_signals_after_the_results_are_in_place(tmp_path: Path) -> None:
     """The run is done, whatever arrives while it says so and while Python ends."""
-    done = python("-c", PUBLISHED, "run", "structure", "--out", "out", int(number), cwd=tmp_path)
+    done = python("-c", PUBLISHED, "run", "structure", "--out", "out", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.endswith("open out/report.html\n")
 
@@ -195,34 +200,22 @@ def test_a_signal_that_was_lost_comes_again(
     assert len(done.stderr.splitlines()) == 1
 
 
-FULL = """
-import pathlib, resource, sys
-from workflows import cli
-from workflows.report import figures, page
-figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")
-assert cli.main(["run", "structure", "--out", "out"]) == 0
-contents = lambda: {path: path.read_bytes() for path in pathlib.Path("out").iterdir()}
-there = contents()
-before, room = page.publish, resource.getrlimit(resource.RLIMIT_FSIZE)
-def without_room(*given):
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(most), room[1]))
-    try:
-        return before(*given)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, room)
-page.publish = without_room
-for most in sys.argv[1:]:
-    assert cli.main(["run", "structure", "--out", "out"]) == 2, most
-    assert contents() == there
-"""
-
-
-def test_no_room_left(tmp_path: Path) -> None:
+def test_no_room_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """At sizes at which one after the other of the files that a run writes no longer fits: the old ones stay."""
-    sizes = ["0", "100", "3000", "9000", "20000", "60000"]
-    done = python("-c", FULL, *sizes, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == len(sizes) * "spindamp: --out = 'out': cannot be written: File too large\n"
+    monkeypatch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
+    monkeypatch.chdir(tmp_path)
+    results = workflows.run("structure")
+    workflows.save(results, "out")
+    there = {path: path.read_bytes() for path in Path("out").iterdir()}
+    room = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for most in (0, 100, 3000, 9000, 20000, 60000):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, room[1]))
+        try:
+            with pytest.raises(BadInput, match=r"^folder = 'out': cannot be written: File too large$"):
+                workflows.save(results, "out")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, room)
+        assert {path: path.read_bytes() for path in Path("out").iterdir()} == there
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 

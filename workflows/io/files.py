@@ -17,15 +17,12 @@ from workflows.io import provenance
 from workflows.io.folder import replacing
 from workflows.io.serialise import Column, columns, keep
 from workflows.solve.engine_orders import branches
-from workflows.solve.results import OTHER_WAYS, Figures, Floats, Mode, Results, SpeedPoint, Surface, expect
+from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, expect
 from workflows.versions import versions
 
 if TYPE_CHECKING:
     import xarray as xr
 
-
-ERRORS = "frequency_errors"
-"""The file of all frequencies with their errors, beside the curves."""
 
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
@@ -34,7 +31,7 @@ _OF_A_SPEED = (
     r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above|_slow_ramp|_abrupt_start)?)_[\d.e+]+rpm"
 )
 
-FILES = rf"({TABLE}|{ERRORS}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
+FILES = rf"({TABLE}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
@@ -156,9 +153,6 @@ def _slug(text: str) -> str:
 _SPEED = "rpm"
 """The dimension of speeds."""
 
-_ERRORS = ("frequency", "error")
-"""How the names of frequencies and their errors begin."""
-
 
 def write_csv(results: Results, folder: Path) -> None:
     """A table with a row a speed, and a file per plotted curve, with a header that names column and unit.
@@ -169,15 +163,13 @@ def write_csv(results: Results, folder: Path) -> None:
         rows = np.column_stack([curve.x, curve.y])
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
-    if any(point.modes for point in results.speeds):
-        _write_errors(results, folder)
     (folder / f"{TABLE}.csv").write_text(_table(results), encoding="utf-8")
 
 
 def _table(results: Results) -> str:
     """What is one number, or word, a speed, or a mode and speed, each a column under its name in the data set.
 
-    Unknown numbers are empty cells; the parts of the errors have a file of their own.
+    Unknown numbers are empty cells; the parts of the errors stand in `results.json` and `results.nc`.
     """
     found: dict[str, list[Any]] = {}
     for name, (dims, values, attributes) in _variables(results).items():
@@ -189,18 +181,6 @@ def _table(results: Results) -> str:
         elif dims == (_SPEED, "mode") and (name == "error_estimate" or not name.startswith("error_")):
             found |= {f"{head} {number}": column.tolist() for number, column in enumerate(known.T, 1)}
     return as_table(found, (dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)))
-
-
-def _write_errors(results: Results, folder: Path) -> None:
-    """Every frequency with its relative error and its parts, 0 for effects not left out."""
-    numbered = [(point.rpm, number, mode) for point in results.speeds for number, mode in enumerate(point.modes, 1)]
-    table: dict[str, Any] = {"speed_rpm": [rpm for rpm, *_ in numbered], "mode": [number for _, number, _ in numbered]}
-    for each in columns(Mode, [mode for *_, mode in numbered], "mode"):
-        if (name := each.quantity.name).startswith(_ERRORS):
-            left_out = name.removeprefix("error_") in results.effects
-            table[name] = np.nan_to_num(each.values) if left_out else each.values
-    rows = np.column_stack(list(table.values()))
-    np.savetxt(folder / f"{ERRORS}.csv", rows, "%.10g", ",", header=",".join(table), comments="")
 
 
 def write_netcdf(results: Results, path: Path) -> None:

@@ -663,36 +663,6 @@ class Theory:
     model_error: float | None = None
 
 
-__all__ = [
-    "SHAPES_AT_MOST",
-    "BallPath",
-    "CavityMode",
-    "ContactFigures",
-    "Damping",
-    "Diagram",
-    "Energy",
-    "ErrorParts",
-    "Figures",
-    "Floats",
-    "ForceLevel",
-    "Grade",
-    "History",
-    "Mode",
-    "OwnFigures",
-    "Pendulum",
-    "Reason",
-    "Reduced",
-    "Results",
-    "SpeedPoint",
-    "Surface",
-    "Verdict",
-    "VibrationReduction",
-    "expect",
-    "middle",
-    "rounded_rpm",
-    "shown_of",
-]
-
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 

@@ -1,10 +1,10 @@
-"""A forced response as a folder: JSON, netCDF, tables, pictures, and one page for a person."""
+"""A forced response as a folder: JSON, netCDF, pictures, and one page for a person."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 from fem.rotor import in_rpm
 from workflows.formatting import aligned, significant, whole
 from workflows.io import files, provenance
-from workflows.io.files import as_json, as_table, finite, write_study
+from workflows.io.files import as_json, finite, write_study
 from workflows.report import figures, plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.solve.engine_orders import Crossing
@@ -50,35 +50,6 @@ def tag(through: Through) -> str:
     """A crossing as part of a file name."""
     c = through.crossing
     return f"order_{c.order}_mode_{c.branch + 1}_{c.rpm:.0f}rpm"
-
-
-def tables(found: Response) -> dict[str, str]:
-    """A file for each crossing, with a row for each speed, force and start; and one of the damping ratios."""
-    unit = {"N": "n", "Pa": "pa", "m/s²": "m_s2"}[found.excitation.unit]
-    force = f"{found.excitation.kind}_{unit}"
-    columns = ("rpm", force, "start", "regime", "without_m", "locked_m", *_OF_STATES, "shortcut_m")
-    written = {f"response_{tag(through)}.csv": as_table(columns, _rows(through, columns)) for through in found.passed}
-    ratios = [
-        {"order": through.crossing.order, "rpm": f"{through.crossing.rpm:.10g}"}
-        | {"amplitude_m": f"{amplitude:.10g}", "damping_ratio": f"{ratio:.10g}"}
-        for through in found.passed
-        for amplitude, ratio in zip(through.figures.amplitude, through.figures.damping_ratio, strict=True)
-    ]
-    columns = ("order", "rpm", "amplitude_m", "damping_ratio")
-    return written | {"response_damping_ratio.csv": as_table(columns, ratios)}
-
-
-def _rows(through: Through, columns: Sequence[str]) -> Iterator[dict[str, str]]:
-    states = through.states
-    without, linear = (np.abs(through.shaped(part)) for part in (states.without, states.linear))
-    regimes = through.shaped(states.regime)
-    values = [through.shaped(getattr(states, name)) for name in _OF_STATES]
-    for n, k, j in np.ndindex(regimes.shape):
-        numbers = [without[n, k], linear[n, k], *(value[n, k, j] for value in values), through.short[n, k, j]]
-        first = [f"{in_rpm(through.omega[n]):.10g}", f"{through.forces[k]:.10g}"]
-        row = [*first, str(states.starts[j]), str(regimes[n, k, j])]
-        row += ["" if np.isnan(number) else f"{number:.10g}" for number in numbers]
-        yield dict(zip(columns, row, strict=True))
 
 
 def dataset(found: Response) -> xr.Dataset:
@@ -379,7 +350,7 @@ def dumps(found: Response) -> str:
 
 
 def write(found: Response, out: str | os.PathLike[str]) -> Path:
-    """Write `response.json`, `response.nc`, tables, pictures and `report.html` into `out`, or nothing; returns `out`.
+    """Write `response.json`, `response.nc`, pictures and `report.html` into `out`, or nothing; returns `out`.
 
     Raises:
         BadInput: `out` cannot be written.
@@ -395,7 +366,7 @@ def write(found: Response, out: str | os.PathLike[str]) -> Path:
     for number, through in enumerate(found.passed):
         drawn = response(found, through, str(number), shades)
         contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
-    write_study(Path(out), contents | tables(found))
+    write_study(Path(out), contents)
     return Path(out)
 
 
