@@ -208,7 +208,7 @@ def _hitting(bare: ParticleDamper, found: Working) -> Branch:
 def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
     """A ball that rolls to and fro and reaches no wall; None where there is none."""
     gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
-    if gap == 0 or bare.lateral_acceleration[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
+    if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
         return None
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
     points = []

@@ -111,7 +111,7 @@ def _positive(amplitude: float) -> float:
 
 def two_hit_bound(damper: ParticleDamper) -> float:
     """Most that a free ball loses with two hits a cycle: 8 (m_p / M2) (1 + e) / (1 - e) [-]; inf at e = 1."""
-    e = max([damper.restitution, *(ratio for _, ratio in damper.restitution_by_speed)])
+    e = damper.largest_restitution
     return math.inf if e == 1 else 8 * damper.ball_mass / damper.modal_mass * (1 + e) / (1 - e)
 
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from damper.model import Harmonic, in_plane, inertia_ratio, path_curvature
+from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, path_curvature
 from damper.state import MODES, STEP, SYSTEM, TERMS, Equations
 
 if TYPE_CHECKING:
@@ -324,7 +324,7 @@ def systems_of(
         _sorted(_inertia(rows, structures, members), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
-        {"lateral": rows["lateral_acceleration"]},
+        {"lateral": lateral_pull(rows)},
         {"frequency": equations.frequency, "phase": equations.phase, "flow": np.arange(n)},
         {"several": k > 2 and harmonic is None, "damped": (structures.dashpot > 0).any(axis=1)},
     ):

@@ -63,16 +63,14 @@ def first_zero(guard: Floats, end: float) -> float:
         for k in range(TERMS):
             guard[k] = share * guard[k + first] if k + first < TERMS else 0.0
             share *= (k + 1.0) / (k + first + 1.0)
-    f, f1, f2 = guard[0], guard[1], guard[2]
-    guess = _root(f, f1, f2)
+    guess = _root(guard[0], guard[1], guard[2])
     if guess < FAR * end:
-        x, last, slope, bend, _ = polished(guard, 0, -f, guess)
-        if 0.0 < x <= end and falls(guard, 0, last, slope, bend):
-            return x
+        x, last, slope, bend, _ = polished(guard, 0, -guard[0], _nearer(guard, 0, -guard[0], guess))
+        if x > 0.0 and falls(guard, 0, last, slope, bend):
+            return x if x <= end else np.inf
         if not x > end:
             return _searched(guard, end)
-    rest = sizes(guard, 0, 3, end)
-    return np.inf if stays(f, end * f1, 0.5 * end * end * f2, rest) else _searched(guard, end)
+    return np.inf if stays(guard, 0, 0.0, 1.0, end) else _searched(guard, end)
 
 
 @fused
@@ -87,23 +85,37 @@ def falls(c: Floats, order: int, last: float, slope: float, bend: float) -> bool
 
 
 @fused
-def stays(c0: float, c1: float, c2: float, rest: float) -> bool:
-    """Whether a guard that begins above zero is proved to stay there, up to where its terms have these sizes.
+def stays(c: Floats, order: int, level: float, d: float, x: float) -> bool:
+    """Whether d times a derivative of a series, and a level, is proved to stay above zero up to x.
 
-    It is at least c0 + c1 y + c2 y² - rest y³, y from 0 to 1: positive where that is at its ends and in a dip.
+    It is at least the quartic of its first five terms less the sizes of all others, and that is at least the least of
+    its coefficients in Bernstein's basis on (0, x].
     """
-    if c0 + c1 + c2 <= rest:
-        return False
-    if c1 >= 0.0 or c2 <= 0.0:
-        return True
-    root = c2 * c2 + 3.0 * c1 * rest
-    dip = -c1 / (c2 + math.sqrt(root)) if root > 0.0 else 1.0
-    return dip >= 1.0 or c0 + dip * (c1 + dip * (c2 - dip * rest)) > 0.0
+    y = x * x
+    c0, c1, c2 = level + d * c[order], d * x * c[order + 1], d * y * c[order + 2] / 2.0
+    c3, c4 = d * x * y * c[order + 3] / 6.0, d * y * y * c[order + 4] / 24.0
+    return _bernstein(c0, c1, c2, c3, c4 - sizes(c, order, 5, x))
+
+
+@fused
+def leaves_zero(c: Floats, order: int, d: float, x: float) -> bool:
+    """The same where it begins at zero: of what it is over its argument."""
+    y = x * x
+    c0, c1, c2 = d * x * c[order + 1], d * y * c[order + 2] / 2.0, d * x * y * c[order + 3] / 6.0
+    c3, c4 = d * y * y * c[order + 4] / 24.0, d * x * y * y * c[order + 5] / 120.0
+    return _bernstein(c0, c1, c2, c3, c4 - sizes(c, order, 6, x))
+
+
+@fused
+def _bernstein(c0: float, c1: float, c2: float, c3: float, c4: float) -> bool:
+    """Whether a quartic's coefficients in Bernstein's basis on [0, 1] are positive."""
+    middle = min(c0 + 0.25 * c1, c0 + 0.5 * c1 + c2 / 6.0)
+    return bool(min(min(c0, middle), min(c0 + 0.75 * c1 + 0.5 * c2 + 0.25 * c3, c0 + c1 + c2 + c3 + c4)) > 0.0)
 
 
 @fused
 def polished(c: Floats, order: int, level: float, x: float) -> tuple[float, float, float, float, float]:
-    """Where a series gains so much (order 0) or its slope has a zero (1), by Halley's method from x; nan: nowhere near.
+    """Where a series gains so much (order 0) or its slope has a zero (1), by Householder's method; nan: nowhere near.
 
     Also the place before the last step, and there the first two derivatives of what has that zero, and the gain.
     """
@@ -118,8 +130,12 @@ def polished(c: Floats, order: int, level: float, x: float) -> tuple[float, floa
         curve, share = 0.5 * step * bend * inverse, step * near
         if not (abs(curve) < 0.25 and abs(share) < 0.5):
             break
-        last, x = x, x + step * (1.0 - curve * (1.0 - curve))
-        if abs(share) * (curve * curve + share * share) <= 1e-17:
+        wiggle = step * step * f3 * inverse / 6.0 if order == 0 else 0.0
+        last, x = x, x + step * (1.0 - curve + 2.0 * curve * curve - wiggle)
+        off = abs(share) * (curve * curve + share * share)
+        if order == 0:
+            off *= abs(curve) + abs(share)
+        if off <= 1e-17:
             return x, last, slope, bend, gain
     return np.nan, x, 0.0, 0.0, 0.0
 
@@ -308,28 +324,28 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
     axis.heading, begins = axis.direction, v == 0.0
     if gap > 0.0 and (v > 0.0 or (begins and v1 > 0.0)):
         turn = _root(v1, 0.5 * v2, v3 / 3.0) if begins else _root(v, v1, v2)
-        hit, kind, x = _guess(gap, v, v1, v2, v3), HIT, np.inf
-        if turn < hit:
-            if turn < FAR * end:
-                turn = _nearer(-v, v1, v2, v3, d * s[5], d * s[6], turn)
-                x, last, slope, bend, gain = polished(s, 1, 0.0, turn)
-                left = gap - d * gain - abs(slope) * (x - last) ** 2
-                if 0.0 < x <= end and left > 0.0 and falls(s, 1, last, d * slope, d * bend):
-                    return x, REVERSAL
-                kind = REVERSAL
-        elif hit < FAR * end:
-            hit = _nearer(gap, v, v1, v2, v3, d * s[5], hit)
-            x = polished(s, 0, d * gap, hit)[0]
+        kind, x = HIT, np.inf
+        if turn < FAR * end and turn * (v + turn * (0.5 * v1 + turn * (v2 / 6.0 + turn * v3 / 24.0))) < gap:
+            x, last, slope, bend, gain = polished(s, 1, 0.0, _nearer(s, 1, -s[1], turn))
+            left = gap - d * gain - abs(slope) * (x - last) ** 2
+            if 0.0 < x <= end and left > 0.0 and falls(s, 1, last, d * slope, d * bend):
+                return x, REVERSAL
+            kind = REVERSAL
+        else:
+            hit = _root(gap, -v, -v1)
+            if v2 * hit > 12.0 * v1:  # just set off: the jerk carries the ball
+                hit = min(hit, (6.0 * gap / v2) ** (1.0 / 3.0))
+            if hit < FAR * end:
+                hit = _nearer(s, 0, d * gap, hit)
+                if hit < FAR * end:
+                    x = polished(s, 0, d * gap, hit)[0]
         upto = end if kind == REVERSAL else min(x, end)
-        if x > 0.0 and not (kind == REVERSAL and x <= end):
-            c0, c1, c2 = v, upto * v1, 0.5 * upto * upto * v2
-            if begins:
-                c0, c1, c2 = c1, c2, upto * upto * upto * v3 / 6.0
-            if stays(c0, c1, c2, sizes(s, 1, 4 if begins else 3, upto)):
-                if x <= end:
-                    return x, HIT
-                if d * derivatives(s, end)[0] < gap:
-                    return np.inf, NOTHING
+        sure = x > 0.0 and not (kind == REVERSAL and x <= end)
+        if sure and (leaves_zero(s, 1, d, upto) if begins else stays(s, 1, 0.0, d, upto)):
+            if x <= end:
+                return x, HIT
+            if d * derivatives(s, end)[0] < gap:
+                return np.inf, NOTHING
     return _searched_end(s, guard, axis, end)
 
 
@@ -346,24 +362,28 @@ def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[f
 
 
 @fused
-def _guess(gap: float, v: float, v1: float, v2: float, v3: float) -> float:
-    """About where a ball comes by a gap, by its velocity and that one's derivatives; inf if it hardly does."""
-    x = _root(gap, -v, -v1)
-    if v == 0.0 and v2 * x > 12.0 * v1:  # just set off: the jerk carries the ball
-        x = min(x, (6.0 * gap / v2) ** (1.0 / 3.0))
-    return _nearer(gap, v, v1, v2, v3, 0.0, x) if x < np.inf else x
+def _nearer(s: Floats, order: int, level: float, x: float) -> float:
+    """Where a series (order 0) or its slope (1) gains so much, by a step from x with its first seven derivatives."""
+    f1, f2, f3, f4 = s[order + 1], s[order + 2], s[order + 3], s[order + 4]
+    f5, f6, f7 = s[order + 5], s[order + 6], s[order + 7]
+    y = x * x
+    gain = (f5 / 120.0 + x * f6 / 720.0) + y * f7 / 5040.0
+    gain = (f1 + x * f2 / 2.0) + y * ((f3 / 6.0 + x * f4 / 24.0) + y * gain)
+    slope = (f1 + x * f2) + y * ((f3 / 2.0 + x * f4 / 6.0) + y * ((f5 / 24.0 + x * f6 / 120.0) + y * f7 / 720.0))
+    bend = (f2 + x * f3) + y * ((f4 / 2.0 + x * f5 / 6.0) + y * (f6 / 24.0 + x * f7 / 120.0))
+    third = (f3 + x * f4) + y * (f5 / 2.0 + x * f6 / 6.0)
+    return x + _step(level - x * gain, slope, bend, third)
 
 
 @fused
-def _nearer(level: float, f1: float, f2: float, f3: float, f4: float, f5: float, x: float) -> float:
-    """Where a polynomial with these derivatives gains a level, by a step of Halley's method from x."""
-    slope = f1 + x * (f2 + x * (0.5 * f3 + x * (f4 / 6.0 + x * f5 / 24.0)))
-    bend = f2 + x * (f3 + x * (0.5 * f4 + x * f5 / 6.0))
-    gain = x * (f1 + x * (0.5 * f2 + x * (f3 / 6.0 + x * (f4 / 24.0 + x * f5 / 120.0))))
+def _step(miss: float, slope: float, bend: float, third: float) -> float:
+    """How far on a function with these derivatives gains so much: Householder's step, its error of fourth order."""
     inverse = 1.0 / slope
-    step = (level - gain) * inverse
+    step = miss * inverse
     curve = 0.5 * step * bend * inverse
-    return x + (step * (1.0 - curve * (1.0 - curve)) if abs(curve) < 0.5 else step)
+    if not abs(curve) < 0.5:
+        return step
+    return step * (1.0 - curve + 2.0 * curve * curve - step * step * third * inverse / 6.0)
 
 
 @fused
@@ -390,11 +410,9 @@ def _set_off(i: int, it: Record, end: float) -> float:
     """Setting off of a stuck ball, its drive above the threshold, away from any wall it rests on."""
     x, axis, guard, system = np.inf, it.axes[i], it.motion.guard, it.system
     drive, least = it.motion.series[system.group[i], drive_lane(i, it)], _least(it.ball)
-    rest = sizes(drive, 0, 3, end)
     for d in (-1, 1):
         if d * it.motion.z[system.place[i]] < axis.half_gap:
-            c0, c1, c2 = least - d * drive[0], -d * end * drive[1], -0.5 * d * end * end * drive[2]
-            if c0 > 0.0 and stays(c0, c1, c2, rest):
+            if stays(drive, 0, least, -d, end):
                 continue
             _drive(i, it, -d)
             guard[0] += least

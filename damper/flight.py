@@ -278,9 +278,18 @@ def fill_flows(
 @fused
 def expand(g: int, it: Record, flow: Floats) -> None:
     """The series of a group from its state on."""
-    system, axes, terms = it.system, it.axes, flow[regimes(g, it)]
+    terms, sources = flow[regimes(g, it)], gather(g, it.motion.start[g], it)
+    if sources == 5:  # one mode along an axis: the compiler unrolls what it knows
+        _fill_series(g, it, terms, 5)
+    else:
+        _fill_series(g, it, terms, sources)
+
+
+@fused
+def _fill_series(g: int, it: Record, terms: Floats, sources: int) -> None:
+    """All series of a group that its regimes ask for."""
+    system, axes = it.system, it.axes
     first, last, count = system.first[g], system.last[g], system.high[g] - system.low[g]
-    sources = gather(g, it.motion.start[g], it)
     c, source, series = it.motion.series[g], it.motion.source, count + last - first
     for lane in range(count if system.cavity[first] == 0 else series):
         _combine(c[lane], terms[lane], source, sources)
@@ -341,7 +350,7 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
 
 
 _INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
-_FROM = np.array([np.arange(WIDTH) >= k for k in range(5)], float)
+_FROM = np.array([np.arange(WIDTH) >= k for k in range(7)], float)
 """Row k leaves out a series' terms before the k-th."""
 
 

@@ -153,7 +153,8 @@ def read(i: int, it: Record) -> None:
     axis, z, rate, s = it.axes[i], it.motion.z, it.motion.rate, it.system.place[i]
     axis.s, axis.w, axis.u, axis.v = z[s], rate[s], 0.0, 0.0
     axis.excursion = max(axis.excursion, abs(axis.s))
-    for m in range(it.system.coordinates):
+    g = it.system.group[i]
+    for m in range(it.system.low[g], it.system.high[g]):
         axis.u += it.system.mode_shape[i, m] * z[m]
         axis.v += it.system.mode_shape[i, m] * rate[m]
 
@@ -212,19 +213,21 @@ def reduced(i: int, it: Record) -> float:
 @kernel
 def _exchange(i: int, w: float, it: Record) -> None:
     """Give the ball the relative velocity w by an impulse between it and the cavity; book the loss."""
-    axis, other, rate, ball = it.axes[i], it.axes[1 - i], it.motion.rate, it.ball
-    mass = reduced(i, it)
+    axis, other, rate, ball, system = it.axes[i], it.axes[1 - i], it.motion.rate, it.ball, it.system
+    mass, g = reduced(i, it), system.group[i]
     impulse = mass * (axis.w - w)
-    for m in range(it.system.coordinates):
-        rate[m] += impulse * it.system.yielding[i, m]
+    for m in range(system.low[g], system.high[g]):
+        rate[m] += impulse * system.yielding[i, m]
     it.books.impact += 0.5 * mass * (axis.w - w) * (axis.w + w)
-    rate[it.system.place[i]] = w
-    aside = other.w
+    rate[system.place[i]] = w
     read(i, it)
-    read(1 - i, it)
     _follow(axis, axis.spin if ball.grip > 0.0 else w, it)
+    if system.groups == 2:
+        return
+    aside = other.w
+    read(1 - i, it)
     if other.regime == STUCK and abs(other.w) <= _NOTHING * ball.sticking_floor:
-        rate[it.system.place[1 - i]] = other.w = 0.0  # two walls that push each other in turn: the rest is rounding
+        rate[system.place[1 - i]] = other.w = 0.0  # two walls that push each other in turn: the rest is rounding
     elif other.w != aside:
         _carry(other, it)
 

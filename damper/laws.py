@@ -15,7 +15,7 @@ import numpy as np
 
 from damper.damping_curve import BINS
 from damper.equations import load_of, structures_by
-from damper.model import half_gap
+from damper.model import half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
 from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
 
@@ -102,7 +102,7 @@ def bounds_of(rows: Parameters, structures: Structures) -> Bounds:
     even = 0.5 * (turned + turned.transpose(0, 2, 1))
     sag = ball**2 * (pull / spring) @ pull.transpose(0, 2, 1) - ball * curve
     corner = 0.5 * gap[:, :, None] * gap[:, None, :]
-    leaning = rows["ball_mass"] * (np.abs(rows["lateral_acceleration"]) * gap).sum(axis=1)
+    leaning = rows["ball_mass"] * (np.abs(lateral_pull(rows)) * gap).sum(axis=1)
     (x, xy), y = compliance[:, 0].T, compliance[:, 1, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         damped = np.where(drive == 0, 0.0, drive**2 / dashpot).sum(axis=2)
@@ -340,7 +340,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     omega = np.sqrt(structures.spring[0] / damper.stuck_mass)
     slope = abs(curve - damper.ball_mass * pull**2 / structures.spring[0]) * bounds.gap[0]
     with np.errstate(divide="ignore"):
-        most = (damper.rolling_threshold + np.abs(damper.lateral_acceleration) + slope) / _drive_of_amplitude(damper)
+        most = (damper.rolling_threshold + np.abs(damper.lateral_pull) + slope) / _drive_of_amplitude(damper)
     amplitude = np.where(bounds.gap[0] > 0, most, np.inf)
     most = math.hypot(*(omega * amplitude)) * float(_decay(damper.damping_ratio)) * (1 + BOOKS)
     require("a ball rests below the cut-off", "velocity maximum after its last motion [m/s]", velocity, most)

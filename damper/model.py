@@ -219,6 +219,12 @@ def spin_mass(rows: Parameters) -> Floats:
     return np.where(rows["printed"] | (rows["centrifugal_acceleration"] == 0), 0.0, 0.4 * rows["ball_mass"])
 
 
+def lateral_pull(rows: Parameters) -> Floats:
+    """Constant acceleration of the ball along the floor, as of a load not square to it, shape (n, 2) [m/s^2]."""
+    pull: Floats = rows["lateral_acceleration"]
+    return pull
+
+
 def path_curvature(rows: Parameters) -> Floats:
     """1 / rho of the path of the ball's centre on the cavity's floor along x and y, shape (n, 2) [1/m]."""
     curvature: Floats = 1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None])
@@ -237,7 +243,7 @@ def level(rows: Parameters) -> npt.NDArray[np.bool_]:
     """Whether the load pulls the ball to no side, wherever structure and ball are, shape (n,)."""
     bent = (rows["floor_tilt"] != 0).any(axis=1) | np.isfinite(rows["floor_radius"]).any(axis=1)
     bent &= rows["centrifugal_acceleration"] != 0
-    square: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & (rows["lateral_acceleration"] == 0).all(axis=1) & ~bent
+    square: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & (lateral_pull(rows) == 0).all(axis=1) & ~bent
     return square
 
 
@@ -490,9 +496,25 @@ class ParticleDamper:
         return float(rolling_threshold(self.parameters)[0])
 
     @property
+    def lateral_pull(self) -> tuple[float, float]:
+        """Constant acceleration of the ball along the floor [m/s^2]."""
+        x, y = lateral_pull(self.parameters)[0]
+        return float(x), float(y)
+
+    @property
+    def largest_restitution(self) -> float:
+        """Coefficient of restitution of the softest hits [-]."""
+        return max([self.restitution, *(ratio for _, ratio in self.restitution_by_speed)])
+
+    @property
+    def loses_nothing_in_hits(self) -> bool:
+        """Whether every hit is elastic; friction at the wall counts apart."""
+        return min([self.restitution, *(ratio for _, ratio in self.restitution_by_speed)]) == 1
+
+    @property
     def leaving_threshold(self) -> float:
         """Drive along x above which a ball leaves where it rests for good: with a lateral pull, at a wall [m/s^2]."""
-        return self.rolling_threshold + abs(self.lateral_acceleration[0])
+        return self.rolling_threshold + abs(self.lateral_pull[0])
 
     @property
     def break_away_threshold(self) -> float:
@@ -536,7 +558,7 @@ def _row(damper: ParticleDamper) -> Parameters:
     """The fields of a damper as one row, shape (1,)."""
     rows = np.zeros(1, PARAMETERS)
     for name in PARAMETERS.names or ():
-        if name == "printed" or (name in ("floor_friction", "floor_radius") and getattr(damper, name) is None):
+        if name == "printed" or (name in _ABSENT and getattr(damper, name) is None):
             rows[name] = _ABSENT[name]
             continue
         if name == "restitution_by_speed":

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.equations import forces_on, structures_by
-from damper.model import half_gap, number, rolling_threshold
+from damper.model import half_gap, lateral_pull, number, rolling_threshold
 from damper.motion import flights, kinds, prepare
 from damper.state import BATCHES, DRIVEN, MARGIN, TRACE
 
@@ -250,7 +250,7 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
-    left = rolling_threshold(rows)[:, None] - np.abs(rows["lateral_acceleration"])
+    left = rolling_threshold(rows)[:, None] - np.abs(lateral_pull(rows))
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))

@@ -187,7 +187,7 @@ class Equations(NamedTuple):
 TERMS = 24
 """Of a series, in rows of eight."""
 
-STEP = 1.25
+STEP = 1.5
 """Radians of the fastest motion in a step: 1.25**24 / 24! is below rounding, and so it is for second derivatives."""
 
 MODES = 8

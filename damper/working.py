@@ -171,7 +171,7 @@ def _down(
         return nothing(math.inf), *none
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
-    if gap == 0 or (cutoff == 0 and bare.restitution == 1):
+    if gap == 0 or (cutoff == 0 and bare.loses_nothing_in_hits):
         return nothing(cutoff), *none
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)
@@ -231,7 +231,7 @@ def _freely(damper: ParticleDamper) -> float:
     Two symmetric hits a cycle exist from rho / sqrt(1 + rho^2) on, rho = (2/pi) (1 - e)/(1 + e), for a free ball
     (Weidemann, Bergman, Vakakis and Krack 2025, doi 10.1007/s11071-025-10928-4); a rolling one feels beta times that.
     """
-    e = max([damper.restitution, *(ratio for _, ratio in damper.restitution_by_speed)])
+    e = damper.largest_restitution
     beta = float(inertia_ratio(damper.parameters)[0])
     rho = 2 / math.pi * (1 - e) / (1 + e)
     return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
@@ -281,7 +281,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Fl
     """
     gap, share = damper.half_gap[0], abs(1 - damper.tilt_share[0])
     flat = damper.floor_radius is None or math.isinf(damper.floor_radius[0])
-    if not flat or damper.lateral_acceleration[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
+    if not flat or damper.lateral_pull[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
         return np.zeros((0, 3)), math.inf
     free = gap / (damper.inertia_ratio * share)
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share

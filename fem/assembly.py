@@ -344,7 +344,7 @@ def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
 
 def _with_masses(operators: Operators, places: Array, mass: float, held: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
-    rows = _rows_at(model, places)
+    rows = rows_at(model, places)
     load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
@@ -412,16 +412,16 @@ def with_coriolis(operators: Operators) -> Operators:
     through = 2.0 * operators.rotor.spin
     gyroscopic = inertia(operators.model, operators.plate.material.density, through)
     for places, mass in operators.points:
-        gyroscopic = gyroscopic + mass * _through(_rows_at(operators.model, places), through)
+        gyroscopic = gyroscopic + mass * _through(rows_at(operators.model, places), through)
     return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
 
 
 def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
     """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
-    return _rows_at(model, np.array([at]), derivative)
+    return rows_at(model, np.array([at]), derivative)
 
 
-def _rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
+def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
     """The same (3 k, n) at places (k, 2), one after the other."""
     from scipy.sparse import coo_array
 

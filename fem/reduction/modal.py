@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array, vstack
 
-from fem.assembly import Operators, point_rows, uniform_load, with_point_mass
+from fem.assembly import Operators, point_rows, rows_at, uniform_load, with_point_mass
 from fem.linalg import Array
 from fem.meshes import thickness
 from fem.modes import Divergence
@@ -99,13 +99,11 @@ def load_rows(operators: Operators) -> Array:
 
 def drawn_rows(operators: Operators, axes: Iterable[int]) -> Array:
     """Load vectors (axes, n): of unit accelerations of the root along axes of the plate, but for their sign."""
+    pulls = [mass * rows_at(operators.model, places) for places, mass in operators.points]
     drawn = []
     for axis in axes:
         load = uniform_load(operators.model, operators.plate.material.density, np.eye(3)[axis])
-        for places, mass in operators.points:
-            for x, y in places:
-                load = load + mass * (point_rows(operators.model, (x, y)).T @ np.eye(3)[axis])
-        drawn.append(load)
+        drawn.append(sum((rows[axis::3].sum(axis=0) for rows in pulls), load))
     return np.array(drawn)
 
 

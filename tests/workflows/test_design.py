@@ -198,6 +198,30 @@ def test_the_search_finds_a_known_optimum(slow):
     assert np.array_equal(found.shares, again.shares)
 
 
+def test_few_designs_are_all_looked_at(slow):
+    """A peak as narrow as a value of a choice, and a slope along two ranges at once, as a limit leaves it."""
+    space, tried = space_of(slow, ball_material=None, ball_diameter=["2 mm", "6 mm"], clearance=["0.1 mm", "4 mm"]), []
+
+    def sloped(shares, quick):
+        tried.extend((quick, *row) for row in np.asarray(shares).tolist())
+        values = [row[0] if row.sum() <= 1.1 else -row.sum() for row in np.asarray(shares)]
+        return [Scored(v + 0.5 * row[1], v + 0.5 * row[1]) for v, row in zip(values, shares, strict=True)]
+
+    found = study.search(space, sloped, seed=1, progress=lambda _: None)
+    assert found.scored.value == pytest.approx(1.0 + 0.05, abs=5e-3)
+    assert len(tried) == len(set(tried)) < 12 * 12 + 100
+    space = space_of(slow, ball_diameter=[f"{n} mm" for n in (2, 2.5, 3, 3.5, 4, 5, 6, 7, 8)])
+
+    def peaked(shares, _):
+        values = [
+            float([space.values(row)["damper.radius"], row[0] < 0.3, row[2] > 0.7] == [2.5e-3, 1, 1])
+            for row in np.asarray(shares)
+        ]
+        return [Scored(v, v) for v in values]
+
+    assert study.search(space, peaked, seed=1, progress=lambda _: None).scored.value == 1.0
+
+
 def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
     """Where it is stopped, and where a line of its file is cut off, no design is tried twice, and the best is the same.
 
@@ -454,6 +478,69 @@ def test_the_balance_is_that_of_the_motion(shaken):
         assert held_well(found.system)
         assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
+
+
+BLADE = """
+[plate]
+length = "120 mm"
+width = "50 mm"
+thickness = "6 mm"
+[material]
+name = "Ti-6Al-4V"
+[rotor]
+speeds = { start = "5000 rpm", stop = "7000 rpm", count = 2 }
+modes = 2
+hub_radius = "150 mm"
+[damper]
+count = 2
+ball_material = "steel"
+radius = "2 mm"
+cavity = ["4.6 mm", "5 mm"]
+restitution = 0.6
+friction = 0.2
+rolling_friction = "0.02 mm"
+damping_ratio = 0.001
+[release]
+displacement = ["3 mm", "0 mm"]
+[excitation]
+orders = [4]
+force = ["10 N"]
+[design]
+ball_diameter = ["1.5 mm", "4 mm"]
+clearance = ["0.01 mm", "1 mm"]
+"""
+
+
+def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities():
+    """Cavities of other sizes move it by seven times its half width; its height is F / (2 zeta K) for all of them."""
+    space = objectives.space(opened(tomllib.loads(BLADE)))
+    (met,) = space.goal.met
+    for share in (0.0, 1.0):
+        (each,) = placed_of(space, [share, share])
+        found = objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
+        lines = objectives.linear(found)
+        first = min(found.system.modes, key=lambda mode: mode.stiffness)
+        height = 10.0 * first.shape[0] ** 2 / (2 * 0.001 * first.stiffness)
+        assert lines.without == pytest.approx(height, rel=5e-3), share
+        assert lines.resting == pytest.approx(height, rel=0.02), share
+
+
+def test_the_greatest_of_all_crossings(shaken):
+    """A crossing that is left out, for it cannot have more than another, is not the greatest."""
+    scene = changed(shaken, rotor__speeds=["2800 rpm", "4200 rpm"], excitation__orders=[3, 4])
+    for rolling, share in product((0.0, 5e-5), (0.0, 0.9)):
+        space = objectives.space(opened(changed(scene, damper__rolling_friction=rolling)))
+        placed = placed_of(space, [0.0, share])
+        found = space.goal.worth(placed, quick=True)
+        here = [
+            objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
+            for each, met in zip(placed, sorted(space.goal.met, key=lambda met: met.omega), strict=True)
+        ]
+        every = [objectives._reached(each, objectives.linear(each), quick=True) for each in here]
+        assert len(every) == 2
+        assert found.value == max(every)
+        most = [objectives._at_most(each, objectives.linear(each)) for each in here]
+        assert all(value <= bound for value, bound in zip(every, most, strict=True))
 
 
 @pytest.mark.usefixtures("few_speeds")

@@ -143,7 +143,7 @@ def published() -> dict[str, Any]:
 
 
 def test_published_schema_comes_from_the_model(published: dict[str, Any]) -> None:
-    assert published == schema(), "run python -m workflows.scene.schema"
+    assert published == schema(), "run python -m workflows.scene.load"
     jsonschema.Draft202012Validator.check_schema(published)
 
 

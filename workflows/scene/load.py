@@ -144,7 +144,8 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"not valid TOML: {error}", file=name) from error
+        hint = next((f": {hint}" for what, hint in _SLIPS if what in str(error)), "")
+        raise BadInput(f"not valid TOML: {error}{hint}", file=name) from error
     except ValueError as error:  # a whole number longer than Python converts
         raise BadInput("not a scene: a number has too many digits", file=name) from error
     except RecursionError as error:
@@ -166,6 +167,17 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
     except ValidationError as error:
         raise explained(error, plain, name) from None
+
+
+_SLIPS = (
+    ("Illegal character '\\n'", "is a quotation mark missing at the end of the line?"),
+    ("Cannot overwrite", "the key is given twice"),
+    ("after a statement", 'a number with a unit stands in quotes, such as "20 mm"'),
+    ("Invalid value", 'text stands in quotes, such as "steel"; a number begins with a digit'),
+    ("Unescaped", "write the folders of a path with /"),
+    ("hex value", "write the folders of a path with /"),
+)
+"""What the errors of TOML's reader mean, mostly."""
 
 
 def _plain(value: Any, depth: int = 5) -> Any:
@@ -283,6 +295,11 @@ _ALSO_CALLED = {"pre_twist": "pretwist", "twist": "pretwist", "twist_angle": "pr
 
 _INSTEAD = {
     "blades": "one blade is computed, however many the rotor has: expected [plate] or [blade]",
+    "E": "expected [material] youngs_modulus",
+    "nu": "expected [material] poissons_ratio",
+    "rho": "expected [material] density",
+    "speed": "expected [rotor] speeds",
+    "rpm": "expected [rotor] speeds",
     "balls_per_cavity": "each ball has a cavity of its own: give their number by count",
     "balls": "give the number of balls, each in a cavity of its own, by count",
     "cavities": "each ball has a cavity of its own: give their number by count",
@@ -326,7 +343,7 @@ def _named(error: Any) -> str:
     loc = _keys(error)
     if error["type"] == "together":
         loc += str(error["ctx"]["key"]).split(".")
-    return f"{key_name(loc)}: {worded(error, loc)}"
+    return f"{key_name(loc)}: {'missing' if error['type'] == 'missing' else worded(error, loc)}"
 
 
 def _in_a_list(error: Any) -> str:
@@ -345,7 +362,7 @@ def worded(error: Any, loc: list[str]) -> str:
             return f"unknown {what}{_unknown(error, loc)}"
         case "missing":
             named = loc[0] == "material" and len(loc) == 2
-            return f"missing (or give the material's name: {', '.join(PLATES)})" if named else "missing"
+            return f"missing (or give the material's name: {', '.join(PLATES)})" if named else f"missing{_meant(loc)}"
         case "greater_than":
             return f"expected a value above {context['gt']:g}"
         case "greater_than_equal":
@@ -380,6 +397,16 @@ def _unknown(error: Any, loc: list[str]) -> str:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
     return did_you_mean(loc[-1], _fields(loc[:-1])) or _belongs(loc[-1])
+
+
+def _meant(loc: list[str]) -> str:
+    """What a key that is missing means, and which keys a table needs."""
+    tables = _tables().get(loc[0], []) if len(loc) > 1 else [Scene]
+    field = next((table.model_fields[loc[-1]] for table in tables if loc[-1] in table.model_fields), None)
+    if field is None or not field.description:
+        return ""
+    needs = [name for table in _models(field) for name, key in table.model_fields.items() if key.is_required()]
+    return f": {field.description}" + (f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else "")
 
 
 def key_name(loc: list[str]) -> str:

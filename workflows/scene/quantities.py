@@ -203,6 +203,8 @@ def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
         raise UnitError(f"a string carries its unit, and a bare number is SI: {kind.expectation}")
     if unit == "g" and gravity is not None:
         return _in_range(float(number) * gravity, kind)
+    if re.fullmatch(r",[0-9]+( .*)?", unit):
+        raise UnitError(f"a decimal comma: was '{text.replace(',', '.', 1)}' meant?")
     if _UNIT.fullmatch(unit) is None:
         raise UnitError(f"cannot read the unit '{unit}': {kind.expectation}")
     try:

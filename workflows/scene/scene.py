@@ -89,7 +89,7 @@ def _whole(value: dict[str, object]) -> None:
     unknown = [name for name in value if name not in names]
     if unknown:
         listed = ", ".join(f"'{name}'" for name in unknown)
-        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 else ""
+        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 and unknown != ["step"] else ""
         raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
     for name in names:
         if name not in value:

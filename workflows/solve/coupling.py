@@ -178,7 +178,7 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
     elif release.ratio is not None:
         found = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
-        begin = system.amplitude_of(system.rolling_threshold)
+        begin = system.amplitude_of(system.leaving_threshold)
         freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
         found = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:

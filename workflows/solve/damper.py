@@ -170,7 +170,7 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, fl
     """
     from damper import capacity, ringdown
 
-    begin = system.amplitude_of(system.rolling_threshold)
+    begin = system.amplitude_of(system.leaving_threshold)
     if not begin < coupling.OUT_OF_REACH:
         return math.nan, math.nan
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)

@@ -245,7 +245,7 @@ HELD, HELD_IN_A_BOWL = 0.3, 1.0
 def held_well(system: damper.ParticleDamper) -> bool:
     """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
     gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
-    held = system.rolling_threshold / system.stuck_frequency**2
+    held = system.leaving_threshold / system.stuck_frequency**2
     return gap > 0 and held >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
 
 

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import Backbone, Forced, Harmonic, ParticleDamper, Start, Working, forced, work_bound
+from damper import Backbone, Forced, Harmonic, Mode, ParticleDamper, Start, Working, forced, work_bound
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
@@ -102,6 +102,9 @@ _ACCURACY = 1e-2
 _ABOUT, _WIDTHS = 41, 3.0
 """Speeds by which a linear resonance is looked for, and how far around where it should be, in damping ratios."""
 
+_TRIES = 8
+"""How often it is looked for farther away, where the largest answer is at an end."""
+
 
 @dataclass(frozen=True, eq=False)
 class Crossed:
@@ -161,20 +164,32 @@ class Crossed:
         return excitation.free_vibration(self.system, threads=1)
 
     @property
+    def own(self) -> float:
+        """Frequency of the mode without the ball, at the crossing's speed, of this very plate and cavity [rad/s]."""
+        mode = self._mode
+        if mode is None:
+            return math.sqrt(self.system.stiffness[self.axis] / self.system.modal_mass)
+        return math.sqrt(mode.stiffness / mode.mass)
+
+    @property
     def stuck(self) -> float:
         """Frequency of the mode with the ball at rest in it [rad/s]."""
-        shape = self._shape
-        return self.crossing.order * self.crossing.omega / math.sqrt(1 + self.system.ball_mass * shape**2)
+        return self.own / math.sqrt(1 + self.system.ball_mass * self._shape**2)
+
+    @property
+    def _mode(self) -> Mode | None:
+        """The mode that is crossed; None of a structure of one mode along each axis."""
+        met = (self.crossing.order * self.crossing.omega) ** 2
+        modes = self.system.modes
+        return None if modes is None else min(modes, key=lambda mode: abs(mode.stiffness / mode.mass - met))
 
     @property
     def _shape(self) -> float:
         """Displacement of the cavity in the mode of modal mass 1 kg [1/kg^0.5]."""
-        modes = self.system.modes
-        if modes is None:
+        mode = self._mode
+        if mode is None:
             return 1 / math.sqrt(self.system.modal_mass)
-        own = (self.crossing.order * self.crossing.omega) ** 2
-        near = min(modes, key=lambda mode: abs(mode.stiffness / mode.mass - own))
-        return float(abs(near.shape[self.axis])) / math.sqrt(near.mass)
+        return float(abs(mode.shape[self.axis])) / math.sqrt(mode.mass)
 
     def swinging(self) -> list[float]:
         """Speeds at which the structure and a ball that swings in a hollow floor are in resonance [rad/s].
@@ -189,7 +204,7 @@ class Crossed:
         square = (scan / self.crossing.omega) ** 2
         nu = order * scan
         mass = self._shape**-2
-        stiffness = mass * (order * self.crossing.omega) ** 2 * (1 + self._turns * (square - 1))
+        stiffness = mass * self.own**2 * (1 + self._turns * (square - 1))
         pendulum = coupling.pendulum(system, self.crossing.omega)
         own = 0.0 if pendulum is None else 2 * math.pi * pendulum.frequency_hz[self.axis]
         share = system.inertia_ratio * system.ball_mass * (1 - system.tilt_share[self.axis]) ** 2
@@ -246,19 +261,31 @@ def linear(crossed: Crossed) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    met = crossed.crossing.order * crossed.crossing.omega
-    alone = _answers(crossed, *_about(crossed, met)).without
-    omega, harmonics = _about(crossed, crossed.stuck)
-    found = _answers(crossed, omega, harmonics)
-    k = int(np.argmax(np.abs(found.linear)))
+    _, _, alone, most = _largest(crossed, crossed.own, "without")
+    omega, harmonics, found, k = _largest(crossed, crossed.stuck, "linear")
     resting, nu, axis = float(np.abs(found.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
     receptance = float(np.abs(_answers(crossed, omega, [unit]).linear[0]))
     system = crossed.system
     held = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
-    return Linear(
-        float(np.abs(alone).max()), resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0)
-    )
+    without = float(np.abs(alone.without[most]))
+    return Linear(without, resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0))
+
+
+def _largest(crossed: Crossed, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
+    """Linear answers about a resonance, and which of them is the largest: not the first nor the last where possible.
+
+    Returns:
+        Speed of the structure [rad/s], what drives it, the answers, and the number of the largest.
+    """
+    for _ in range(_TRIES):
+        omega, harmonics = _about(crossed, resonance)
+        found = _answers(crossed, omega, harmonics)
+        k = int(np.argmax(np.abs(getattr(found, answer))))
+        if len(harmonics) == 1 or 0 < k < len(harmonics) - 1:
+            break
+        resonance = harmonics[k].frequency
+    return omega, harmonics, found, k
 
 
 def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
@@ -350,6 +377,9 @@ _ASIDE = (-0.8, -0.4, 0.0, 0.4, 0.8)
 _CYCLES, _FEW_CYCLES = 10_000, 4000
 """Most cycles of a motion, and where a percent does not count."""
 
+_BESIDE = 1.2
+"""Amplitude of a motion over that of its part at the frequency of the force, at most."""
+
 _ACROSS = 9
 """Speeds over the whole range at which a ball in a hollow floor is looked at besides."""
 
@@ -378,21 +408,23 @@ class LeastAmplitude:
 
     def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at every crossing."""
-        found = []
-        for each in placed:
-            for crossing in self.met:
-                if crossing.omega == each.point.omega:
-                    found += self._at(each, crossing, quick=quick)
-        if not found:
+        every = [(here, linear(here)) for each in placed for here in self._at(each)]
+        if not every:
             return Scored(0.0, -_NEVER, why=Obstacle("undriven"))
-        value, at, lines = max(found, key=lambda one: one[0])
-        without = max(one[2].without for one in found)
+        value, (at, lines) = 0.0, every[0]
+        for one, its in sorted(every, key=lambda pair: _at_most(*pair), reverse=True):
+            if _at_most(one, its) <= value:
+                break
+            reached = _reached(one, its, quick=quick)
+            if reached > value:
+                value, at, lines = reached, one, its
+        without = max(its.without for _, its in every)
         held = min(math.log(max(lines.grows, 1.0)), _NEVER)
         obstacle = Obstacle("held" if lines.grows >= 1 else "useless")
         return Scored(
             value,
             math.log(self.reference / value) - held,
-            bound=max(one[2].least for one in found),
+            bound=max(its.least for _, its in every),
             speed=at.crossing.omega,
             amplitude=value,
             cutoff=lines.resting * lines.grows,
@@ -402,14 +434,37 @@ class LeastAmplitude:
             grows=lines.grows,
         )
 
-    def _at(self, placed: DamperCase, crossing: Crossing, *, quick: bool) -> list[tuple[float, Crossed, Linear]]:
-        here = crossing_objective(placed.scene, placed.state.effects, placed.point, crossing, *self.ends)
-        if here is None:
-            return []
-        lines = linear(here)
-        if here.leads and excitation.held_well(here.system):
-            return [(amplitude(here, lines.resting, quick=quick), here, lines)]
-        return [(followed(here, lines, quick=quick), here, lines)]
+    def _at(self, placed: DamperCase) -> list[Crossed]:
+        """A damper at the crossings at its speed."""
+        scene, effects, point = placed.scene, placed.state.effects, placed.point
+        here = [crossing for crossing in self.met if crossing.omega == point.omega]
+        found = [crossing_objective(scene, effects, point, crossing, *self.ends) for crossing in here]
+        return [each for each in found if each is not None]
+
+
+def _balanced(here: Crossed) -> bool:
+    """Whether the balance of free vibration answers for a damper."""
+    return here.leads and excitation.held_well(here.system)
+
+
+def _at_most(here: Crossed, lines: Linear) -> float:
+    """What the amplitude at a crossing cannot exceed, so that it is not computed where another crossing has more [m].
+
+    By the balance that is the amplitude with the ball at rest. Otherwise a force F at a frequency nu puts in pi F A in
+    each cycle, of which the dashpot c takes pi c nu A²: A is at most F / (c nu), the amplitude with the ball at rest in
+    the ratio of the frequencies. What is not sinusoidal adds no more than _BESIDE says.
+    """
+    if _balanced(here):
+        return lines.resting
+    slowest = min(_speeds(here, quick=False)) * here.crossing.order
+    return _BESIDE * lines.resting * max(here.stuck / slowest, 1.0)
+
+
+def _reached(here: Crossed, lines: Linear, *, quick: bool) -> float:
+    """The greatest amplitude at a crossing [m]."""
+    if _balanced(here):
+        return amplitude(here, lines.resting, quick=quick)
+    return followed(here, lines, quick=quick)
 
 
 def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
@@ -428,7 +483,7 @@ def _speeds(here: Crossed, *, quick: bool) -> list[float]:
     hollow = here.system.floor_radius is not None
     if here.leads and not (quick and hollow):
         middles += [here.speed_of(turns) for _, turns in here.backbone.answers(here.force)]
-    found = {here.speed_of(here.stuck), here.crossing.omega}
+    found = {here.speed_of(here.stuck), here.speed_of(here.own)}
     found |= {middle * (1 + zeta * part) for middle in middles for part in aside}
     if hollow:
         found |= set(np.linspace(*here.speeds, _ACROSS // 2 if quick else _ACROSS).tolist())

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -30,6 +32,7 @@ from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers
+from workflows.studies.sweep.plan import Axis
 from workflows.versions import versions
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
@@ -38,18 +41,56 @@ Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
 _POPULATION, _GENERATIONS, _STALE = 32, 40, 8
 """Designs of a generation at least, generations at most, and those without a better design that end the search."""
 
-_BETTER, _LEAST = 1e-3, 1e9
-"""Relative gain that counts, and what no score is below."""
+_BETTER, _LEAST = 1e-2, 1e9
+"""Relative gain that counts where figures are quick, which are no better than that; what no score is below."""
 
-_LOCAL, _NEAR = 30, 0.08
-"""Designs that the simplex may try for each range, and the size of its first, in shares."""
+_FEW, _FOREMOST = 300, 4
+"""Designs that are all looked at, where there are no more; those of them that are compared by full figures."""
+
+_MAP = 12
+"""Values of each range, in the map around the best and where all designs are looked at."""
+
+_NEAR, _NEAREST = 0.08, 2e-3
+"""How far from the best its neighbours are at first, and when the search ends, in shares."""
 
 
 def search(space: Space, score: Score, seed: int, progress: Callable[[str], None], kept: Kept | None = None) -> Found:
     """The best design of a space; `kept`: the designs that were scored before."""
-    known = _Known(space, score, progress, kept)
-    best, scored = _about(space, known, _everywhere(space, known, seed))
+    return _searched(space, _Known(space, score, progress, kept), seed)
+
+
+def _searched(space: Space, known: _Known, seed: int) -> Found:
+    few = _few(space)
+    best, scored = _about(space, known, _everywhere(space, known, seed) if few is None else _best_of(known, few))
     return Found(best, scored, known.tried)
+
+
+def _few(space: Space) -> Floats | None:
+    """All choices and whole numbers, and values all over the ranges, where that makes few designs; else None."""
+    looks = [_looks(axis) for axis in space.axes]
+    if math.prod(map(len, looks)) > _FEW:
+        return None
+    return np.array(list(product(*looks)))
+
+
+def _looks(axis: Axis) -> Floats:
+    """Shares of an axis: of each of its values, and all over its range."""
+    if axis.spread is None:
+        count = len(axis.values)
+    elif axis.key.whole:
+        count = math.floor(axis.spread.high) - math.ceil(axis.spread.low) + 1
+    else:
+        return np.linspace(0.0, 1.0, _MAP)
+    return (np.arange(count) + 0.5) / count
+
+
+def _best_of(score: Score, shares: Floats) -> Floats:
+    """The best of some designs: those that are best by quick figures are compared by full ones."""
+    quick = np.array([each.score for each in score(shares, True)])
+    foremost = shares[np.argsort(-quick, kind="stable")[:_FOREMOST]]
+    found = [each.score for each in score(foremost, False)]
+    best: Floats = foremost[int(np.argmax(found))]
+    return best
 
 
 class Kept:
@@ -146,42 +187,32 @@ def _everywhere(space: Space, score: Score, seed: int) -> Floats:
 
 
 def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
-    from scipy.optimize import minimize
-
-    best, scored = start, score(start[None], False)[0]
-    free = space.continuous
-    if not free:
-        return best, scored
-
-    def lost(part: Floats) -> float:
-        nonlocal best, scored
-        shares = start.copy()
-        shares[free] = np.clip(part, 0.0, 1.0)
-        found = score(shares[None], False)[0]
-        if found.score > scored.score:
-            best, scored = shares, found
-        return -found.score
-
-    corner = start[free]
-    away = np.where(corner > 0.5, -_NEAR, _NEAR)
-    simplex = np.vstack([corner, corner + np.diag(away)])
-    minimize(
-        lost,
-        corner,
-        method="Nelder-Mead",
-        bounds=[(0.0, 1.0)] * len(free),
-        options={"initial_simplex": simplex, "maxfev": _LOCAL * len(free), "xatol": 2e-3, "fatol": 0.0},
-    )
+    """The best by full figures near a design: of all neighbours at once, then of closer ones."""
+    best, scored, step = start, score(start[None], False)[0], _NEAR
+    ways = _ways(len(space.axes), space.continuous)
+    while len(ways) and step > _NEAREST:
+        near = np.clip(best + step * ways, 0.0, 1.0)
+        found = score(near, False)
+        k = max(range(len(found)), key=lambda n: found[n].score)
+        if found[k].score > scored.score:
+            best, scored = near[k], found[k]
+        else:
+            step *= 0.5
     return best, scored
+
+
+def _ways(dimensions: int, free: list[int]) -> Floats:
+    """Steps to either side along each of the free axes, and along two at once: limits are seldom along one."""
+    one = np.eye(dimensions)[free]
+    pairs = [first + sign * second for first, second in combinations(one, 2) for sign in (-1.0, 1.0)]
+    found: Floats = np.array([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
+    return found
 
 
 _GOES_ON = "the designs evaluated so far are kept; the same command resumes"
 
 _PART = 4
-"""Designs that a worker takes at a time."""
-
-_MAP = 12
-"""Values of each range in the map around the best."""
+"""Designs that a worker takes at a time, at most."""
 
 _plates = PlateCache()
 """Of this process."""
@@ -216,10 +247,11 @@ def design(
     resumed = nullcontext() if kept is None else folder.going_on(_GOES_ON)
     with resumed, pool or executor.local() as workers, clock("design") as step:
         score = partial(scored, workers, executor.digest())
-        found = search(space, partial(score, space), seed, step.advance, kept)
+        known = _Known(space, partial(score, space), step.advance, kept)
+        found = _searched(space, known, seed)
         impossible = found.scored.impossible
         held = () if impossible else report.holds(space, found, score)
-        grid = None if impossible else _around(space, found, partial(score, space))
+        grid = None if impossible else _around(space, found, known)
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
@@ -263,18 +295,19 @@ def winner(space: Space, found: Found) -> SceneFile:
     return replace(given, scene=given.scene.model_copy(update={"title": title}))
 
 
-def part(space: Space, shares: Floats, quick: bool, digest: str, number: int) -> list[Scored]:
-    """Score a part of some designs; what a worker does."""
+def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[int, int]) -> list[Scored]:
+    """Score the designs from a number to before another; what a worker does."""
     executor.same(digest)
     executor.ready()
-    return objectives.scored(space, shares[number * _PART : (number + 1) * _PART], _plates, quick=quick)
+    return objectives.scored(space, shares[slice(*numbers)], _plates, quick=quick)
 
 
 def scored(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
     """Score designs, part by part on all workers."""
-    parts = range(-(-len(shares) // _PART))
+    size = min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART)
+    parts = [(begin, begin + size) for begin in range(0, len(shares), size)]
     found = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
-    return [each for number in parts for each in found[number]]
+    return [each for numbers in parts for each in found[numbers]]
 
 
 def _around(space: Space, found: Found, score: Score) -> Grid | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +19,12 @@ _CREEP = 1e-9
 criterion alone never fires."""
 
 _MOST_EVENTS = 20_000
+
+_KNOWN = (
+    *("modal_mass", "stiffness", "ball_mass", "ball_radius", "cavity", "centrifugal_acceleration", "restitution"),
+    *("friction", "rolling_friction", "damping_ratio", "sticking_ratio", "formulation", "break_away", "stagger"),
+)
+"""Fields of a damper that the equations here know, or that a ring-down on a level floor does not depend on."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +47,18 @@ def integrate(
     """Follow a ring-down for some vibration cycles.
 
     Raises:
-        ValueError: the damper slips on the floor, or its restitution depends on the speed.
+        ValueError: a field of the damper that this integration does not know differs from its default.
         ArithmeticError: the integrator gives up, or events without end.
     """
-    if damper.floor_friction is not None:
-        raise ValueError("slip on the floor is not part of this integration")
-    if damper.restitution_by_speed:
-        raise ValueError("restitution_by_speed is not part of this integration")
+    for name, default in unknown(damper).items():
+        if getattr(damper, name) != default:
+            raise ValueError(f"{name} is not part of this integration")
     return _Integration(damper, release, method, rtol).run(2 * math.pi * cycles)
+
+
+def unknown(damper: damper.ParticleDamper) -> dict[str, Any]:
+    """Fields of a damper that this integration does not know, with their defaults."""
+    return {field.name: field.default for field in fields(damper) if field.name not in _KNOWN}
 
 
 class _Integration:
