@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -20,18 +21,27 @@ LOG = logging.getLogger("spindamp")
 """What is decided, and how long each stage takes; silent unless somebody listens (`spindamp -v`, `--log FILE`)."""
 
 
-class Stages:
-    """Clock of a run. Progress goes to standard error, and only where that is a terminal.
+_SILENT, _SELDOM = 30.0, 60.0
+"""Seconds before the first line of progress where there is no terminal, and between two of a stage."""
 
-    `spent`: the times [s] of stages that were over before, and their total, which this clock goes on from.
+
+class Stages:
+    """Clock of a run. Progress goes to standard error: a bar on a terminal, elsewhere lines where they are asked for.
+
+    `spent`: the times [s] of stages that were over before, and their total, which this clock goes on from. `lines`:
+    without a terminal a line at the start of each stage and one a minute, once the work has taken half a minute.
     """
 
-    def __init__(self, *, visible: bool | None = None, spent: Mapping[str, float] | None = None) -> None:
+    def __init__(
+        self, *, visible: bool | None = None, spent: Mapping[str, float] | None = None, lines: bool = False
+    ) -> None:
         self._spent = dict(spent or {})
         self._began = time.perf_counter() - self._spent.get("total", 0.0)
         self._inner: list[float] = []
         self._visible = sys.stderr.isatty() if visible is None else visible
         self._progress: Progress | None = None
+        self._lines = lines and not self._visible
+        self._last = ("", -math.inf)
 
     def __enter__(self) -> Self:
         if self._visible:
@@ -70,8 +80,9 @@ class Stages:
             left = "" if steps is None else "remaining"
             task = self._progress.add_task(name, total=steps, completed=done, detail="", left=left)
         self._inner.append(0.0)
+        self._say(name, "")
         try:
-            yield Step(self._progress, task)
+            yield Step(self._progress, task, _Count(name, steps, done), self._say)
         finally:
             whole = time.perf_counter() - began
             LOG.info("%s: %.3f s", name, whole)
@@ -81,22 +92,50 @@ class Stages:
             if self._progress is not None and task is not None:
                 self._progress.remove_task(task)
 
+    def _say(self, name: str, detail: str) -> None:
+        """Print a line, where one is due."""
+        now = time.perf_counter()
+        stage, before = self._last
+        if not self._lines or now - self._began < _SILENT or (name == stage and now - before < _SELDOM):
+            return
+        self._last = (name, now)
+        print(f"spindamp: {name}{detail and ': '}{detail}", file=sys.stderr, flush=True)
+
     def timings(self) -> dict[str, float]:
         """Seconds per stage that ran, in the order of a run, and the total so far."""
         spent = {name: self._spent[name] for name in NAMES if name in self._spent}
         return spent | {"total": time.perf_counter() - self._began}
 
 
+class _Count:
+    """How far a stage has come, and the time that remains."""
+
+    def __init__(self, name: str, steps: int | None, done: int) -> None:
+        self.name, self._steps, self._done, self._first = name, steps, done, done
+        self._began = time.perf_counter()
+
+    def advance(self, detail: str) -> str:
+        """One step more: what a line says of it."""
+        self._done += 1
+        if self._steps is None:
+            return detail
+        each = (time.perf_counter() - self._began) / (self._done - self._first)
+        left = f"{self._done} of {self._steps} steps, {math.ceil(each * (self._steps - self._done))} s remaining"
+        return f"{detail}; {left}" if detail else left
+
+
 class Step:
     """Handle on a running stage."""
 
-    def __init__(self, progress: Progress | None, task: TaskID | None) -> None:
-        self._progress = progress
-        self._task = task
+    def __init__(
+        self, progress: Progress | None, task: TaskID | None, count: _Count, say: Callable[[str, str], None]
+    ) -> None:
+        self._progress, self._task, self._count, self._say = progress, task, count, say
 
     def advance(self, detail: str = "") -> None:
         """One step is done."""
         if detail:
             LOG.debug("%s", detail)
+        self._say(self._count.name, self._count.advance(detail))
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, advance=1, detail=detail)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import os
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from filelock import FileLock
 
 import workflows
 from tests.limits import HANG
+from workflows import progress
 from workflows.cli.main import main
 from workflows.report import figures
 from workflows.scene.load import SHIPPED, load
@@ -64,6 +66,7 @@ KNOWN: Scene = {
 def spindamp(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """The command line, run in an empty folder."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(progress, "_SILENT", math.inf)  # what is printed does not depend on how fast this machine is
 
     def call(*arguments: object) -> Outcome:
         capsys.readouterr()

@@ -27,7 +27,7 @@ import fem
 import spindamp
 from tests.limits import HANG
 from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, write
-from workflows import cli
+from workflows import cli, progress
 from workflows.cli.commands import COMMANDS
 from workflows.progress import Stages
 from workflows.solve import resources
@@ -160,6 +160,27 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(spindamp: Command, monk
     monkeypatch.setenv("SPINDAMP_DEBUG", "1")
     with pytest.raises(ZeroDivisionError):
         cli.main(["run"])
+
+
+def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """None in the first half minute; then one for each stage and one a minute, with the time that remains."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: now[0])
+    with Stages(visible=False, lines=True) as stages:
+        with stages("modes") as step:
+            step.advance("1 of 2 speeds")
+        with stages("damper", 100) as step:
+            for _ in range(100):
+                now[0] += 2.0
+                step.advance("order 3")
+        with stages("design") as step:
+            step.advance("32 designs")
+    assert capsys.readouterr().err.splitlines() == [
+        "spindamp: damper: order 3; 15 of 100 steps, 170 s remaining",
+        "spindamp: damper: order 3; 45 of 100 steps, 110 s remaining",
+        "spindamp: damper: order 3; 75 of 100 steps, 50 s remaining",
+        "spindamp: design",
+    ]
 
 
 def test_progress_only_on_a_terminal() -> None:
@@ -295,7 +316,7 @@ def test_output_into_a_file_is_utf_8(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 TWICE = """
-from workflows import cli
+from workflows import cli, progress
 from workflows.report import figures
 assert cli.main(["run", "structure", "--out", "out"]) == 0
 figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")  # as it was

@@ -194,7 +194,7 @@ def sweep(
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
-    with Stages() as stages:
+    with Stages(lines=True) as stages:
         data = study.in_memory(asked, pool, stages) if out is None else study.complete(asked, out, pool, stages)
         if uncertain:
             data = sensitivity.analysed(data, seed)
@@ -271,7 +271,7 @@ def modes(
 
     if out is not None:
         files.named(out, "--out")
-    with Stages() as stages:
+    with Stages(lines=True) as stages:
         found = pipeline.modes(_load(scene), stages)
     if out is not None:
         files.save_modes(found, out, "--out")
@@ -382,7 +382,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
         folder.check(out, files.FILES)
     if source.scene.damper is not None:
         _announce_compiler()
-    with Stages() as stages:
+    with Stages(lines=True) as stages:
         state = pipeline.structure(source, stages, shapes=out is not None)
         results = remarked(pipeline.results(pipeline.damped(state, stages), stages))
         if out is not None:
@@ -413,7 +413,7 @@ def _study(
         folder.check(out, files.FILES_OF_STUDIES)
     if damper:
         _announce_compiler()
-    with Stages() as stages:
+    with Stages(lines=True) as stages:
         result = solve(stages)
         if out is not None:
             with stages("report"):
